@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: Apache-2.0
+# covis_module(NAME DEPS … [TEST_DEPS …]): a static library covis_NAME of src/covis/NAME/*.cpp, and NAME_test of its *_test.cpp.
+function(covis_module name)
+  cmake_parse_arguments(M "" "" "DEPS;TEST_DEPS" ${ARGN})
+  set(dir ${PROJECT_SOURCE_DIR}/src/covis/${name})
+  file(GLOB sources CONFIGURE_DEPENDS ${dir}/*.cpp)
+  set(tests ${sources})
+  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
+  list(FILTER tests INCLUDE REGEX "_test\\.cpp$")
+  if(NOT sources)
+    file(WRITE ${PROJECT_BINARY_DIR}/${name}_empty.cpp "")
+    set(sources ${PROJECT_BINARY_DIR}/${name}_empty.cpp)
+  endif()
+  add_library(covis_${name} STATIC ${sources})
+  target_link_libraries(covis_${name} PUBLIC covis_flags ${M_DEPS})
+  if(COVIS_TESTS AND tests)
+    add_executable(${name}_test ${tests})
+    target_link_libraries(${name}_test PRIVATE covis_${name} GTest::gmock_main ${M_TEST_DEPS})
+    # A name below test_data/ of the build folder, for what tests write.
+    target_compile_definitions(${name}_test PRIVATE COVIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+    gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST PROPERTIES LABELS ${name} TIMEOUT 900)
+  endif()
+endfunction()

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Handles of the things the map owns. A handle is a slot and the slot's generation: when the thing is erased the slot's
+// generation moves on, so a stale handle is detected by the map and never dereferenced (architecture.md, decision 1).
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <functional>
+
+namespace covis {
+
+template <class Tag>
+struct Id {
+  static constexpr uint32_t kNoSlot = 0xffffffffu;
+
+  uint32_t slot = kNoSlot;
+  uint32_t generation = 0;
+
+  constexpr bool valid() const { return slot != kNoSlot; }
+  friend constexpr auto operator<=>(const Id&, const Id&) = default;
+};
+
+using KeyFrameId = Id<struct KeyFrameTag>;
+using MapPointId = Id<struct MapPointTag>;
+
+}  // namespace covis
+
+template <class Tag>
+struct std::hash<covis::Id<Tag>> {
+  size_t operator()(const covis::Id<Tag>& id) const noexcept {
+    return std::hash<uint64_t>{}((uint64_t{id.generation} << 32) | id.slot);
+  }
+};

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is kept of an image: key points and descriptors in flat arrays, immutable once made and shared by
+// std::shared_ptr<const Features> (architecture.md, decision 4). Monocular, stereo and RGB-D differ only in u_right and
+// depth. Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, section III-A.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "covis/core/aligned.h"
+#include "covis/geometry/camera.h"
+
+namespace covis {
+
+// 256 bits, compared by Hamming distance; bit i of word i / 64 is comparison i (byte j, bit k = comparison 8 j + k).
+struct alignas(32) Descriptor {
+  std::array<uint64_t, 4> bits{};
+  friend bool operator==(const Descriptor&, const Descriptor&) = default;
+};
+
+inline int hamming(const Descriptor& a, const Descriptor& b) {
+  return __builtin_popcountll(a.bits[0] ^ b.bits[0]) + __builtin_popcountll(a.bits[1] ^ b.bits[1]) +
+         __builtin_popcountll(a.bits[2] ^ b.bits[2]) + __builtin_popcountll(a.bits[3] ^ b.bits[3]);
+}
+
+inline constexpr int kHammingHigh = 100;  // greatest distance of a plausible match
+inline constexpr int kHammingLow = 50;    // greatest distance of a safe match
+
+// The scale pyramid's figures. scale[l] = factor^l; sigma2[l] = scale[l]^2, the variance (pixels^2) of a level-l key point.
+struct ScalePyramid {
+  int levels = 0;
+  float factor = 1.2f;
+  float log_factor = 0;  // log(factor)
+  std::vector<float> scale, sigma2, inv_sigma2;
+
+  ScalePyramid() = default;
+  ScalePyramid(int levels, float factor);
+  // The level at which a point is expected: ceil(log(d_max / distance) / log(factor)), clamped to [0, levels - 1].
+  int predict_level(float d_max, float distance) const;
+};
+
+// The box of the undistorted image's corners, pixels.
+struct ImageBounds {
+  float min_x = 0, min_y = 0, max_x = 0, max_y = 0;
+  bool contains(float x, float y) const { return x >= min_x && x < max_x && y >= min_y && y < max_y; }
+};
+
+// Key points bucketed by undistorted position: cell (column, row) holds indices[offsets[c] .. offsets[c + 1]) with
+// c = row * kColumns + column, in rising order of index.
+struct FeatureGrid {
+  static constexpr int kColumns = 64, kRows = 48;
+  ImageBounds bounds;
+  float inv_cell_width = 0, inv_cell_height = 0;  // cells a pixel
+  std::vector<uint32_t> offsets;                  // kColumns * kRows + 1
+  std::vector<uint32_t> indices;
+
+  void build(const ImageBounds& bounds, const AlignedVector<float>& x, const AlignedVector<float>& y);
+};
+
+struct Features {
+  AlignedVector<float> x, y;          // undistorted pixel, level-0 scale
+  AlignedVector<float> raw_x, raw_y;  // pixel in the image as it came (equals x, y without distortion)
+  AlignedVector<float> angle;         // radians in [0, 2 pi)
+  AlignedVector<float> u_right;       // column in the (real or virtual) right image; negative: none
+  AlignedVector<float> depth;         // metres along z; not positive: none
+  AlignedVector<uint8_t> level;       // pyramid level
+  AlignedVector<Descriptor> descriptor;
+  FeatureGrid grid;
+  std::shared_ptr<const ScalePyramid> pyramid;
+  Pinhole camera;  // of the undistorted key points
+
+  int size() const { return static_cast<int>(x.size()); }
+  bool has_depth(int i) const { return depth[static_cast<size_t>(i)] > 0; }
+
+  // Calls visit(index) for each key point with |x - px| <= radius, |y - py| <= radius and min_level <= level <= max_level,
+  // in a fixed order. Touches only the grid cells under the window.
+  template <class Visit>
+  void for_each_in_window(float px, float py, float radius, int min_level, int max_level, Visit&& visit) const {
+    const int c0 = std::max(0, static_cast<int>((px - radius - grid.bounds.min_x) * grid.inv_cell_width));
+    const int c1 = std::min(FeatureGrid::kColumns - 1,
+                            static_cast<int>((px + radius - grid.bounds.min_x) * grid.inv_cell_width));
+    const int r0 = std::max(0, static_cast<int>((py - radius - grid.bounds.min_y) * grid.inv_cell_height));
+    const int r1 = std::min(FeatureGrid::kRows - 1,
+                            static_cast<int>((py + radius - grid.bounds.min_y) * grid.inv_cell_height));
+    for (int r = r0; r <= r1; ++r) {
+      if (c1 < c0) break;
+      const size_t row = static_cast<size_t>(r) * FeatureGrid::kColumns;
+      const uint32_t first = grid.offsets[row + static_cast<size_t>(c0)];
+      const uint32_t last = grid.offsets[row + static_cast<size_t>(c1) + 1];  // cells of a row are contiguous
+      for (uint32_t k = first; k < last; ++k) {
+        const uint32_t i = grid.indices[k];
+        if (level[i] < min_level || level[i] > max_level) continue;
+        if (std::abs(x[i] - px) <= radius && std::abs(y[i] - py) <= radius) visit(static_cast<int>(i));
+      }
+    }
+  }
+};
+
+using FeaturesPtr = std::shared_ptr<const Features>;
+
+}  // namespace covis

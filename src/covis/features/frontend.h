@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// From images to Features: the one place where monocular, stereo and RGB-D differ (architecture.md, decision 7).
+#pragma once
+
+#include <memory>
+
+#include "covis/core/error.h"
+#include "covis/core/fields.h"
+#include "covis/core/image.h"
+#include "covis/core/sensor.h"
+#include "covis/features/features.h"
+
+namespace covis {
+
+struct OrbOptions {
+  int features = 1000;       // key points wanted in an image
+  int levels = 8;            // pyramid levels
+  double scale_factor = 1.2; // between levels
+  int fast_threshold = 20;   // FAST contrast, first try in a cell
+  int fast_threshold_low = 7;  // second try where the first found nothing
+};
+Fields fields(OrbOptions& options);
+
+
+// Makes Features from images. Owns its scratch memory: in a steady state an extraction allocates only the Features it returns.
+// Not thread-safe; one per tracker.
+class Frontend {
+ public:
+  // camera: of the (left) image; pinhole.bf must be set for stereo (rectified, no distortion) and RGB-D.
+  Frontend(const Camera& camera, const OrbOptions& options, Sensor sensor);
+  ~Frontend();
+  Frontend(const Frontend&) = delete;
+  Frontend& operator=(const Frontend&) = delete;
+
+  // Milliseconds the stages of the last call took.
+  struct Timing {
+    double extract_ms = 0;  // pyramid, corners, quadtree, orientation, descriptors (for stereo: both images)
+    double depth_ms = 0;    // stereo matching or depth look-up
+  };
+  const Timing& timing() const;
+
+  // Greatest number of key points wanted (the monocular initialiser asks for more than tracking does).
+  void set_feature_budget(int features);
+
+  // Images must have the camera's size (asserted; readers check it before).
+  FeaturesPtr monocular(ImageView<const uint8_t> image);
+  // A rectified pair; both images are extracted side by side in two threads.
+  FeaturesPtr stereo(ImageView<const uint8_t> left, ImageView<const uint8_t> right);
+  // depth: metres, registered to the image, same size; 0 or not finite: none.
+  FeaturesPtr rgbd(ImageView<const uint8_t> image, ImageView<const float> depth);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace covis

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// The map: key frames, map points and the graphs between them. Plain data without locks (architecture.md, decisions 1 and
+// 2); SharedMap (shared_map.h) puts the one lock around it. The map owns its things in slot stores; a stale handle finds
+// nothing. Every invariant is kept by the methods here and tested by check().
+// Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, sections III-C and III-D; erasure: VI-E.
+//
+// Units: metres. Frames: w the world, c a camera. All containers iterate in an order that depends on the operations
+// alone, never on addresses.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "covis/core/ids.h"
+#include "covis/core/time.h"
+#include "covis/features/features.h"
+#include "covis/geometry/se3.h"
+#include "covis/map/slot_store.h"
+
+namespace covis {
+
+inline constexpr int kCovisibilityThreshold = 15;  // shared points that make an edge of the covisibility graph
+inline constexpr int kEssentialThreshold = 100;    // shared points that make an edge of the essential graph
+
+struct Observation {
+  KeyFrameId key_frame;
+  uint32_t feature = 0;  // index into the key frame's features
+};
+
+struct MapPoint {
+  Eigen::Vector3d position_w = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal_w = Eigen::Vector3d::Zero();  // mean unit vector from the observers' centres to the point
+  Descriptor descriptor;                               // of the observations, the one with the least median distance
+  float d_min = 0, d_max = 0;                          // distances at which the pyramid can see it
+  std::vector<Observation> observations;               // sorted by key-frame handle
+  KeyFrameId reference;                                // the observer that gives d_min, d_max (erased: the next observer)
+  uint32_t created_serial = 0;                         // serial of the key frame that was newest when it was made
+  uint32_t visible = 1;                                // frames in which it was predicted in view
+  uint32_t found = 1;                                  // frames in which it was matched
+};
+
+struct Neighbour {
+  KeyFrameId key_frame;
+  int weight = 0;  // points shared
+};
+
+struct KeyFrame {
+  uint32_t serial = 0;  // counts key frames as they are made, never reused
+  int64_t frame = 0;    // index of the frame in the recording
+  Timestamp stamp = 0;
+  SE3 T_cw;
+  FeaturesPtr features;
+  std::vector<MapPointId> points;      // for each feature its map point, or an invalid handle
+  std::vector<Neighbour> shared;       // every key frame sharing at least one point, sorted by handle; exact at all times
+  KeyFrameId parent;                   // in the spanning tree; invalid for the root
+  std::vector<KeyFrameId> children;    // sorted by handle
+  std::vector<KeyFrameId> loop_edges;  // sorted by handle
+  int protections = 0;                 // while positive the key frame can't be erased
+};
+
+class Map {
+ public:
+  // ---- Key frames ----
+  // Adds a key frame without points. The first one is the root of the spanning tree. Refuses (invalid handle) a pose that is
+  // not finite.
+  KeyFrameId add_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features);
+  // Makes the best covisible key frame (most shared points; ties: lower serial) its parent; the newest other key frame
+  // when it shares nothing. Call once, after the observations of a new key frame are in.
+  void attach_to_tree(KeyFrameId id);
+  // Erases it with its observations and edges; points left with fewer than two observers go too (one is enough if that observer has
+  // depth for it). Children are re-attached as in §2 of algorithms.md. False (and nothing done) for the root, a protected
+  // or a stale one. Its pose relative to its parent stays known to resolve().
+  bool erase_key_frame(KeyFrameId id);
+  const KeyFrame* find(KeyFrameId id) const { return key_frames_.find(id); }  // nullptr: stale
+  const KeyFrame& at(KeyFrameId id) const { return key_frames_.at(id); }      // must be live (asserted)
+  // False (nothing done) when stale or not finite.
+  bool set_pose(KeyFrameId id, const SE3& T_cw);
+  void protect(KeyFrameId id);
+  void unprotect(KeyFrameId id);
+  void add_loop_edge(KeyFrameId a, KeyFrameId b);
+  KeyFrameId root() const { return root_; }
+  KeyFrameId newest() const;  // greatest serial
+  size_t key_frame_count() const { return key_frames_.size(); }
+  std::vector<KeyFrameId> key_frames() const;  // by rising serial
+
+  // A live key frame that stands for `id`, and T_ar that takes r = the returned one's camera to a = the asked one's camera: itself and
+  // the identity when live; for an erased one the nearest living ancestor. Nothing for a handle that never was.
+  struct Resolved {
+    KeyFrameId key_frame;
+    SE3 T_ar;
+  };
+  std::optional<Resolved> resolve(KeyFrameId id) const;
+
+  // ---- Covisibility (derived from `shared`) ----
+  int weight(KeyFrameId a, KeyFrameId b) const;                           // points both observe
+  std::vector<Neighbour> neighbours(KeyFrameId id) const;                 // edges, heaviest first; ties: lower handle first
+  std::vector<Neighbour> best_neighbours(KeyFrameId id, int count) const; // the first `count` of them
+  std::vector<Neighbour> neighbours_above(KeyFrameId id, int weight) const;  // those of at least this weight
+  int tracked_points(KeyFrameId id, int min_observers) const;  // its points with at least so many observers
+  // Edges of the essential graph: tree, loop edges and covisibility of at least kEssentialThreshold; each pair once, a.serial > b.serial.
+  std::vector<std::pair<KeyFrameId, KeyFrameId>> essential_graph() const;
+
+  // ---- Points ----
+  // Adds a point seen by `feature` of `reference` (its first observation). Refuses (invalid handle) a position that is not
+  // finite, or a feature that has a point already.
+  MapPointId add_point(const Eigen::Vector3d& position_w, KeyFrameId reference, uint32_t feature);
+  // False when either is stale, the feature has a point, or the key frame already observes this point.
+  bool add_observation(MapPointId point, KeyFrameId key_frame, uint32_t feature);
+  // Removes one observation; the point goes too when too few are left (as in erase_key_frame). False when there is none.
+  bool erase_observation(MapPointId point, KeyFrameId key_frame);
+  bool erase_point(MapPointId id);
+  // Moves the observations of `old` to `by` (where `by` is already seen by that key frame, the feature is let go), adds up visible and found,
+  // refreshes `by`, erases `old` and forwards its handle. False when either is stale or both are the same.
+  bool replace_point(MapPointId old, MapPointId by);
+  // The live handle that `id` has become through replacements; invalid when it was erased.
+  MapPointId forwarded(MapPointId id) const;
+  // Drops the forwarding entries: call when nobody holds old handles.
+  void forget_replacements();
+  const MapPoint* find(MapPointId id) const { return points_.find(id); }
+  const MapPoint& at(MapPointId id) const { return points_.at(id); }
+  bool set_position(MapPointId id, const Eigen::Vector3d& position_w);  // false when stale or not finite
+  // Recomputes normal, distance range and representative descriptor from the observations.
+  void refresh_point(MapPointId id);
+  // Only normal and distance range: after poses or positions moved.
+  void refresh_point_geometry(MapPointId id);
+  void count_visible(MapPointId id, uint32_t frames);
+  void count_found(MapPointId id, uint32_t frames);
+  size_t point_count() const { return points_.size(); }
+  std::vector<MapPointId> points() const;  // by rising slot
+
+  // Calls visit(MapPointId, const MapPoint&) / visit(KeyFrameId, const KeyFrame&) by rising slot.
+  template <class Visit>
+  void for_each_point(Visit&& visit) const { points_.for_each(visit); }
+  template <class Visit>
+  void for_each_key_frame(Visit&& visit) const { key_frames_.for_each(visit); }
+
+  void clear();
+  uint32_t next_serial() const { return next_serial_; }
+  uint64_t refused_non_finite() const { return refused_non_finite_; }  // commits refused for a non-finite pose or point
+
+  // The first broken invariant found, described; empty when all hold: observations mutual, weights exact and mutual, the tree a tree
+  // that holds every key frame, no link to an erased thing, everything finite, counts consistent.
+  std::string check() const;
+
+ private:
+  struct Ancestor {
+    KeyFrameId parent;
+    SE3 T_cp;  // pose relative to the parent at erasure
+  };
+
+  SlotStore<KeyFrameId, KeyFrame> key_frames_;
+  SlotStore<MapPointId, MapPoint> points_;
+  std::unordered_map<MapPointId, MapPointId> replaced_by_;   // looked up, never iterated
+  std::unordered_map<KeyFrameId, Ancestor> erased_frames_;   // looked up, never iterated
+  KeyFrameId root_;
+  uint32_t next_serial_ = 0;
+  uint64_t refused_non_finite_ = 0;
+
+  void add_weight(KeyFrameId a, KeyFrameId b, int delta);
+  void unlink_observations(MapPointId id);
+};
+
+}  // namespace covis

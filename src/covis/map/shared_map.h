@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// The one lock (architecture.md, decision 3): no thread reaches the map but through a guard.
+#pragma once
+
+#include <mutex>
+#include <shared_mutex>
+
+#include "covis/map/map.h"
+
+namespace covis {
+
+class SharedMap {
+ public:
+  class ReadGuard {
+   public:
+    const Map* operator->() const { return map_; }
+    const Map& operator*() const { return *map_; }
+
+   private:
+    friend class SharedMap;
+    ReadGuard(const Map& map, std::shared_mutex& mutex) : lock_(mutex), map_(&map) {}
+    std::shared_lock<std::shared_mutex> lock_;
+    const Map* map_;
+  };
+
+  class WriteGuard {
+   public:
+    Map* operator->() const { return map_; }
+    Map& operator*() const { return *map_; }
+
+   private:
+    friend class SharedMap;
+    WriteGuard(Map& map, std::shared_mutex& mutex) : lock_(mutex), map_(&map) {}
+    std::unique_lock<std::shared_mutex> lock_;
+    Map* map_;
+  };
+
+  ReadGuard read() const { return {map_, mutex_}; }
+  WriteGuard write() { return {map_, mutex_}; }
+
+ private:
+  mutable std::shared_mutex mutex_;
+  Map map_;
+};
+
+}  // namespace covis

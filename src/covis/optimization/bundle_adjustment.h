@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bundle adjustment, local and full: poses and points that minimise the robust reprojection error. Plain problem in,
+// plain result out; knows no map.
+// Source: Triggs et al., "Bundle adjustment, a modern synthesis", 2000 (Schur complement, section 6); Mur-Artal and Tardós,
+// "ORB-SLAM2", T-RO 2017, section III-C. Levenberg-Marquardt damping: Nielsen, "Damping parameter in Marquardt's method", 1999.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "covis/geometry/camera.h"
+#include "covis/geometry/se3.h"
+
+namespace covis {
+
+struct BundleObservation {
+  int32_t pose = 0;         // index into poses
+  int32_t point = 0;        // index into points
+  float u = 0, v = 0;       // pixels, undistorted
+  float u_right = -1;       // pixels; negative: 2 rows only
+  float inv_sigma2 = 1;     // 1 / pixels^2
+  uint8_t active = 1;       // 0: left out (an outlier)
+};
+
+struct BundleProblem {
+  std::vector<SE3> poses;                       // T_cw
+  std::vector<uint8_t> fixed;                   // for each pose: 1 does not move
+  std::vector<Eigen::Vector3d> points;          // p_w; all move
+  std::vector<BundleObservation> observations;  // any order
+  Pinhole camera;
+};
+
+struct BundleOptions {
+  int iterations = 10;                         // accepted or rejected Levenberg-Marquardt steps, at most
+  bool robust = true;                          // Huber at sqrt(5.991) (2 rows) and sqrt(7.815) (3 rows)
+  double relative_cost_change = 1e-6;          // stop when a step gains less
+  const std::atomic<bool>* interrupt = nullptr;  // when it becomes true the solver returns the last accepted state soon
+};
+
+struct BundleSummary {
+  double initial_cost = 0, final_cost = 0;  // sum of rho(chi2), active observations
+  int iterations = 0;
+  bool interrupted = false;
+  bool ok = true;                           // false: nothing to solve, or no step could be made
+};
+
+// Keeps its work space between calls. Not thread-safe.
+class BundleAdjuster {
+ public:
+  BundleAdjuster();
+  ~BundleAdjuster();
+  BundleAdjuster(const BundleAdjuster&) = delete;
+  BundleAdjuster& operator=(const BundleAdjuster&) = delete;
+
+  BundleSummary solve(BundleProblem& problem, const BundleOptions& options);
+
+ private:
+  struct Workspace;
+  std::unique_ptr<Workspace> workspace_;
+};
+
+// Marks observations whose chi-square exceeds the 95 % bound, or whose point is behind the camera, inactive (and the others
+// active). Returns the number inactive.
+int classify_observations(BundleProblem& problem);
+
+}  // namespace covis
