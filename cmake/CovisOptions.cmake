@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-# Compile flags shared by every target, and the project's build options.
+# The project's build options, and the compile flags every target shares.
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+# libcovis shows its public API alone: templates of Eigen compiled into it must not meet those of its users.
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
 
 option(COVIS_TESTS "Build the tests" ON)
 option(COVIS_APPS "Build the covis command" ON)
@@ -14,8 +17,13 @@ option(COVIS_COVERAGE "Instrument for coverage" OFF)
 set(COVIS_SANITIZE "" CACHE STRING "Sanitizers, for example address,undefined or thread")
 
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
-  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Release, Debug or RelWithDebInfo" FORCE)
 endif()
+# Release is what is shipped. RelWithDebInfo is for tests and sanitizers: optimised, but assertions are on. Debug keeps
+# light optimisation: Eigen without any is too slow to test with.
+set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
+set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1")
+set(CMAKE_CXX_FLAGS_DEBUG "-Og -g")
 
 find_program(COVIS_CCACHE ccache)
 if(COVIS_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
@@ -24,7 +32,7 @@ endif()
 
 add_library(covis_flags INTERFACE)
 target_include_directories(covis_flags INTERFACE
-  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>)
+  ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/include ${PROJECT_BINARY_DIR}/include)
 target_compile_options(covis_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual -Woverloaded-virtual -Wnull-dereference
   $<$<BOOL:${COVIS_WERROR}>:-Werror>
@@ -34,16 +42,13 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   # The oldest machine we run on; wider SIMD is chosen at run time (Highway).
   target_compile_options(covis_flags INTERFACE -march=x86-64-v2 -mtune=generic)
 endif()
-target_compile_definitions(covis_flags INTERFACE
-  $<$<CONFIG:Debug>:EIGEN_INITIALIZE_MATRICES_BY_NAN>)
+# What reads an entry of a matrix nobody wrote gets a NaN and shows.
+target_compile_definitions(covis_flags INTERFACE $<$<NOT:$<CONFIG:Release>>:EIGEN_INITIALIZE_MATRICES_BY_NAN>)
 if(COVIS_SANITIZE)
   target_compile_options(covis_flags INTERFACE -fsanitize=${COVIS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(covis_flags INTERFACE -fsanitize=${COVIS_SANITIZE})
 endif()
 if(COVIS_COVERAGE)
-  target_compile_options(covis_flags INTERFACE --coverage)
+  target_compile_options(covis_flags INTERFACE --coverage -fprofile-update=atomic)
   target_link_options(covis_flags INTERFACE --coverage)
 endif()
-# Debug keeps light optimisation: Eigen without any is too slow to test with.
-set(CMAKE_CXX_FLAGS_DEBUG "-g -Og")
-set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")

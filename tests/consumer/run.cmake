@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+# Installs libcovis of the build folder BUILD into a fresh prefix, checks what it needs and shows, then builds and runs the
+# consumer in SOURCE against it, which must find version VERSION.
+cmake_minimum_required(VERSION 3.22)
+set(work ${BUILD}/consumer_test)
+set(prefix ${work}/prefix)
+file(REMOVE_RECURSE ${work})
+
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT result EQUAL 0)
+    list(JOIN ARGN " " command)
+    message(FATAL_ERROR "${command}: ${result}\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+run(${CMAKE_COMMAND} --install ${BUILD} --component library --prefix ${prefix})
+
+# The core needs nothing but the language's libraries and Highway.
+file(GLOB_RECURSE library ${prefix}/libcovis.so)
+run(${READELF} --dynamic --wide ${library})
+string(REGEX MATCHALL "Shared library: \\[[^]]*\\]" needed "${output}")
+foreach(entry ${needed})
+  if(NOT entry MATCHES "\\[(libhwy|libstdc\\+\\+|libm|libgcc_s|libc|libpthread|ld-linux[^.]*)\\.so")
+    message(FATAL_ERROR "libcovis must not need ${entry}")
+  endif()
+endforeach()
+# Its interface shows neither Eigen nor Highway.
+file(GLOB_RECURSE headers ${prefix}/include/*.h ${prefix}/include/*.hpp)
+foreach(header ${headers})
+  file(STRINGS ${header} bad REGEX "#include [<\"](Eigen|hwy|opencv)")
+  if(bad)
+    message(FATAL_ERROR "${header} is public and must not have: ${bad}")
+  endif()
+endforeach()
+run(${READELF} --dyn-syms --wide --demangle ${library})
+string(REGEX MATCHALL "[^\n]*(GLOBAL|WEAK) +DEFAULT +[0-9]+ [^\n]*" symbols "${output}")
+foreach(symbol ${symbols})
+  if(symbol MATCHES "Eigen::|hwy::")
+    message(FATAL_ERROR "libcovis must not show ${symbol}")
+  endif()
+endforeach()
+
+run(${CMAKE_COMMAND} -S ${SOURCE} -B ${work}/build -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${CXX})
+run(${CMAKE_COMMAND} --build ${work}/build)
+run(${work}/build/consumer)
+if(NOT output MATCHES "covis ${VERSION}")
+  message(FATAL_ERROR "the consumer says '${output}' where it should say version ${VERSION}")
+endif()
+message("${output}")

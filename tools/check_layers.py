@@ -1,0 +1,153 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Holds the sources to the project's rules of structure and says where they are broken.
+
+  tools/check_layers.py [ROOT]
+
+- A module of src/covis includes only the modules that the table below allows it; tests may look further.
+- The core modules include nothing but the standard library, Eigen, Highway and tl::expected.
+- The library never sleeps, prints or exits, and draws no numbers from rand().
+- Every source says its licence (SPDX) at its top.
+"""
+import pathlib
+import re
+import sys
+
+# module: the modules it may include, bottom to top
+LAYERS = {
+    'core': set(),
+    'geometry': {'core'},
+    'features': {'core', 'geometry'},
+    'vocabulary': {'core', 'features'},
+    'map': {'core', 'geometry', 'features', 'vocabulary'},
+    'matching': {'core', 'geometry', 'features', 'vocabulary', 'map'},
+    'optimization': {'core', 'geometry'},
+    'slam': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization'},
+    'api': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'slam'},
+    'io': {'core', 'geometry', 'map'},
+    'eval': {'core', 'geometry', 'io'},
+    'synth': {'core', 'geometry', 'io'},
+}
+CORE = {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'slam', 'api'}
+# Tests may include any module but those, which would turn the arrows round.
+ABOVE_TESTS = {module: {'slam', 'api'} for module in LAYERS}
+ABOVE_TESTS['slam'] = {'api'}
+ABOVE_TESTS['api'] = set()
+
+CORE_EXTERNAL = re.compile(r'[a-z_]+$|Eigen/|hwy/|tl/expected\.hpp$')  # a name without dot or slash is the standard library's
+OUTER_FORBIDDEN = {  # modules around the core: what they leave to io and to the commands
+    'io': re.compile(r'spdlog/|CLI/'),
+    'eval': re.compile(r'opencv|spdlog/|CLI/'),
+    'synth': re.compile(r'opencv|spdlog/|CLI/'),
+}
+FORBIDDEN_CALLS = [
+    (re.compile(r'\b(sleep_for|sleep_until|usleep|nanosleep|sleep)\s*\('), 'sleeps: wait on a condition variable'),
+    (re.compile(r'\bthis_thread::yield\b'), 'polls: wait on a condition variable'),
+    (re.compile(r'\bstd::(cout|cerr|clog)\b|\b(printf|puts|putchar)\s*\('), 'prints: use covis::log'),
+    (re.compile(r'(?<![\w.>])(exit|_exit|quick_exit)\s*\('), 'exits: return an Error'),
+    (re.compile(r'(?<![\w.>])(rand|srand)\s*\(|\brandom_device\b'), 'is not reproducible: use covis::Random'),
+]
+
+SOURCE_FOLDERS = ['src', 'include', 'apps', 'bench', 'tests', 'tools', 'cmake', '.ci']
+SOURCE_SUFFIXES = {'.h', '.hpp', '.cpp', '.cmake', '.py', '.sh'}
+INCLUDE = re.compile(r'\s*#\s*include\s*([<"])([^>"]+)[>"]')
+COMMENT_OR_STRING = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"', re.DOTALL)
+
+
+def is_test(path):
+    """Tests and their helpers: anything_test.cpp, test_anything.h, and what lies in a folder called testing."""
+    return path.stem.endswith('_test') or path.stem.startswith('test_') or 'testing' in path.parts
+
+
+def blank(match):
+    """The same number of lines, without the text."""
+    return '\n' * match.group(0).count('\n') + ' '
+
+
+def check_include(module, test, bracket, target):
+    """What is wrong with including `target` in a file of `module`, or None."""
+    if target.startswith('covis/'):
+        parts = target.split('/')
+        if len(parts) == 2:
+            return None if test or module == 'api' else f'the public header {target} is for module api and the outside'
+        other = parts[1]
+        if other not in LAYERS:
+            return f'{target} is of no module known to tools/check_layers.py'
+        if other == module:
+            return None
+        if test:
+            return f'a test of {module} must not include {other}' if other in ABOVE_TESTS[module] else None
+        return None if other in LAYERS[module] else f'{module} must not include {other}'
+    if bracket == '"' and '/' not in target:
+        return f'"{target}": write includes from src, as "covis/{module}/{target}"'
+    if test:
+        return None
+    if module in CORE:
+        return None if CORE_EXTERNAL.match(target) else f'core module {module} must not include <{target}>'
+    return f'{module} must not include <{target}>' if OUTER_FORBIDDEN[module].match(target) else None
+
+
+def check_module_file(path, module):
+    """Yields (line number, message) for each broken rule."""
+    text = path.read_text(encoding='utf-8')
+    test = is_test(path)
+    for number, line in enumerate(text.split('\n'), 1):
+        include = INCLUDE.match(line)
+        problem = include and check_include(module, test, include.group(1), include.group(2))
+        if problem:
+            yield number, problem
+    if test:
+        return
+    for number, line in enumerate(COMMENT_OR_STRING.sub(blank, text).split('\n'), 1):
+        for pattern, message in FORBIDDEN_CALLS:
+            found = pattern.search(line)
+            if found:
+                yield number, f'the library {message} ({found.group(0).strip()})'
+
+
+def source_files(root):
+    for folder in SOURCE_FOLDERS:
+        for path in sorted((root / folder).rglob('*')):
+            if not path.is_file() or '__pycache__' in path.parts:
+                continue
+            if path.suffix in SOURCE_SUFFIXES or path.name == 'CMakeLists.txt' or path.read_bytes()[:2] == b'#!':
+                yield path
+    for name in ['CMakeLists.txt', 'demo', 'test']:
+        if (root / name).is_file():
+            yield root / name
+
+
+def check_tree(root):
+    """Returns (number of files looked at, list of 'path:line: message')."""
+    problems, count = [], 0
+    modules = root / 'src' / 'covis'
+    for path in source_files(root):
+        count += 1
+        name = path.relative_to(root)
+        head = path.read_text(encoding='utf-8').split('\n')[:2]
+        if not any('SPDX-License-Identifier: Apache-2.0' in line for line in head):
+            problems.append(f'{name}:1: its first lines must say SPDX-License-Identifier: Apache-2.0')
+        if modules not in path.parents or path.suffix not in {'.h', '.hpp', '.cpp'}:
+            continue
+        module = path.relative_to(modules).parts[0]
+        if module not in LAYERS:
+            problems.append(f'{name}:1: {module} is no module known to tools/check_layers.py')
+            continue
+        problems += [f'{name}:{line}: {message}' for line, message in check_module_file(path, module)]
+    return count, problems
+
+
+def main():
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent).resolve()
+    count, problems = check_tree(root)
+    if count == 0:
+        print(f'{root}: no sources found')
+        return 1
+    for problem in problems:
+        print(problem)
+    print(f'{count} files, {len(problems)} broken rules')
+    return 1 if problems else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
