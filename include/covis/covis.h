@@ -1,26 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// Covis: visual SLAM for monocular, stereo and RGB-D cameras. The public interface: plain values in and out, so that nothing
-// of how the library was compiled (Eigen, SIMD) reaches the program that uses it.
+// Covis: visual SLAM for monocular, stereo and RGB-D cameras. The public interface: plain values in and out, so that
+// nothing of how the library was compiled (Eigen, SIMD) reaches the program that uses it.
 //
-//   auto slam = covis::Slam::create({.width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 320, .cy = 240, .baseline = 0.08},
+//   auto slam = covis::Slam::create({.width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 320, .cy = 240, .baseline
+//   = 0.08},
 //                                   covis::SensorType::rgbd);
 //   if (!slam) return report(slam.error());
 //   covis::FrameResult result = (*slam)->track_rgbd(stamp, grey, depth);
 //   if (result.tracked) use(result.pose);
 //
-// Conventions: metres, radians, nanoseconds; camera x right, y down, z forward; a Pose is T_wc, camera to world; the world is the
-// camera of the first key frame. Monocular maps have no metric scale: the median depth of the first is 1.
+// Conventions: metres, radians, nanoseconds; camera x right, y down, z forward; a Pose is T_wc, camera to world; the
+// world is the camera of the first key frame. Monocular maps have no metric scale: the median depth of the first is 1.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <tl/expected.hpp>
 #include <utility>
 #include <vector>
 
-#include <tl/expected.hpp>
-
+#include "covis/export.h"
 #include "covis/version.h"
 
 namespace covis {
@@ -29,16 +30,16 @@ enum class SensorType { monocular, stereo, rgbd };
 enum class LensType { none, brown_conrady, kannala_brandt };
 
 struct CameraParameters {
-  int width = 0, height = 0;            // pixels
+  int width = 0, height = 0;              // pixels
   double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
-  double baseline = 0;                  // metres: of a rectified stereo pair; for RGB-D a virtual one (0.08 suits Kinect-like cameras)
-  LensType lens = LensType::none;       // monocular and RGB-D; stereo pairs come rectified
+  double baseline = 0;  // metres: of a rectified stereo pair; for RGB-D a virtual one (0.08 suits Kinect-like cameras)
+  LensType lens = LensType::none;          // monocular and RGB-D; stereo pairs come rectified
   double distortion[5] = {0, 0, 0, 0, 0};  // brown_conrady: k1 k2 p1 p2 k3; kannala_brandt: k1 k2 k3 k4
 };
 
 struct Pose {
-  double x = 0, y = 0, z = 0;               // metres
-  double qx = 0, qy = 0, qz = 0, qw = 1;    // unit quaternion
+  double x = 0, y = 0, z = 0;             // metres
+  double qx = 0, qy = 0, qz = 0, qw = 1;  // unit quaternion
 };
 
 // An image that stays the caller's; read during the call only. stride: elements from a row to the next.
@@ -55,10 +56,10 @@ struct DepthImage {  // metres along z, registered to the grey image; 0 or not f
 
 struct FrameResult {
   bool tracked = false;
-  Pose pose;            // meaningful when tracked
-  std::string state;    // "not_initialised", "tracking" or "lost"
-  std::string reason;   // why there is no pose
-  int inliers = 0;      // map points that agree with the pose
+  Pose pose;           // meaningful when tracked
+  std::string state;   // "not_initialised", "tracking" or "lost"
+  std::string reason;  // why there is no pose
+  int inliers = 0;     // map points that agree with the pose
   bool key_frame = false;
 };
 
@@ -71,19 +72,19 @@ struct Point {
   double x = 0, y = 0, z = 0;
 };
 
-class Slam {
+class COVIS_API Slam {
  public:
-  // Settings by name, as `covis run --dump-config` lists them, for example {"orb.features", "2000"}. Errors: an impossible
-  // camera, an unknown setting, a value out of range.
+  // Settings by name, as `covis run --dump-config` lists them, for example {"orb.features", "2000"}. Errors: an
+  // impossible camera, an unknown setting, a value out of range.
   using Settings = std::vector<std::pair<std::string, std::string>>;
   static tl::expected<std::unique_ptr<Slam>, std::string> create(const CameraParameters& camera, SensorType sensor,
-                                                                const Settings& settings = {});
+                                                                 const Settings& settings = {});
   ~Slam();
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;
 
-  // One frame; stamps (nanoseconds) must rise. Errors: a stamp that does not rise, an image of another size than the camera's,
-  // a call that does not fit the sensor. An error changes nothing: tracking goes on with the next frame.
+  // One frame; stamps (nanoseconds) must rise. Errors: a stamp that does not rise, an image of another size than the
+  // camera's, a call that does not fit the sensor. An error changes nothing: tracking goes on with the next frame.
   tl::expected<FrameResult, std::string> track_monocular(int64_t stamp, const GreyImage& image);
   tl::expected<FrameResult, std::string> track_stereo(int64_t stamp, const GreyImage& left, const GreyImage& right);
   tl::expected<FrameResult, std::string> track_rgbd(int64_t stamp, const GreyImage& image, const DepthImage& depth);

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "covis/core/fields.h"
+#include "covis/covis.h"
+#include "covis/slam/system.h"
+
+namespace covis {
+namespace {
+
+using Failure = tl::unexpected<std::string>;
+
+Pose to_pose(const SE3& T) {
+  const Eigen::Quaterniond q = T.q();
+  return {T.t().x(), T.t().y(), T.t().z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+std::vector<StampedPoseResult> to_results(const std::vector<PoseOfFrame>& poses) {
+  std::vector<StampedPoseResult> results;
+  results.reserve(poses.size());
+  for (const PoseOfFrame& pose : poses) results.push_back({pose.stamp, to_pose(pose.T_wc)});
+  return results;
+}
+
+// Nothing when the camera is possible, else what is wrong with it.
+std::optional<std::string> check(const CameraParameters& c, SensorType sensor) {
+  if (c.width < 64 || c.height < 64) return "camera: width and height must be at least 64 pixels";
+  if (!(c.fx > 0) || !(c.fy > 0) || !std::isfinite(c.fx) || !std::isfinite(c.fy))
+    return "camera: fx and fy must be positive";
+  if (!std::isfinite(c.cx) || !std::isfinite(c.cy)) return "camera: cx and cy must be finite";
+  for (const double k : c.distortion) {
+    if (!std::isfinite(k)) return "camera: distortion must be finite";
+  }
+  if (sensor != SensorType::monocular && !(c.baseline > 0 && std::isfinite(c.baseline))) {
+    return "camera: stereo and RGB-D need a positive baseline in metres (RGB-D: a virtual one, 0.08 suits Kinect-like "
+           "cameras)";
+  }
+  if (sensor == SensorType::stereo && c.lens != LensType::none)
+    return "camera: stereo pairs must be rectified (lens none)";
+  return std::nullopt;
+}
+
+}  // namespace
+
+struct Slam::Impl {
+  Impl(const Camera& c, const SystemOptions& options) : camera(c), sensor(options.sensor), system(c, options) {}
+
+  template <class Image>
+  std::optional<std::string> check_image(const Image& image, const char* which) const {
+    if (image.data && image.width == camera.width && image.height == camera.height && image.stride >= image.width)
+      return {};
+    return std::string(which) + ": the image is empty or is " + std::to_string(image.width) + "x" +
+           std::to_string(image.height) + "; the camera is " + std::to_string(camera.width) + "x" +
+           std::to_string(camera.height);
+  }
+
+  tl::expected<FrameResult, std::string> track(Sensor called, System::Input input) {
+    if (called != sensor) return Failure("this system was created for another sensor");
+    if (input.stamp <= last_stamp) return Failure("stamps must rise from frame to frame");
+    last_stamp = input.stamp;
+    input.frame = next_frame++;
+    const TrackResult track = system.process(input).track;
+    FrameResult result;
+    result.tracked = track.state == TrackState::tracking;
+    result.state = name(track.state);
+    result.reason = track.reason;
+    result.inliers = track.inliers;
+    result.key_frame = track.key_frame;
+    if (result.tracked) result.pose = to_pose(track.T_cw.inverse());
+    return result;
+  }
+
+  Camera camera;
+  Sensor sensor;
+  System system;
+  int64_t next_frame = 0;
+  int64_t last_stamp = std::numeric_limits<int64_t>::min();
+};
+
+Slam::Slam(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Slam::~Slam() = default;
+
+tl::expected<std::unique_ptr<Slam>, std::string> Slam::create(const CameraParameters& parameters, SensorType sensor,
+                                                              const Settings& settings) {
+  if (const auto problem = check(parameters, sensor)) return Failure(*problem);
+  SystemOptions options;
+  const Fields known = fields(options);
+  for (const auto& [name, value] : settings) {
+    if (const auto done = set_field(known, name, value); !done) return Failure(done.error().message);
+  }
+  options.sensor = sensor == SensorType::monocular ? Sensor::monocular
+                   : sensor == SensorType::stereo  ? Sensor::stereo
+                                                   : Sensor::rgbd;
+  Camera camera;
+  camera.width = parameters.width;
+  camera.height = parameters.height;
+  camera.pinhole = {parameters.fx, parameters.fy, parameters.cx, parameters.cy,
+                    sensor == SensorType::monocular ? 0 : parameters.fx * parameters.baseline};
+  camera.distortion = parameters.lens == LensType::none            ? Distortion::none
+                      : parameters.lens == LensType::brown_conrady ? Distortion::brown_conrady
+                                                                   : Distortion::kannala_brandt;
+  std::copy(std::begin(parameters.distortion), std::end(parameters.distortion), camera.coefficients.begin());
+  return std::unique_ptr<Slam>(new Slam(std::make_unique<Impl>(camera, options)));
+}
+
+tl::expected<FrameResult, std::string> Slam::track_monocular(int64_t stamp, const GreyImage& image) {
+  if (const auto problem = impl_->check_image(image, "image")) return Failure(*problem);
+  return impl_->track(Sensor::monocular,
+                      {.stamp = stamp, .image = {image.data, image.width, image.height, image.stride}});
+}
+
+tl::expected<FrameResult, std::string> Slam::track_stereo(int64_t stamp, const GreyImage& left,
+                                                          const GreyImage& right) {
+  if (const auto problem = impl_->check_image(left, "left")) return Failure(*problem);
+  if (const auto problem = impl_->check_image(right, "right")) return Failure(*problem);
+  return impl_->track(Sensor::stereo, {.stamp = stamp,
+                                       .image = {left.data, left.width, left.height, left.stride},
+                                       .right = {right.data, right.width, right.height, right.stride}});
+}
+
+tl::expected<FrameResult, std::string> Slam::track_rgbd(int64_t stamp, const GreyImage& image,
+                                                        const DepthImage& depth) {
+  if (const auto problem = impl_->check_image(image, "image")) return Failure(*problem);
+  if (const auto problem = impl_->check_image(depth, "depth")) return Failure(*problem);
+  return impl_->track(Sensor::rgbd, {.stamp = stamp,
+                                     .image = {image.data, image.width, image.height, image.stride},
+                                     .depth = {depth.data, depth.width, depth.height, depth.stride}});
+}
+
+void Slam::finish() { impl_->system.finish(); }
+
+std::vector<StampedPoseResult> Slam::trajectory() const { return to_results(impl_->system.trajectory()); }
+
+std::vector<StampedPoseResult> Slam::key_frames() const { return to_results(impl_->system.key_frames()); }
+
+std::vector<Point> Slam::points() const {
+  std::vector<Point> points;
+  const auto map = impl_->system.map().read();
+  points.reserve(map->point_count());
+  map->for_each_point([&](MapPointId, const MapPoint& point) {
+    points.push_back({point.position_w.x(), point.position_w.y(), point.position_w.z()});
+  });
+  return points;
+}
+
+}  // namespace covis

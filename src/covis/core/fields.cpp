@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/core/fields.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+
+namespace covis {
+namespace {
+
+// Levenshtein distance.
+size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), size_t{0});
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = row[0];
+    row[0] = i;
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t substituted = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row.back();
+}
+
+template <class T>
+bool parse_number(std::string_view text, T& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+std::string number(double value) {
+  std::string text(32, '\0');
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
+  text.resize(error == std::errc() ? static_cast<size_t>(end - text.data()) : 0);
+  return text;
+}
+
+tl::unexpected<Error> wrong(const Field& field, std::string_view text, std::string_view wanted) {
+  return fail(field.name + ": '" + std::string(text) + "' is not right; it must be " + std::string(wanted) + " (" +
+              field.doc + ")");
+}
+
+std::string range(const Field& field, std::string_view kind) {
+  return std::string(kind) + " from " + number(field.min) + " to " + number(field.max);
+}
+
+}  // namespace
+
+std::string nearest_name(std::string_view name, const std::vector<std::string>& names) {
+  std::string best;
+  size_t best_distance = std::string::npos;
+  for (const std::string& candidate : names) {
+    const size_t distance = edit_distance(name, candidate);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+Result<void> set_field(const Fields& fields, std::string_view name, std::string_view text) {
+  const auto field = std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == name; });
+  if (field == fields.end()) {
+    std::vector<std::string> names;
+    for (const Field& f : fields) names.push_back(f.name);
+    return fail("unknown setting '" + std::string(name) + "'; the nearest known one is '" + nearest_name(name, names) +
+                "'");
+  }
+  if (auto* const* target = std::get_if<bool*>(&field->value)) {
+    if (text != "true" && text != "false") return wrong(*field, text, "true or false");
+    **target = text == "true";
+  } else if (auto* const* integer = std::get_if<int*>(&field->value)) {
+    int value = 0;
+    if (!parse_number(text, value) || value < field->min || value > field->max) {
+      return wrong(*field, text, range(*field, "a whole number"));
+    }
+    **integer = value;
+  } else if (auto* const* real = std::get_if<double*>(&field->value)) {
+    double value = 0;
+    if (!parse_number(text, value) || !std::isfinite(value) || value < field->min || value > field->max) {
+      return wrong(*field, text, range(*field, "a number"));
+    }
+    **real = value;
+  } else {
+    *std::get<std::string*>(field->value) = text;
+  }
+  return {};
+}
+
+std::string field_text(const Field& field) {
+  if (auto* const* boolean = std::get_if<bool*>(&field.value)) return **boolean ? "true" : "false";
+  if (auto* const* integer = std::get_if<int*>(&field.value)) return std::to_string(**integer);
+  if (auto* const* real = std::get_if<double*>(&field.value)) return number(**real);
+  return *std::get<std::string*>(field.value);
+}
+
+}  // namespace covis

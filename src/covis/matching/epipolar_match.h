@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Matching two key frames of known pose along epipolar lines, to triangulate new points.
+// Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VI-C; epipolar geometry: Hartley and Zisserman,
+// "Multiple View Geometry", 2004, section 9.6.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "covis/features/features.h"
+#include "covis/geometry/se3.h"
+#include "covis/matching/descriptor_match.h"
+
+namespace covis {
+
+struct EpipolarMatchOptions {
+  int max_distance = kHammingLow;
+  double max_chi2 = 3.84;  // squared distance to the line over sigma^2 (1 degree of freedom, 95 %)
+  double epipole_margin =
+      10.0;  // pixels x scale round the epipole where nothing is matched, unless one of both has depth
+  bool check_rotation = true;
+};
+
+// Matches features of `a` (those with use_a[i] != 0) to features of `b` (likewise) that lie near their epipolar lines.
+// T_ba takes camera a to camera b. Each feature of b at most once (the most similar). Sorted by a.
+std::vector<FeatureMatch> match_epipolar(const Features& a, std::span<const uint8_t> use_a, const Features& b,
+                                         std::span<const uint8_t> use_b, const SE3& T_ba,
+                                         const EpipolarMatchOptions& options);
+
+}  // namespace covis

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/matching/window_match.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace covis {
+namespace {
+
+// The best and second-best candidate inside one query's window.
+struct BestTwo {
+  int best = kNone, second = kNone;  // Hamming distances
+  int best_level = -1, second_level = -1;
+  int index = -1;
+
+  static constexpr int kNone = 257;
+
+  void add(int distance, int level, int i) {
+    if (distance < best || (distance == best && i < index)) {
+      second = best;
+      second_level = best_level;
+      best = distance;
+      best_level = level;
+      index = i;
+    } else if (distance < second) {
+      second = distance;
+      second_level = level;
+    }
+  }
+};
+
+bool within_chi2(const Features& features, size_t i, const WindowQuery& query, const WindowMatchOptions& options) {
+  const float du = features.x[i] - query.u;
+  const float dv = features.y[i] - query.v;
+  const float inv_sigma2 = features.pyramid->inv_sigma2[features.level[i]];
+  if (features.u_right[i] >= 0 && query.u_right >= 0) {
+    const float dr = features.u_right[i] - query.u_right;
+    return (du * du + dv * dv + dr * dr) * inv_sigma2 <= options.max_chi2_stereo;
+  }
+  return (du * du + dv * dv) * inv_sigma2 <= options.max_chi2_mono;
+}
+
+}  // namespace
+
+int WindowMatcher::match(const Features& features, std::span<const WindowQuery> queries, std::span<const uint8_t> taken,
+                         const WindowMatchOptions& options, std::vector<int32_t>& match) {
+  match.assign(queries.size(), -1);
+  owner_.assign(static_cast<size_t>(features.size()), Owner{});
+  int count = 0;
+  for (size_t q = 0; q < queries.size(); ++q) {
+    const WindowQuery& query = queries[q];
+    BestTwo best;
+    features.for_each_in_window(query.u, query.v, query.radius, query.min_level, query.max_level, [&](int index) {
+      const auto i = static_cast<size_t>(index);
+      if (!taken.empty() && taken[i]) return;
+      if (query.u_right >= 0 && features.u_right[i] >= 0 &&
+          std::abs(features.u_right[i] - query.u_right) > query.radius) {
+        return;
+      }
+      if (options.max_chi2_mono > 0 && !within_chi2(features, i, query, options)) return;
+      best.add(hamming(*query.descriptor, features.descriptor[i]), features.level[i], index);
+    });
+    if (best.best > options.max_distance) continue;
+    if (best.best_level == best.second_level &&
+        static_cast<float>(best.best) > options.ratio * static_cast<float>(best.second)) {
+      continue;
+    }
+    Owner& owner = owner_[static_cast<size_t>(best.index)];
+    if (owner.query >= 0) {
+      if (owner.distance <= best.best) continue;
+      match[static_cast<size_t>(owner.query)] = -1;
+      --count;
+    }
+    owner = {static_cast<int32_t>(q), best.best};
+    match[q] = best.index;
+    ++count;
+  }
+  return count;
+}
+
+int check_rotation(std::span<const float> angle_a, std::span<const float> angle_b, std::vector<uint8_t>& keep) {
+  constexpr int kBins = 30;
+  constexpr float kTwoPi = 2 * std::numbers::pi_v<float>;
+  const auto bin_of = [&](size_t k) {
+    float d = angle_a[k] - angle_b[k];
+    d -= kTwoPi * std::floor(d / kTwoPi);
+    return std::clamp(static_cast<int>(d * (kBins / kTwoPi)), 0, kBins - 1);
+  };
+  const size_t n = angle_a.size();
+  std::array<int, kBins> counts{};
+  for (size_t k = 0; k < n; ++k) {
+    if (keep[k]) ++counts[static_cast<size_t>(bin_of(k))];
+  }
+  // The peak and its neighbours: a rotation near a bin's edge falls into two.
+  std::array<int, kBins> smoothed{};
+  for (int b = 0; b < kBins; ++b) {
+    smoothed[static_cast<size_t>(b)] = counts[static_cast<size_t>((b + kBins - 1) % kBins)] +
+                                       counts[static_cast<size_t>(b)] + counts[static_cast<size_t>((b + 1) % kBins)];
+  }
+  const int peak = static_cast<int>(std::max_element(smoothed.begin(), smoothed.end()) - smoothed.begin());
+  int kept = 0;
+  for (size_t k = 0; k < n; ++k) {
+    if (!keep[k]) continue;
+    const int away = std::abs(bin_of(k) - peak);
+    if (std::min(away, kBins - away) <= 1) {
+      ++kept;
+    } else {
+      keep[k] = 0;
+    }
+  }
+  return kept;
+}
+
+}  // namespace covis

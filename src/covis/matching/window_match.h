@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Matching by prediction: for each query, the most similar key point inside a window of the image. Serves the motion
+// model, the local map, the monocular initialiser and fusion. Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO
+// 2015, sections V-B, V-D and VI-D.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "covis/features/features.h"
+
+namespace covis {
+
+// What is looked for, and where. Pixels are undistorted.
+struct WindowQuery {
+  float u = 0, v = 0;
+  float u_right = -1;  // expected column in the right image; negative: not checked
+  float radius = 0;    // half the window's side
+  int min_level = 0, max_level = 0;
+  const Descriptor* descriptor = nullptr;
+};
+
+struct WindowMatchOptions {
+  int max_distance = kHammingHigh;  // greatest Hamming distance of a match
+  float ratio = 1.0f;               // best < ratio x second best, asked only when both are of one level; 1: not asked
+  float max_chi2_mono = 0;          // when positive, error^2 / sigma^2 of a match may be no more (2 rows) …
+  float max_chi2_stereo = 0;        // … or this (3 rows)
+};
+
+// match[q] becomes the index of the feature matched to query q, or -1. A feature goes to at most one query: the most
+// similar, on a tie the earlier. Features with taken[i] != 0 are passed over (empty span: none). Returns the number of
+// matches. Allocates nothing once the vectors have grown.
+class WindowMatcher {
+ public:
+  int match(const Features& features, std::span<const WindowQuery> queries, std::span<const uint8_t> taken,
+            const WindowMatchOptions& options, std::vector<int32_t>& match);
+
+ private:
+  struct Owner {
+    int32_t query = -1;
+    int32_t distance = 0;
+  };
+  std::vector<Owner> owner_;
+};
+
+// Drops matches whose change of orientation disagrees with the bulk: of a histogram of the angle differences (30 bins
+// round the circle), only the three neighbouring bins that hold most stay. angle_a[k] and angle_b[k] (radians) belong
+// to match k; matches with keep[k] == 0 are not looked at, keep[k] becomes 0 for the dropped. Returns the number kept.
+int check_rotation(std::span<const float> angle_a, std::span<const float> angle_b, std::vector<uint8_t>& keep);
+
+}  // namespace covis

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/slam/local_map.h"
+
+#include <algorithm>
+
+namespace covis {
+namespace {
+
+constexpr int kBestNeighbours = 10;  // of each key frame of K1 join K2
+
+// marks[slot], grown when needed.
+template <class T>
+T& at_slot(std::vector<T>& marks, uint32_t slot) {
+  if (slot >= marks.size()) marks.resize(slot + slot / 2 + 64);
+  return marks[slot];
+}
+
+}  // namespace
+
+void KeyFrameView::copy(const Map& map, KeyFrameId key_frame) {
+  const KeyFrame& source = map.at(key_frame);
+  id = key_frame;
+  T_cw = source.T_cw;
+  features = source.features;
+  points = source.points;
+  positions.resize(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (points[i].valid()) positions[i] = map.at(points[i]).position_w;
+  }
+}
+
+void LocalMap::clear() {
+  id.clear();
+  key_frames.clear();
+  reference = {};
+  reference_points = 0;
+}
+
+void LocalMap::update(const Map& map, const std::vector<MapPointId>& matched, KeyFrameId fallback, int max_key_frames) {
+  ++epoch_;
+  select_key_frames(map, matched, fallback, max_key_frames);
+  copy_points(map);
+  if (!key_frames.empty()) {
+    reference.copy(map, key_frames.front());
+    reference_points = map.tracked_points(reference.id, map.key_frame_count() <= 2 ? 2 : 3);
+  }
+}
+
+void LocalMap::select_key_frames(const Map& map, const std::vector<MapPointId>& matched, KeyFrameId fallback,
+                                 int max_key_frames) {
+  voted_.clear();
+  for (const MapPointId& point_id : matched) {
+    const MapPoint* point = map.find(point_id);
+    if (!point) continue;
+    for (const Observation& observation : point->observations) {
+      int& votes = at_slot(votes_, observation.key_frame.slot);
+      if (votes++ == 0) voted_.push_back(observation.key_frame);
+    }
+  }
+  // Most votes first; ties: the older handle.
+  std::sort(voted_.begin(), voted_.end(), [&](KeyFrameId a, KeyFrameId b) {
+    const int va = votes_[a.slot], vb = votes_[b.slot];
+    return va != vb ? va > vb : a < b;
+  });
+  for (const KeyFrameId& key_frame : voted_) votes_[key_frame.slot] = 0;
+  if (voted_.empty() && map.find(fallback)) voted_.push_back(fallback);
+
+  key_frames.clear();
+  const auto add = [&](KeyFrameId key_frame) {
+    if (!key_frame.valid() || static_cast<int>(key_frames.size()) >= max_key_frames) return;
+    uint32_t& seen = at_slot(key_frame_seen_, key_frame.slot);
+    if (seen == epoch_) return;
+    seen = epoch_;
+    key_frames.push_back(key_frame);
+  };
+  for (const KeyFrameId& key_frame : voted_) add(key_frame);
+  const size_t k1 = key_frames.size();
+  for (size_t i = 0; i < k1 && static_cast<int>(key_frames.size()) < max_key_frames; ++i) {
+    const KeyFrameId key_frame = key_frames[i];
+    for (const Neighbour& neighbour : map.best_neighbours(key_frame, kBestNeighbours)) add(neighbour.key_frame);
+    for (const KeyFrameId& child : map.at(key_frame).children) add(child);
+    add(map.at(key_frame).parent);
+  }
+}
+
+void LocalMap::copy_points(const Map& map) {
+  id.clear();
+  for (const KeyFrameId& key_frame : key_frames) {
+    for (const MapPointId& point : map.at(key_frame).points) {
+      if (!point.valid()) continue;
+      uint32_t& seen = at_slot(point_seen_, point.slot);
+      if (seen == epoch_) continue;
+      seen = epoch_;
+      id.push_back(point);
+    }
+  }
+  const size_t n = id.size();
+  for (auto* array : {&px, &py, &pz}) array->resize(n);
+  for (auto* array : {&nx, &ny, &nz, &d_min, &d_max}) array->resize(n);
+  descriptor.resize(n);
+  for (size_t i = 0; i < n; ++i) {
+    const MapPoint& point = map.at(id[i]);
+    px[i] = point.position_w.x();
+    py[i] = point.position_w.y();
+    pz[i] = point.position_w.z();
+    nx[i] = static_cast<float>(point.normal_w.x());
+    ny[i] = static_cast<float>(point.normal_w.y());
+    nz[i] = static_cast<float>(point.normal_w.z());
+    d_min[i] = point.d_min;
+    d_max[i] = point.d_max;
+    descriptor[i] = point.descriptor;
+  }
+}
+
+}  // namespace covis

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/slam/mapper.h"
+
+#include <algorithm>
+
+#include "covis/core/log.h"
+#include "covis/slam/point_geometry.h"
+
+namespace covis {
+namespace {
+
+// Milliseconds since the last lap.
+double lap(Stopwatch& watch) {
+  const double ms = watch.ms();
+  watch.restart();
+  return ms;
+}
+
+}  // namespace
+
+MappingReport Mapper::process(const KeyFrameRequest& request, const std::atomic<bool>* interrupt) {
+  MappingReport report;
+  Stopwatch total, watch;
+  report.key_frame = insert(request);
+  report.insert_ms = lap(watch);
+  if (!report.key_frame.valid()) return report;
+  report.points_culled = cull_recent_points(report.key_frame);
+  report.cull_points_ms = lap(watch);
+  report.points_created = create_points(report.key_frame);
+  report.create_ms = lap(watch);
+  report.points_fused = fuse_neighbours(report.key_frame);
+  report.fuse_ms = lap(watch);
+  const bool enough = map_.read()->key_frame_count() > 2;
+  if (enough && !(interrupt && interrupt->load())) {
+    local_bundle_adjustment(report.key_frame, interrupt, report);
+    report.ba_ms = lap(watch);
+    report.key_frames_culled = cull_key_frames(report.key_frame);
+    report.cull_key_frames_ms = lap(watch);
+  }
+  report.total_ms = total.ms();
+  return report;
+}
+
+KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
+  const auto map = map_.write();
+  SE3 T_cw = request.T_cr;
+  if (request.reference.valid()) {
+    const auto reference = map->resolve(request.reference);
+    if (!reference) return {};
+    T_cw = (request.T_cr * reference->T_ar * map->at(reference->key_frame).T_cw).normalized();
+  }
+  for (const PointCount& count : request.counts) {
+    const MapPointId point = map->forwarded(count.point);
+    if (!point.valid()) continue;
+    map->count_visible(point, count.visible);
+    map->count_found(point, count.found);
+  }
+  const KeyFrameId id = map->add_key_frame(request.frame, request.stamp, T_cw, request.features);
+  if (!id.valid()) return id;
+  for (uint32_t feature = 0; feature < request.points.size(); ++feature) {
+    const MapPointId point = map->forwarded(request.points[feature]);
+    if (point.valid() && map->add_observation(point, id, feature)) map->refresh_point(point);
+  }
+  const SE3 T_wc = T_cw.inverse();
+  const uint32_t serial = map->at(id).serial;
+  for (const uint32_t feature : request.new_points) {
+    const MapPointId point = map->add_point(T_wc * unproject_depth(*request.features, feature), id, feature);
+    if (!point.valid()) continue;
+    map->refresh_point(point);
+    recent_.push_back({point, serial});
+  }
+  map->attach_to_tree(id);
+  return id;
+}
+
+int Mapper::cull_recent_points(KeyFrameId current) {
+  const auto map = map_.write();
+  const uint32_t serial = map->at(current).serial;
+  const size_t least_observers = monocular() ? 2 : 3;
+  int culled = 0;
+  std::erase_if(recent_, [&](Recent& recent) {
+    recent.point = map->forwarded(recent.point);
+    const MapPoint* point = map->find(recent.point);
+    if (!point) return true;
+    const bool rarely_found = static_cast<double>(point->found) < options_.mapper.min_found_ratio * point->visible;
+    const uint32_t age = serial - recent.serial;
+    if (rarely_found || (age >= 2 && point->observations.size() <= least_observers)) {
+      map->erase_point(recent.point);
+      ++culled;
+      return true;
+    }
+    return age >= 3;
+  });
+  return culled;
+}
+
+int Mapper::cull_key_frames(KeyFrameId current) {
+  constexpr int kObservers = 3;  // others that must see a point for it to be redundant
+  const auto map = map_.write();
+  int culled = 0;
+  for (const Neighbour& neighbour : map->neighbours(current)) {
+    const KeyFrameId id = neighbour.key_frame;
+    if (id == map->root()) continue;
+    const KeyFrame& key_frame = map->at(id);
+    const Features& features = *key_frame.features;
+    int points = 0, redundant = 0;
+    for (size_t i = 0; i < key_frame.points.size(); ++i) {
+      if (!key_frame.points[i].valid()) continue;
+      if (!monocular() && !(features.depth[i] > 0 && features.depth[i] <= close_depth(features))) continue;
+      ++points;
+      const MapPoint& point = map->at(key_frame.points[i]);
+      if (static_cast<int>(point.observations.size()) <= kObservers) continue;
+      int others = 0;
+      for (const Observation& observation : point.observations) {
+        if (observation.key_frame == id) continue;
+        const int level = map->at(observation.key_frame).features->level[observation.feature];
+        if (level <= features.level[i] + 1 && ++others >= kObservers) break;
+      }
+      if (others >= kObservers) ++redundant;
+    }
+    if (points > 0 && redundant > options_.mapper.cull_redundancy * points && map->erase_key_frame(id)) ++culled;
+  }
+  return culled;
+}
+
+void Mapper::reset() {
+  recent_.clear();
+  map_.write()->clear();
+}
+
+}  // namespace covis

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Local mapping: what is done for every new key frame. Synchronous; its thread is in mapping_actor.h. The mapper is the
+// map's only writer: it reads under read guards, computes on copies, and commits under short write guards.
+// Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VI; Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017,
+// III-C.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "covis/map/shared_map.h"
+#include "covis/matching/window_match.h"
+#include "covis/optimization/bundle_adjustment.h"
+#include "covis/slam/messages.h"
+#include "covis/slam/options.h"
+
+namespace covis {
+
+class Mapper {
+ public:
+  Mapper(SharedMap& map, const SystemOptions& options) : map_(map), options_(options) {}
+
+  // The whole of local mapping for one key frame. `interrupt` (may be null) becomes true when another waits: bundle
+  // adjustment is then cut short.
+  MappingReport process(const KeyFrameRequest& request, const std::atomic<bool>* interrupt);
+  // Two key frames and their points, adjusted and scaled to a median depth of 1. The report's key frame is invalid, and
+  // the map left empty, when too little survives.
+  MappingReport initialise(const InitialMapRequest& request);
+  // Everything is forgotten (a monocular map that failed in its first moments).
+  void reset();
+  // Bundle adjustment of the whole map; the root stays. Returns its summary.
+  BundleSummary full_bundle_adjustment(int iterations);
+
+ private:
+  struct Recent {
+    MapPointId point;
+    uint32_t serial = 0;  // of the key frame it was made with
+  };
+
+  KeyFrameId insert(const KeyFrameRequest& request);
+  int cull_recent_points(KeyFrameId current);
+  int create_points(KeyFrameId current);
+  int fuse_neighbours(KeyFrameId current);
+  void local_bundle_adjustment(KeyFrameId current, const std::atomic<bool>* interrupt, MappingReport& report);
+  int cull_key_frames(KeyFrameId current);
+
+  // Projects `points` into a key frame and merges what matches; returns the number of points joined or added.
+  int fuse_into(KeyFrameId target, const std::vector<MapPointId>& points);
+
+  bool monocular() const { return options_.sensor == Sensor::monocular; }
+  double close_depth(const Features& features) const {
+    return options_.tracker.close_depth_baselines * features.camera.baseline();
+  }
+
+  SharedMap& map_;
+  const SystemOptions options_;
+  std::vector<Recent> recent_;
+  BundleAdjuster adjuster_;
+  WindowMatcher matcher_;
+  std::vector<WindowQuery> queries_;     // scratch of fuse_into
+  std::vector<Descriptor> descriptors_;  // likewise
+  std::vector<MapPointId> candidates_;   // likewise
+  std::vector<int32_t> match_;           // likewise
+};
+
+}  // namespace covis

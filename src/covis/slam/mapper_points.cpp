@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// Creating points by triangulation with the neighbours (ORB-SLAM, VI-C; ORB-SLAM2, III-C).
+#include <cmath>
+
+#include "covis/geometry/triangulation.h"
+#include "covis/matching/epipolar_match.h"
+#include "covis/slam/mapper.h"
+#include "covis/slam/point_geometry.h"
+
+namespace covis {
+namespace {
+
+// A key frame as point creation needs it, copied out of the map.
+struct View {
+  KeyFrameId id;
+  SE3 T_cw, T_wc;
+  FeaturesPtr features;
+  std::vector<uint8_t> is_free;  // features without a point
+  double median_depth = 0;       // of its points
+
+  View(const Map& map, KeyFrameId key_frame) : id(key_frame) {
+    const KeyFrame& source = map.at(key_frame);
+    T_cw = source.T_cw;
+    T_wc = T_cw.inverse();
+    features = source.features;
+    is_free.resize(source.points.size());
+    std::vector<double> depths;
+    for (size_t i = 0; i < source.points.size(); ++i) {
+      is_free[i] = !source.points[i].valid();
+      if (source.points[i].valid()) depths.push_back((T_cw * map.at(source.points[i]).position_w).z());
+    }
+    if (depths.empty()) return;
+    const auto middle = depths.begin() + static_cast<ptrdiff_t>(depths.size() / 2);
+    std::nth_element(depths.begin(), middle, depths.end());
+    median_depth = *middle;
+  }
+};
+
+// Cosine of the angle under which the two eyes of a stereo camera see a feature with depth.
+double stereo_cosine(const Features& features, uint32_t i) {
+  if (!(features.depth[i] > 0)) return 2;  // above any cosine: no stereo parallax
+  return std::cos(2 * std::atan2(features.camera.baseline() / 2, static_cast<double>(features.depth[i])));
+}
+
+// The place of a matched pair of features, by the better of triangulation and depth.
+std::optional<Eigen::Vector3d> place(const View& a, uint32_t ia, const View& b, uint32_t ib) {
+  constexpr double kMaxCosine = 0.9998;  // least parallax of a triangulation without depth
+  const Features& fa = *a.features;
+  const Features& fb = *b.features;
+  const Eigen::Vector3d ray_a = fa.camera.unproject(fa.x[ia], fa.y[ia]);
+  const Eigen::Vector3d ray_b = fb.camera.unproject(fb.x[ib], fb.y[ib]);
+  const double cosine = (a.T_wc.R() * ray_a).dot(b.T_wc.R() * ray_b) / (ray_a.norm() * ray_b.norm());
+  const double stereo_a = stereo_cosine(fa, ia), stereo_b = stereo_cosine(fb, ib);
+  const bool any_depth = stereo_a <= 1 || stereo_b <= 1;
+  if (cosine > 0 && cosine < std::min(stereo_a, stereo_b) && (any_depth || cosine < kMaxCosine)) {
+    return triangulate(a.T_cw, ray_a, b.T_cw, ray_b);
+  }
+  if (!any_depth) return std::nullopt;
+  return stereo_a < stereo_b ? a.T_wc * unproject_depth(fa, ia) : b.T_wc * unproject_depth(fb, ib);
+}
+
+// In front of both, near its pixels in both, and its distances agree with its levels.
+bool holds(const Eigen::Vector3d& p_w, const View& a, uint32_t ia, const View& b, uint32_t ib) {
+  if (!p_w.allFinite()) return false;
+  const Eigen::Vector3d in_a = a.T_cw * p_w, in_b = b.T_cw * p_w;
+  if (!reprojects_well(in_a, *a.features, ia) || !reprojects_well(in_b, *b.features, ib)) return false;
+  const double distance_a = in_a.norm(), distance_b = in_b.norm();
+  if (!(distance_a > 0) || !(distance_b > 0)) return false;
+  const ScalePyramid& pyramid = *a.features->pyramid;
+  const double by_distance = distance_b / distance_a;
+  const double by_level = pyramid.scale[b.features->level[ib]] / pyramid.scale[a.features->level[ia]];
+  const double tolerance = 1.5 * static_cast<double>(pyramid.factor);
+  return by_distance < by_level * tolerance && by_distance * tolerance > by_level;
+}
+
+}  // namespace
+
+int Mapper::create_points(KeyFrameId current) {
+  constexpr double kMinBaselineShare = 0.01;  // of the median depth, monocular
+  struct NewPoint {
+    Eigen::Vector3d position_w;
+    KeyFrameId neighbour;
+    uint32_t feature, neighbour_feature;
+  };
+  std::vector<View> neighbours;
+  std::vector<View> self;
+  {
+    const auto map = map_.read();
+    self.emplace_back(*map, current);
+    const int count = monocular() ? options_.mapper.create_neighbours_mono : options_.mapper.create_neighbours;
+    for (const Neighbour& neighbour : map->best_neighbours(current, count))
+      neighbours.emplace_back(*map, neighbour.key_frame);
+  }
+
+  View& a = self.front();
+  std::vector<NewPoint> made;
+  for (View& b : neighbours) {
+    const double baseline = (a.T_wc.t() - b.T_wc.t()).norm();
+    if (monocular() ? baseline < kMinBaselineShare * b.median_depth : baseline < a.features->camera.baseline())
+      continue;
+    const SE3 T_ba = b.T_cw * a.T_wc;
+    for (const FeatureMatch& m : match_epipolar(*a.features, a.is_free, *b.features, b.is_free, T_ba, {})) {
+      const auto ia = static_cast<uint32_t>(m.a), ib = static_cast<uint32_t>(m.b);
+      const auto p_w = place(a, ia, b, ib);
+      if (!p_w || !holds(*p_w, a, ia, b, ib)) continue;
+      made.push_back({*p_w, b.id, ia, ib});
+      a.is_free[ia] = 0;
+      b.is_free[ib] = 0;
+    }
+  }
+
+  const auto map = map_.write();
+  const uint32_t serial = map->at(current).serial;
+  int created = 0;
+  for (const NewPoint& point : made) {
+    if (!map->find(point.neighbour)) continue;
+    const MapPointId id = map->add_point(point.position_w, current, point.feature);
+    if (!id.valid()) continue;
+    map->add_observation(id, point.neighbour, point.neighbour_feature);
+    map->refresh_point(id);
+    recent_.push_back({id, serial});
+    ++created;
+  }
+  return created;
+}
+
+}  // namespace covis

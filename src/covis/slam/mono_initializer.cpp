@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/slam/mono_initializer.h"
+
+#include "covis/geometry/two_view.h"
+#include "covis/matching/descriptor_match.h"
+
+namespace covis {
+namespace {
+
+constexpr float kRatio = 0.9f;
+
+}  // namespace
+
+void MonoInitializer::reset() {
+  reference_ = {};
+  matches_ = 0;
+  reason_ = "waiting for a first view";
+}
+
+void MonoInitializer::take_reference(const FeaturesPtr& features, int64_t frame, Timestamp stamp) {
+  reference_ = {frame, stamp, features};
+  last_x_.assign(features->x.begin(), features->x.end());
+  last_y_.assign(features->y.begin(), features->y.end());
+}
+
+std::optional<InitialMapRequest> MonoInitializer::offer(const FeaturesPtr& features, int64_t frame, Timestamp stamp) {
+  const TrackerOptions& o = options_.tracker;
+  matches_ = 0;
+  if (!reference_.features) {
+    if (features->size() <= o.init_min_matches) {
+      reason_ = "too few features for a first view";
+    } else {
+      take_reference(features, frame, stamp);
+      reason_ = "waiting for parallax";
+    }
+    return std::nullopt;
+  }
+  matches_ = match_reference(*features);
+  if (matches_ < o.init_min_matches) {
+    reset();
+    if (features->size() > o.init_min_matches) take_reference(features, frame, stamp);
+    reason_ = "too few matches with the first view; starting from this one";
+    return std::nullopt;
+  }
+
+  TwoViewMatches pairs;
+  std::vector<uint32_t> first_feature, second_feature;
+  const Features& first = *reference_.features;
+  for (size_t q = 0; q < match_.size(); ++q) {
+    if (match_[q] < 0) continue;
+    const auto a = static_cast<uint32_t>(query_feature_[q]), b = static_cast<uint32_t>(match_[q]);
+    pairs.a.emplace_back(first.x[a], first.y[a]);
+    pairs.b.emplace_back(features->x[b], features->y[b]);
+    first_feature.push_back(a);
+    second_feature.push_back(b);
+  }
+  TwoViewOptions options;
+  options.min_parallax_deg = o.init_min_parallax;
+  options.min_points = o.init_min_points;
+  options.seed = hash_seed(static_cast<uint64_t>(options_.seed), 1, static_cast<uint64_t>(frame));
+  const TwoViewResult motion = reconstruct_two_views(pairs, first.camera, options);
+  if (motion.status != TwoViewStatus::ok) {
+    reason_ = name(motion.status);
+    return std::nullopt;
+  }
+  InitialMapRequest request;
+  request.first = reference_;
+  request.second = {frame, stamp, features};
+  request.T_21 = motion.T_21;
+  for (size_t k = 0; k < first_feature.size(); ++k) {
+    if (motion.triangulated[k]) request.points.push_back({motion.points_1[k], first_feature[k], second_feature[k]});
+  }
+  return request;
+}
+
+// Finds the reference view's finest key points in this frame, each in a window round where it was seen last.
+int MonoInitializer::match_reference(const Features& features) {
+  const Features& first = *reference_.features;
+  queries_.clear();
+  query_feature_.clear();
+  for (int i = 0; i < first.size(); ++i) {
+    const auto k = static_cast<size_t>(i);
+    if (first.level[k] > 0) continue;
+    queries_.push_back(
+        {last_x_[k], last_y_[k], -1.0f, static_cast<float>(options_.tracker.init_window), 0, 0, &first.descriptor[k]});
+    query_feature_.push_back(i);
+  }
+  matcher_.match(features, queries_, {}, {.max_distance = kHammingLow, .ratio = kRatio}, match_);
+  std::vector<float> angle_a, angle_b;
+  std::vector<size_t> query;
+  for (size_t q = 0; q < match_.size(); ++q) {
+    if (match_[q] < 0) continue;
+    angle_a.push_back(first.angle[static_cast<size_t>(query_feature_[q])]);
+    angle_b.push_back(features.angle[static_cast<size_t>(match_[q])]);
+    query.push_back(q);
+  }
+  std::vector<uint8_t> keep(query.size(), 1);
+  const int kept = check_rotation(angle_a, angle_b, keep);
+  for (size_t k = 0; k < query.size(); ++k) {
+    if (!keep[k]) {
+      match_[query[k]] = -1;
+      continue;
+    }
+    const auto a = static_cast<size_t>(query_feature_[query[k]]), b = static_cast<size_t>(match_[query[k]]);
+    last_x_[a] = features.x[b];
+    last_y_[a] = features.y[b];
+  }
+  return kept;
+}
+
+}  // namespace covis

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Monocular initialisation: two views with enough parallax, by homography or fundamental matrix.
+// Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section IV.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "covis/matching/window_match.h"
+#include "covis/slam/messages.h"
+#include "covis/slam/options.h"
+
+namespace covis {
+
+class MonoInitializer {
+ public:
+  explicit MonoInitializer(const SystemOptions& options) : options_(options) {}
+
+  // Offers a frame. An initial map when it and the reference view make one; otherwise nothing, and reason() tells why.
+  std::optional<InitialMapRequest> offer(const FeaturesPtr& features, int64_t frame, Timestamp stamp);
+  // Forgets the reference view.
+  void reset();
+  std::string_view reason() const { return reason_; }
+  int matches() const { return matches_; }
+
+ private:
+  void take_reference(const FeaturesPtr& features, int64_t frame, Timestamp stamp);
+  int match_reference(const Features& features);
+
+  const SystemOptions options_;
+  InitialMapRequest::View reference_;
+  std::vector<float> last_x_, last_y_;  // where each reference feature was seen last: the window follows it
+  std::vector<WindowQuery> queries_;
+  std::vector<int32_t> query_feature_;
+  std::vector<int32_t> match_;
+  WindowMatcher matcher_;
+  std::string_view reason_ = "waiting for a first view";
+  int matches_ = 0;
+};
+
+}  // namespace covis

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Settings of tracking and mapping, each with its default, unit and meaning. Figures without another source are the
+// published ones (Mur-Artal, Montiel, Tardós, T-RO 2015; Mur-Artal and Tardós, T-RO 2017; algorithms.md §3 and §4).
+#pragma once
+
+#include "covis/core/fields.h"
+#include "covis/core/sensor.h"
+#include "covis/features/frontend.h"
+
+namespace covis {
+
+struct TrackerOptions {
+  double motion_window = 15;          // pixels x scale: search round the predicted place (monocular, RGB-D)
+  double motion_window_stereo = 7;    // the same, stereo
+  int motion_min_matches = 20;        // fewer: search again in windows twice as wide
+  int motion_min_inliers = 10;        // to accept the pose of the motion model or the reference key frame
+  int reference_min_matches = 15;     // descriptor matches with the reference key frame
+  double reference_ratio = 0.7;       // best against second-best descriptor distance there
+  int local_key_frames = 80;          // key frames whose points make the local map, at most
+  double local_window = 4;            // pixels x scale: search round a projected map point …
+  double local_window_frontal = 2.5;  // … seen nearly as before (cosine above 0.998)
+  double local_window_rgbd = 3;       // factor on both for RGB-D
+  double local_ratio = 0.8;           // best against second-best distance when both are of one level
+  int min_inliers = 30;               // matched map points to accept a pose
+  int min_inliers_recovered = 50;     // the same within one second of a recovery
+  double close_depth_baselines = 40;  // depth in base lines up to which a point is close
+  int min_close_points = 100;  // close points a frame makes at least (also farther ones), and the need-more bound
+  int new_close_points = 70;   // untracked close points that make a key frame worth it
+  double key_frame_ratio =
+      0.75;  // tracked share of the reference key frame's points below which one is due (stereo, RGB-D)
+  double key_frame_ratio_mono = 0.9;  // the same, monocular
+  int key_frame_min_inliers = 15;     // with fewer no key frame is made
+  double key_frame_interval = 1.0;    // seconds after which one may be made though mapping is busy
+  int init_features = 500;            // features of a first frame (stereo, RGB-D)
+  int init_min_matches = 100;         // monocular: matches of the two first views
+  double init_window = 100;           // pixels, monocular: how far a key point may move between them
+  double init_min_parallax = 1.0;     // degrees
+  int init_min_points = 50;           // triangulated points of an initial map before adjustment
+};
+Fields fields(TrackerOptions& options);
+
+struct MapperOptions {
+  int create_neighbours = 10;       // covisible key frames to triangulate with (stereo, RGB-D)
+  int create_neighbours_mono = 20;  // the same, monocular
+  double min_found_ratio = 0.25;    // found / visible below which a recent point is erased
+  int fuse_second_neighbours = 5;   // neighbours of each neighbour that join fusion
+  double fuse_window = 3;           // pixels x scale
+  int ba_key_frames = 20;           // key frames that move in local bundle adjustment, at most
+  int ba_fixed_key_frames = 40;     // key frames that hold it, at most
+  int ba_iterations_first = 5;      // before outliers are dropped
+  int ba_iterations_second = 10;    // after
+  double cull_redundancy = 0.9;     // share of points seen by three others that makes a key frame redundant
+};
+Fields fields(MapperOptions& options);
+
+struct SystemOptions {
+  Sensor sensor = Sensor::monocular;
+  OrbOptions orb;
+  TrackerOptions tracker;
+  MapperOptions mapper;
+  int mapping_delay = 2;  // frames after a key frame at which what mapping made of it becomes visible to tracking
+  bool realtime = false;  // instead: as soon as it is ready; mapping is interrupted by new key frames
+  int seed = 0;           // of the random choices
+};
+Fields fields(SystemOptions& options);
+
+}  // namespace covis

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/slam/system.h"
+
+#include <algorithm>
+
+#include "covis/core/time.h"
+
+namespace covis {
+
+System::System(const Camera& camera, const SystemOptions& options)
+    : options_(options),
+      frontend_(camera, options.orb, options.sensor),
+      tracker_(map_, options),
+      mapping_(map_, options) {}
+
+System::~System() = default;
+
+FeaturesPtr System::extract(const Input& input) {
+  // The monocular initialiser matches the finest key points only: it wants more of them.
+  frontend_.set_feature_budget(options_.orb.features * (tracker_.wants_more_features() ? 2 : 1));
+  switch (options_.sensor) {
+    case Sensor::monocular:
+      return frontend_.monocular(input.image);
+    case Sensor::stereo:
+      return frontend_.stereo(input.image, input.right);
+    case Sensor::rgbd:
+      return frontend_.rgbd(input.image, input.depth);
+  }
+  return nullptr;
+}
+
+FrameReport System::process(const Input& input) {
+  FrameReport report;
+  const Stopwatch total;
+  FeaturesPtr features = extract(input);
+  report.timing.extract_ms = frontend_.timing().extract_ms;
+  report.timing.depth_ms = frontend_.timing().depth_ms;
+
+  Stopwatch watch;
+  ++processed_;
+  if (options_.realtime) {
+    collect(report, false);
+  } else if (processed_ >= visible_at_) {
+    collect(report, true);
+  }
+  report.timing.wait_ms = watch.ms();
+  watch.restart();
+
+  const bool live = options_.realtime || mapping_.pending() == 0;
+  const bool idle = options_.realtime ? mapping_.idle() : mapping_.pending() == 0;
+  Tracker::Outcome outcome = tracker_.track(std::move(features), input.frame, input.stamp, live, idle);
+  report.track = outcome.result;
+  report.timing.track_ms = watch.ms();
+
+  records_.push_back({.frame = input.frame, .stamp = input.stamp});
+  if (outcome.discard_map) {
+    collect(report, true);
+    mapping_.mapper().reset();
+    for (size_t r = map_start_; r < records_.size(); ++r) records_[r].tracked = records_[r].online = false;
+    map_start_ = records_.size();
+  }
+  const bool first = outcome.result.method == TrackMethod::initialised;
+  if (!first && outcome.result.state == TrackState::tracking) {
+    FrameRecord& record = records_.back();
+    record.tracked = record.online = true;
+    record.reference = outcome.result.reference;
+    record.T_cr = outcome.result.T_cr;
+    record.T_wc_online = outcome.result.T_cw.inverse();
+  }
+  if (outcome.key_frame) mapping_.submit(std::move(*outcome.key_frame));
+  if (outcome.initial_map) mapping_.submit(std::move(*outcome.initial_map));
+  if (first) {  // nothing can be tracked before the map is there
+    watch.restart();
+    collect(report, true);
+    report.timing.wait_ms += watch.ms();
+    report.track.state = tracker_.state();
+    if (const FrameRecord& record = records_.back(); record.tracked) {
+      report.track.T_cw = record.T_wc_online.inverse();
+      report.track.reference = record.reference;
+      report.track.inliers = report.mapping.back().points_created;
+    } else {
+      report.track.method = TrackMethod::none;
+      report.track.reason = "the initial map did not hold";
+    }
+  } else if (outcome.key_frame) {
+    visible_at_ = processed_ + options_.mapping_delay;
+  }
+  report.timing.total_ms = total.ms();
+  return report;
+}
+
+void System::collect(FrameReport& report, bool wait) {
+  while (mapping_.pending() > 0) {
+    std::optional<MappingActor::Reply> reply = wait ? mapping_.wait() : mapping_.poll();
+    if (!reply) break;
+    take(*reply);
+    report.mapping.push_back(reply->report);
+  }
+}
+
+void System::take(const MappingActor::Reply& reply) {
+  tracker_.key_frame_made(reply.report, reply.frame);
+  if (!reply.report.key_frame.valid()) return;
+  // The frames that became key frames hang on themselves from now on.
+  const auto map = map_.read();
+  const auto hang = [&](KeyFrameId id, bool online) {
+    const KeyFrame* key_frame = map->find(id);
+    if (!key_frame) return;
+    const auto record = std::lower_bound(records_.begin(), records_.end(), key_frame->frame,
+                                         [](const FrameRecord& r, int64_t frame) { return r.frame < frame; });
+    if (record == records_.end() || record->frame != key_frame->frame) return;
+    if (!record->tracked && online) {
+      record->online = true;
+      record->T_wc_online = key_frame->T_cw.inverse();
+    }
+    record->tracked = true;
+    record->reference = id;
+    record->T_cr = SE3();
+  };
+  hang(reply.report.key_frame, true);
+  if (reply.report.first.valid()) hang(reply.report.first, false);
+}
+
+std::vector<MappingReport> System::finish() {
+  FrameReport report;
+  collect(report, true);
+  return std::move(report.mapping);
+}
+
+BundleSummary System::full_bundle_adjustment(int iterations) {
+  finish();
+  return mapping_.mapper().full_bundle_adjustment(iterations);
+}
+
+std::vector<PoseOfFrame> System::trajectory() const {
+  std::vector<PoseOfFrame> poses;
+  const auto map = map_.read();
+  for (const FrameRecord& record : records_) {
+    if (!record.tracked) continue;
+    const auto resolved = map->resolve(record.reference);
+    if (!resolved) continue;
+    const SE3 T_cw = record.T_cr * resolved->T_ar * map->at(resolved->key_frame).T_cw;
+    poses.push_back({record.frame, record.stamp, T_cw.inverse()});
+  }
+  return poses;
+}
+
+std::vector<PoseOfFrame> System::online_trajectory() const {
+  std::vector<PoseOfFrame> poses;
+  for (const FrameRecord& record : records_) {
+    if (record.online) poses.push_back({record.frame, record.stamp, record.T_wc_online});
+  }
+  return poses;
+}
+
+std::vector<PoseOfFrame> System::key_frames() const {
+  std::vector<PoseOfFrame> poses;
+  const auto map = map_.read();
+  for (const KeyFrameId& id : map->key_frames()) {
+    const KeyFrame& key_frame = map->at(id);
+    poses.push_back({key_frame.frame, key_frame.stamp, key_frame.T_cw.inverse()});
+  }
+  return poses;
+}
+
+}  // namespace covis

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// The whole system: images in, poses and a map out. Owns the actors; the only place that makes threads beside the front
+// end's.
+//
+// Deterministic by default (architecture.md, decision 6): mapping runs beside tracking, but what it made of a key frame
+// shows to the tracker `mapping_delay` frames later, and the tracker waits for it then. Until then the tracker works on
+// its copies of the map. So the result depends on the input and the settings alone.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "covis/features/frontend.h"
+#include "covis/map/shared_map.h"
+#include "covis/slam/mapping_actor.h"
+#include "covis/slam/options.h"
+#include "covis/slam/tracker.h"
+
+namespace covis {
+
+// Stages of one frame, milliseconds.
+struct FrameTiming {
+  double extract_ms = 0;  // features
+  double depth_ms = 0;    // stereo matching or depth look-up
+  double wait_ms = 0;     // for mapping (deterministic mode)
+  double track_ms = 0;    // from features to pose, and asking for a key frame
+  double total_ms = 0;
+};
+
+// What is kept of every frame.
+struct FrameRecord {
+  int64_t frame = 0;
+  Timestamp stamp = 0;
+  bool tracked = false;  // has a pose in the map
+  bool online = false;   // had one when it was tracked (the first view of a monocular map gets its pose later)
+  KeyFrameId reference;
+  SE3 T_cr;         // relative to the reference: carries every later correction
+  SE3 T_wc_online;  // as it was when tracked
+};
+
+struct FrameReport {
+  TrackResult track;
+  FrameTiming timing;
+  std::vector<MappingReport> mapping;  // of key frames whose mapping became visible
+};
+
+struct PoseOfFrame {
+  int64_t frame = 0;
+  Timestamp stamp = 0;
+  SE3 T_wc;
+};
+
+class System {
+ public:
+  System(const Camera& camera, const SystemOptions& options);
+  ~System();
+  System(const System&) = delete;
+  System& operator=(const System&) = delete;
+
+  struct Input {
+    int64_t frame = 0;                      // rises from frame to frame
+    Timestamp stamp = 0;                    // rises too
+    ImageView<const uint8_t> image, right;  // right: stereo only
+    ImageView<const float> depth;           // RGB-D only, metres
+  };
+  FrameReport process(const Input& input);
+
+  // Waits for mapping to end. process() may go on afterwards.
+  std::vector<MappingReport> finish();
+  // Bundle adjustment of all key frames and points; call after finish().
+  BundleSummary full_bundle_adjustment(int iterations);
+
+  // Poses of all tracked frames, with every correction (final) or as they were given (online). World: the first key
+  // frame's camera.
+  std::vector<PoseOfFrame> trajectory() const;
+  std::vector<PoseOfFrame> online_trajectory() const;
+  std::vector<PoseOfFrame> key_frames() const;
+  const std::vector<FrameRecord>& records() const { return records_; }
+  const SharedMap& map() const { return map_; }
+
+ private:
+  FeaturesPtr extract(const Input& input);
+  void collect(FrameReport& report, bool wait);
+  void take(const MappingActor::Reply& reply);
+
+  const SystemOptions options_;
+  SharedMap map_;
+  Frontend frontend_;
+  Tracker tracker_;
+  MappingActor mapping_;
+  std::vector<FrameRecord> records_;
+  size_t map_start_ = 0;    // record from which the present map counts
+  int64_t processed_ = 0;   // frames so far
+  int64_t visible_at_ = 0;  // count of frames at which pending mapping is taken over
+};
+
+}  // namespace covis

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// What became of a frame.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "covis/core/ids.h"
+#include "covis/geometry/se3.h"
+
+namespace covis {
+
+enum class TrackState { not_initialised, tracking, lost };
+
+// How the first pose of a tracked frame was found.
+enum class TrackMethod { none, initialised, motion_model, reference_key_frame, recovered };
+
+constexpr std::string_view name(TrackState state) {
+  switch (state) {
+    case TrackState::not_initialised:
+      return "not_initialised";
+    case TrackState::tracking:
+      return "tracking";
+    case TrackState::lost:
+      return "lost";
+  }
+  return "";
+}
+
+constexpr std::string_view name(TrackMethod method) {
+  switch (method) {
+    case TrackMethod::none:
+      return "none";
+    case TrackMethod::initialised:
+      return "initialised";
+    case TrackMethod::motion_model:
+      return "motion_model";
+    case TrackMethod::reference_key_frame:
+      return "reference_key_frame";
+    case TrackMethod::recovered:
+      return "recovered";
+  }
+  return "";
+}
+
+struct TrackResult {
+  TrackState state = TrackState::not_initialised;
+  TrackMethod method = TrackMethod::none;
+  std::string_view reason;     // why there is no pose; empty when tracking
+  SE3 T_cw;                    // meaningful when tracking
+  KeyFrameId reference;        // key frame the pose hangs on
+  SE3 T_cr;                    // from its camera to this frame's
+  int features = 0;            // key points of the frame
+  int predicted_matches = 0;   // matches of the motion model or the reference key frame
+  int local_points = 0;        // points of the local map
+  int local_in_view = 0;       // of them predicted in view
+  int inliers = 0;             // map points that agree with the pose
+  bool key_frame = false;      // a key frame was asked for
+  double motion_ms = 0;        // first pose: search and optimisation
+  double local_update_ms = 0;  // copying the local map
+  double local_search_ms = 0;  // searching it
+  double pose_ms = 0;          // last pose optimisation
+};
+
+}  // namespace covis

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/slam/tracker.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "covis/core/log.h"
+#include "covis/matching/descriptor_match.h"
+#include "covis/slam/point_geometry.h"
+
+namespace covis {
+
+void TrackedFrame::start(FeaturesPtr f, int64_t frame, Timestamp t) {
+  features = std::move(f);
+  index = frame;
+  stamp = t;
+  const auto n = static_cast<size_t>(features->size());
+  points.assign(n, {});
+  positions.resize(n);
+  known.assign(n, 0);
+}
+
+int TrackedFrame::map_points() const { return static_cast<int>(std::count(known.begin(), known.end(), kMapPoint)); }
+
+Tracker::Tracker(const SharedMap& map, const SystemOptions& options)
+    : map_(map), options_(options), initializer_(options) {}
+
+double Tracker::close_depth() const {
+  return options_.tracker.close_depth_baselines * current_.features->camera.baseline();
+}
+
+Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp stamp, bool map_is_live,
+                                bool mapping_idle) {
+  current_.start(std::move(features), frame, stamp);
+  Outcome outcome;
+  TrackResult& result = outcome.result;
+  result.features = current_.features->size();
+  if (state_ == TrackState::not_initialised) {
+    initialise(outcome);
+  } else {
+    if (map_is_live && (map_changed_ || options_.realtime)) {
+      refresh_last_frame(*map_.read());
+      map_changed_ = false;
+    }
+    bool found = false;
+    if (state_ == TrackState::tracking) {
+      found = (has_velocity_ && track_by_motion(result)) || track_by_reference(result);
+      found = found && track_local_map(result, map_is_live);
+    }
+    if (!found) found = recover(result, map_is_live);
+    if (found) {
+      accept(result);
+      if (key_frame_due(result, mapping_idle)) {
+        outcome.key_frame = make_key_frame_request();
+        result.key_frame = true;
+      }
+    } else {
+      lose(outcome, map_is_live);
+    }
+  }
+  result.state = state_;
+  std::swap(last_, current_);
+  return outcome;
+}
+
+void Tracker::accept(TrackResult& result) {
+  count_points();
+  has_velocity_ = state_ == TrackState::tracking && last_.index == current_.index - 1;
+  if (has_velocity_) velocity_ = (current_.T_cw * last_.T_cw.inverse()).normalized();
+  state_ = TrackState::tracking;
+  lost_frames_ = 0;
+  reference_ = local_map_.reference.id;
+  last_T_cr_ = current_.T_cw * local_map_.reference.T_cw.inverse();
+  result.T_cw = current_.T_cw;
+  result.reference = reference_;
+  result.T_cr = last_T_cr_;
+  result.reason = {};
+}
+
+void Tracker::lose(Outcome& outcome, bool map_is_live) {
+  constexpr size_t kYoungMap = 5;        // key frames: a monocular map this young is not worth keeping
+  constexpr int kYoungMapPatience = 15;  // frames it is waited for
+  if (state_ != TrackState::lost) log(LogLevel::warning, std::string("tracking lost: ").append(outcome.result.reason));
+  state_ = TrackState::lost;
+  has_velocity_ = false;
+  ++lost_frames_;
+  if (monocular() && map_is_live && lost_frames_ > kYoungMapPatience && map_.read()->key_frame_count() <= kYoungMap) {
+    log(LogLevel::warning, "the initial map was lost at once and is given up; initialising again");
+    outcome.discard_map = true;
+    state_ = TrackState::not_initialised;
+    initializer_.reset();
+    local_map_.clear();
+    clear_counts();
+    lost_frames_ = 0;
+  }
+}
+
+void Tracker::key_frame_made(const MappingReport& report, int64_t frame) {
+  map_changed_ = true;
+  if (!report.key_frame.valid()) {
+    if (state_ == TrackState::tracking && last_key_frame_ < 0) state_ = TrackState::not_initialised;
+    return;
+  }
+  const auto map = map_.read();
+  if (last_key_frame_ < 0) {  // the first of a map: nothing to refresh, all to take over
+    reference_ = report.key_frame;
+    last_.T_cw = map->at(report.key_frame).T_cw;
+    last_T_cr_ = SE3();
+    map_changed_ = false;
+  }
+  last_key_frame_ = frame;
+  new_reference_ = report.key_frame;
+  if (last_.index == frame) take_over_points(*map, report.key_frame);
+  if (local_map_.reference.id != reference_ || local_map_.size() == 0) {
+    local_map_.update(*map, {}, report.key_frame, options_.tracker.local_key_frames);
+  }
+}
+
+// The last frame became this key frame: what mapping added to it is known of the frame too.
+void Tracker::take_over_points(const Map& map, KeyFrameId key_frame) {
+  const KeyFrame* source = map.find(key_frame);
+  if (!source) return;
+  for (size_t i = 0; i < source->points.size(); ++i) {
+    const MapPointId id = source->points[i];
+    last_.known[i] = id.valid() ? kMapPoint : kNone;
+    last_.points[i] = id;
+    if (id.valid()) last_.positions[i] = map.at(id).position_w;
+  }
+}
+
+void Tracker::refresh_last_frame(const Map& map) {
+  if (const auto resolved = map.resolve(reference_)) {
+    last_T_cr_ = last_T_cr_ * resolved->T_ar;
+    reference_ = resolved->key_frame;
+    last_.T_cw = (last_T_cr_ * map.at(reference_).T_cw).normalized();
+  }
+  if (new_reference_.valid() && map.find(new_reference_)) {
+    reference_ = new_reference_;
+    last_T_cr_ = last_.T_cw * map.at(reference_).T_cw.inverse();
+  }
+  new_reference_ = {};
+  for (size_t i = 0; i < last_.points.size(); ++i) {
+    if (last_.known[i] != kMapPoint) continue;
+    last_.points[i] = map.forwarded(last_.points[i]);
+    if (const MapPoint* point = map.find(last_.points[i])) {
+      last_.positions[i] = point->position_w;
+    } else {
+      last_.known[i] = kNone;
+      last_.points[i] = {};
+    }
+  }
+  if (local_map_.reference.id != reference_ && map.find(reference_)) local_map_.reference.copy(map, reference_);
+}
+
+int Tracker::optimize() {
+  observations_.clear();
+  observed_feature_.clear();
+  const Features& f = *current_.features;
+  for (size_t i = 0; i < current_.known.size(); ++i) {
+    if (!current_.known[i]) continue;
+    observations_.add(current_.positions[i], f.x[i], f.y[i], f.u_right[i], f.pyramid->inv_sigma2[f.level[i]]);
+    observed_feature_.push_back(static_cast<int32_t>(i));
+  }
+  const PoseResult pose = optimize_pose(current_.T_cw, observations_, f.camera, {}, inlier_);
+  if (!pose.ok) return 0;
+  current_.T_cw = pose.T_cw;
+  int on_map = 0;
+  for (size_t k = 0; k < observed_feature_.size(); ++k) {
+    const auto i = static_cast<size_t>(observed_feature_[k]);
+    if (!inlier_[k]) {
+      current_.known[i] = kNone;
+      current_.points[i] = {};
+    } else if (current_.known[i] == kMapPoint) {
+      ++on_map;
+    }
+  }
+  return on_map;
+}
+
+void Tracker::count_points() {
+  const auto slot_count = [&](MapPointId id) -> PointCount& {
+    if (id.slot >= counts_.size()) counts_.resize(id.slot + id.slot / 2 + 256);
+    PointCount& count = counts_[id.slot];
+    if (count.point != id) {
+      count = {id, 0, 0};
+      counted_.push_back(id.slot);
+    }
+    return count;
+  };
+  for (size_t k = 0; k < local_map_.id.size(); ++k) {
+    if (in_view_[k]) ++slot_count(local_map_.id[k]).visible;
+  }
+  for (size_t i = 0; i < current_.known.size(); ++i) {
+    if (current_.known[i] == kMapPoint) ++slot_count(current_.points[i]).found;
+  }
+}
+
+void Tracker::clear_counts() {
+  for (const uint32_t slot : counted_) counts_[slot] = {};
+  counted_.clear();
+}
+
+bool Tracker::key_frame_due(const TrackResult& result, bool mapping_idle) const {
+  const TrackerOptions& o = options_.tracker;
+  if (result.inliers < o.key_frame_min_inliers || last_key_frame_ < 0) return false;
+  const bool recovered_lately = current_.stamp - last_recovery_ < from_seconds(1.0);
+  if (recovered_lately && result.method != TrackMethod::motion_model) return false;
+  bool few_close = false;
+  if (!monocular()) {
+    const double close = close_depth();
+    int tracked = 0, untracked = 0;
+    for (size_t i = 0; i < current_.known.size(); ++i) {
+      const float depth = current_.features->depth[i];
+      if (!(depth > 0) || depth > close) continue;
+      ++(current_.known[i] == kMapPoint ? tracked : untracked);
+    }
+    few_close = tracked < o.min_close_points && untracked > o.new_close_points;
+  }
+  const bool waited = current_.stamp - last_key_frame_stamp_ > from_seconds(o.key_frame_interval);
+  if (!mapping_idle && !(options_.realtime && (waited || few_close))) return false;
+  const double ratio = monocular() ? o.key_frame_ratio_mono : o.key_frame_ratio;
+  return few_close || result.inliers < ratio * local_map_.reference_points;
+}
+
+// Features with depth, nearest first (ties: lower index), up to the close bound or at least min_close_points of them.
+std::vector<uint32_t> Tracker::features_by_depth(const TrackedFrame& frame) const {
+  const Features& f = *frame.features;
+  std::vector<uint32_t> order;
+  for (uint32_t i = 0; i < static_cast<uint32_t>(f.size()); ++i) {
+    if (f.depth[i] > 0) order.push_back(i);
+  }
+  std::sort(order.begin(), order.end(),
+            [&](uint32_t a, uint32_t b) { return f.depth[a] != f.depth[b] ? f.depth[a] < f.depth[b] : a < b; });
+  const double close = options_.tracker.close_depth_baselines * f.camera.baseline();
+  size_t count = 0;
+  while (count < order.size() &&
+         (f.depth[order[count]] <= close || count < static_cast<size_t>(options_.tracker.min_close_points))) {
+    ++count;
+  }
+  order.resize(count);
+  return order;
+}
+
+KeyFrameRequest Tracker::make_key_frame_request() {
+  KeyFrameRequest request;
+  request.frame = current_.index;
+  request.stamp = current_.stamp;
+  request.features = current_.features;
+  request.reference = reference_;
+  request.T_cr = last_T_cr_;
+  request.points.assign(current_.points.size(), {});
+  for (size_t i = 0; i < current_.points.size(); ++i) {
+    if (current_.known[i] == kMapPoint) request.points[i] = current_.points[i];
+  }
+  if (!monocular()) {
+    for (const uint32_t i : features_by_depth(current_)) {
+      if (current_.known[i] != kMapPoint) request.new_points.push_back(i);
+    }
+  }
+  for (const uint32_t slot : counted_) request.counts.push_back(counts_[slot]);
+  clear_counts();
+  last_key_frame_ = current_.index;
+  last_key_frame_stamp_ = current_.stamp;
+  return request;
+}
+
+}  // namespace covis

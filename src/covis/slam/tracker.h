@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tracking: the pose of every frame against the map. Synchronous and without locks of its own: it reads the map in
+// short read guards, works on copies, and asks for key frames by returning requests. Source: Mur-Artal, Montiel,
+// Tardós, "ORB-SLAM", T-RO 2015, section V; Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, III.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "covis/map/shared_map.h"
+#include "covis/matching/window_match.h"
+#include "covis/optimization/pose_optimization.h"
+#include "covis/slam/local_map.h"
+#include "covis/slam/messages.h"
+#include "covis/slam/mono_initializer.h"
+#include "covis/slam/options.h"
+#include "covis/slam/track_result.h"
+
+namespace covis {
+
+// What is known of a feature's place.
+inline constexpr uint8_t kNone = 0;
+inline constexpr uint8_t kMapPoint = 1;
+inline constexpr uint8_t kTemporary = 2;  // from the frame's own depth, good for one frame
+
+// The tracker's knowledge of one frame.
+struct TrackedFrame {
+  int64_t index = -1;
+  Timestamp stamp = 0;
+  FeaturesPtr features;
+  SE3 T_cw;
+  std::vector<MapPointId> points;          // for each feature its map point, or an invalid handle
+  std::vector<Eigen::Vector3d> positions;  // for each feature, world; where known[i]
+  std::vector<uint8_t> known;              // kNone, kMapPoint or kTemporary
+
+  void start(FeaturesPtr f, int64_t frame, Timestamp t);
+  int map_points() const;  // features with a map point
+};
+
+class Tracker {
+ public:
+  Tracker(const SharedMap& map, const SystemOptions& options);
+
+  // What should be done after a frame; at most one of the requests is set.
+  struct Outcome {
+    TrackResult result;
+    std::optional<KeyFrameRequest> key_frame;
+    std::optional<InitialMapRequest> initial_map;
+    bool discard_map =
+        false;  // a monocular map was lost in its first moments: empty the map, initialisation starts anew
+  };
+
+  // Tracks one frame. map_is_live: the map may be read now; otherwise (mapping works on a key frame whose result is not
+  // to be seen yet) the copies of the last live frame serve. mapping_idle: a key frame would be taken up at once.
+  Outcome track(FeaturesPtr features, int64_t frame, Timestamp stamp, bool map_is_live, bool mapping_idle);
+
+  // The mapper answered: key frames and points may have moved, merged or gone. Call before the next track(). For a
+  // request that was refused pass an invalid key frame in the report.
+  void key_frame_made(const MappingReport& report, int64_t frame);
+
+  // Features wanted of the next frame (the monocular initialiser wants more).
+  bool wants_more_features() const {
+    return state_ == TrackState::not_initialised && options_.sensor == Sensor::monocular;
+  }
+  TrackState state() const { return state_; }
+
+ private:
+  void initialise(Outcome& outcome);
+  void initialise_with_depth(Outcome& outcome);
+  void initialise_monocular(Outcome& outcome);
+  void begin_map(TrackResult& result);
+
+  bool track_by_motion(TrackResult& result);
+  bool track_by_reference(TrackResult& result);
+  bool track_local_map(TrackResult& result, bool map_is_live);
+  bool recover(TrackResult& result, bool map_is_live);
+  bool recover_from(const KeyFrameView& view, TrackResult& result, bool map_is_live);
+  void accept(TrackResult& result);
+  void lose(Outcome& outcome, bool map_is_live);
+
+  void refresh_last_frame(const Map& map);
+  void take_over_points(const Map& map, KeyFrameId key_frame);
+  void add_temporary_points();
+  std::vector<uint32_t> features_by_depth(const TrackedFrame& frame) const;
+
+  // Searches set the matches of the current frame and return how many there are, or how many points were in view.
+  int search_last_frame(double window);
+  int match_key_frame(const KeyFrameView& view, double ratio);
+  int search_local_map(double window_factor);
+  void set_match(size_t feature, MapPointId point, const Eigen::Vector3d& position_w, uint8_t known);
+  // Optimises the current frame's pose over its matches and drops those that disagree; returns how many map points are
+  // left, 0 when there is no pose.
+  int optimize();
+
+  bool key_frame_due(const TrackResult& result, bool mapping_idle) const;
+  KeyFrameRequest make_key_frame_request();
+  void count_points();
+  void clear_counts();
+  bool monocular() const { return options_.sensor == Sensor::monocular; }
+  double close_depth() const;
+
+  const SharedMap& map_;
+  const SystemOptions options_;
+  TrackState state_ = TrackState::not_initialised;
+  MonoInitializer initializer_;
+
+  TrackedFrame current_, last_;
+  bool has_velocity_ = false;
+  SE3 velocity_;              // from the last camera to the current one
+  KeyFrameId reference_;      // the key frame poses are relative to
+  SE3 last_T_cr_;             // last frame relative to it
+  KeyFrameId new_reference_;  // a key frame just made, to become the reference
+  bool map_changed_ = false;  // since the last frame was refreshed
+  LocalMap local_map_;
+  int64_t last_key_frame_ = -1;  // frame index; -1: the map has none yet
+  Timestamp last_key_frame_stamp_ = 0;
+  Timestamp last_recovery_ = std::numeric_limits<Timestamp>::min() / 2;
+  int lost_frames_ = 0;
+  size_t recovery_cursor_ = 0;  // whose turn it is among all key frames
+
+  std::vector<PointCount> counts_;  // by point slot
+  std::vector<uint32_t> counted_;   // slots with something to tell
+
+  // Scratch, kept so that tracking does not allocate.
+  WindowMatcher matcher_;
+  std::vector<WindowQuery> queries_;
+  std::vector<int32_t> query_source_;  // for each query, the last frame's feature or the local map's point
+  std::vector<int32_t> match_;         // for each query
+  std::vector<int32_t> matched_query_;
+  std::vector<float> angle_a_, angle_b_;
+  std::vector<uint8_t> keep_;
+  std::vector<uint8_t> taken_;    // features that have a map point
+  std::vector<uint8_t> in_view_;  // for each local point
+  std::vector<MapPointId> matched_;
+  std::vector<uint32_t> matched_mark_;  // by point slot: the epoch in which it was matched before the search
+  uint32_t matched_epoch_ = 0;
+  PoseObservations observations_;
+  std::vector<int32_t> observed_feature_;
+  std::vector<uint8_t> inlier_;
+};
+
+}  // namespace covis

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+// The steps that find a frame's pose: motion model, reference key frame, local map, recovery (ORB-SLAM, V-B to V-D).
+#include <algorithm>
+
+#include "covis/core/time.h"
+#include "covis/geometry/pnp.h"
+#include "covis/matching/descriptor_match.h"
+#include "covis/slam/point_geometry.h"
+#include "covis/slam/tracker.h"
+
+namespace covis {
+
+// Points of the last frame's own depth, for one frame only: the map may have few yet.
+void Tracker::add_temporary_points() {
+  if (monocular()) return;
+  const SE3 T_wl = last_.T_cw.inverse();
+  for (const uint32_t i : features_by_depth(last_)) {
+    if (last_.known[i] == kMapPoint) continue;
+    last_.known[i] = kTemporary;
+    last_.positions[i] = T_wl * unproject_depth(*last_.features, i);
+  }
+}
+
+bool Tracker::track_by_motion(TrackResult& result) {
+  const Stopwatch watch;
+  const TrackerOptions& o = options_.tracker;
+  add_temporary_points();
+  current_.T_cw = (velocity_ * last_.T_cw).normalized();
+  const double window = options_.sensor == Sensor::stereo ? o.motion_window_stereo : o.motion_window;
+  int matches = search_last_frame(window);
+  if (matches < o.motion_min_matches) matches = search_last_frame(2 * window);
+  result.predicted_matches = matches;
+  bool ok = matches >= o.motion_min_matches;
+  if (!ok) {
+    result.reason = "too few matches with the last frame";
+  } else if (optimize() < o.motion_min_inliers) {
+    result.reason = "too few matches with the last frame agree on a pose";
+    ok = false;
+  }
+  if (ok) result.method = TrackMethod::motion_model;
+  result.motion_ms += watch.ms();
+  return ok;
+}
+
+int Tracker::search_last_frame(double window) {
+  const Features& from = *last_.features;
+  const Features& to = *current_.features;
+  const Pinhole& camera = to.camera;
+  // Moving along the optical axis by more than the base line, a point can only be found at levels finer or coarser than
+  // before.
+  const double forward = (last_.T_cw * current_.T_cw.centre()).z();
+  const bool ahead = !monocular() && forward > camera.baseline();
+  const bool back = !monocular() && -forward > camera.baseline();
+  const int top = to.pyramid->levels - 1;
+  queries_.clear();
+  query_source_.clear();
+  for (size_t i = 0; i < last_.known.size(); ++i) {
+    if (!last_.known[i]) continue;
+    const Eigen::Vector3d p_c = current_.T_cw * last_.positions[i];
+    if (!(p_c.z() > 0)) continue;
+    const Eigen::Vector2f pixel = camera.project(p_c).cast<float>();
+    if (!to.grid.bounds.contains(pixel.x(), pixel.y())) continue;
+    const int level = from.level[i];
+    const float u_right = camera.bf > 0 ? static_cast<float>(pixel.x() - camera.bf / p_c.z()) : -1.0f;
+    queries_.push_back({pixel.x(), pixel.y(), u_right,
+                        static_cast<float>(window) * to.pyramid->scale[static_cast<size_t>(level)],
+                        ahead  ? level
+                        : back ? 0
+                               : level - 1,
+                        ahead  ? top
+                        : back ? level
+                               : level + 1,
+                        &from.descriptor[i]});
+    query_source_.push_back(static_cast<int32_t>(i));
+  }
+  matcher_.match(to, queries_, {}, {.max_distance = kHammingHigh}, match_);
+
+  angle_a_.clear();
+  angle_b_.clear();
+  matched_query_.clear();
+  for (size_t q = 0; q < match_.size(); ++q) {
+    if (match_[q] < 0) continue;
+    angle_a_.push_back(from.angle[static_cast<size_t>(query_source_[q])]);
+    angle_b_.push_back(to.angle[static_cast<size_t>(match_[q])]);
+    matched_query_.push_back(static_cast<int32_t>(q));
+  }
+  keep_.assign(matched_query_.size(), 1);
+  const int kept = check_rotation(angle_a_, angle_b_, keep_);
+  std::fill(current_.known.begin(), current_.known.end(), kNone);
+  std::fill(current_.points.begin(), current_.points.end(), MapPointId{});
+  for (size_t k = 0; k < keep_.size(); ++k) {
+    if (!keep_[k]) continue;
+    const auto q = static_cast<size_t>(matched_query_[k]);
+    const auto source = static_cast<size_t>(query_source_[q]);
+    set_match(static_cast<size_t>(match_[q]), last_.points[source], last_.positions[source], last_.known[source]);
+  }
+  return kept;
+}
+
+void Tracker::set_match(size_t feature, MapPointId point, const Eigen::Vector3d& position_w, uint8_t known) {
+  current_.points[feature] = point;
+  current_.positions[feature] = position_w;
+  current_.known[feature] = known;
+}
+
+int Tracker::match_key_frame(const KeyFrameView& view, double ratio) {
+  std::vector<uint8_t> use(view.points.size());
+  for (size_t i = 0; i < use.size(); ++i) use[i] = view.points[i].valid();
+  const auto matches = match_descriptors(*current_.features, {}, *view.features, use,
+                                         {.max_distance = kHammingLow, .ratio = static_cast<float>(ratio)});
+  std::fill(current_.known.begin(), current_.known.end(), kNone);
+  std::fill(current_.points.begin(), current_.points.end(), MapPointId{});
+  for (const FeatureMatch& m : matches) {
+    const auto b = static_cast<size_t>(m.b);
+    set_match(static_cast<size_t>(m.a), view.points[b], view.positions[b], kMapPoint);
+  }
+  return static_cast<int>(matches.size());
+}
+
+bool Tracker::track_by_reference(TrackResult& result) {
+  const Stopwatch watch;
+  const TrackerOptions& o = options_.tracker;
+  bool ok = false;
+  if (!local_map_.reference.features) {
+    result.reason = "no reference key frame";
+  } else {
+    result.predicted_matches = match_key_frame(local_map_.reference, o.reference_ratio);
+    current_.T_cw = last_.T_cw;
+    if (result.predicted_matches < o.reference_min_matches) {
+      result.reason = "too few matches with the reference key frame";
+    } else if (optimize() < o.motion_min_inliers) {
+      result.reason = "too few matches with the reference key frame agree on a pose";
+    } else {
+      ok = true;
+      result.method = TrackMethod::reference_key_frame;
+    }
+  }
+  result.motion_ms += watch.ms();
+  return ok;
+}
+
+bool Tracker::track_local_map(TrackResult& result, bool map_is_live) {
+  const TrackerOptions& o = options_.tracker;
+  Stopwatch watch;
+  if (map_is_live) {
+    matched_.clear();
+    for (size_t i = 0; i < current_.known.size(); ++i) {
+      if (current_.known[i] == kMapPoint) matched_.push_back(current_.points[i]);
+    }
+    local_map_.update(*map_.read(), matched_, reference_, o.local_key_frames);
+  }
+  result.local_update_ms += watch.ms();
+  watch.restart();
+  const bool recovered_lately = current_.stamp - last_recovery_ < from_seconds(1.0);
+  const double factor = recovered_lately ? 5.0 : options_.sensor == Sensor::rgbd ? o.local_window_rgbd : 1.0;
+  result.local_in_view = search_local_map(factor);
+  result.local_points = local_map_.size();
+  result.local_search_ms += watch.ms();
+  watch.restart();
+  result.inliers = optimize();
+  result.pose_ms += watch.ms();
+  if (result.inliers >= (recovered_lately ? o.min_inliers_recovered : o.min_inliers)) return true;
+  result.reason = "too few points of the map agree on a pose";
+  return false;
+}
+
+int Tracker::search_local_map(double window_factor) {
+  const TrackerOptions& o = options_.tracker;
+  const Features& f = *current_.features;
+  const Eigen::Vector3d centre = current_.T_cw.centre();
+  ++matched_epoch_;
+  taken_.assign(current_.known.size(), 0);
+  for (size_t i = 0; i < current_.known.size(); ++i) {
+    taken_[i] = current_.known[i] == kMapPoint;
+    if (!taken_[i]) continue;
+    const uint32_t slot = current_.points[i].slot;
+    if (slot >= matched_mark_.size()) matched_mark_.resize(slot + slot / 2 + 256);
+    matched_mark_[slot] = matched_epoch_;
+  }
+  queries_.clear();
+  query_source_.clear();
+  const auto n = static_cast<size_t>(local_map_.size());
+  in_view_.assign(n, 0);
+  int in_view = 0;
+  for (size_t k = 0; k < n; ++k) {
+    const uint32_t slot = local_map_.id[k].slot;
+    if (slot < matched_mark_.size() && matched_mark_[slot] == matched_epoch_) {
+      in_view_[k] = 1;
+      ++in_view;
+      continue;
+    }
+    const auto view = predict_view({{local_map_.px[k], local_map_.py[k], local_map_.pz[k]},
+                                    {local_map_.nx[k], local_map_.ny[k], local_map_.nz[k]},
+                                    local_map_.d_min[k],
+                                    local_map_.d_max[k]},
+                                   current_.T_cw, centre, f);
+    if (!view) continue;
+    in_view_[k] = 1;
+    ++in_view;
+    const double base = view->cosine > 0.998f ? o.local_window_frontal : o.local_window;
+    const auto radius = static_cast<float>(base * window_factor) * f.pyramid->scale[static_cast<size_t>(view->level)];
+    queries_.push_back(
+        {view->u, view->v, view->u_right, radius, view->level - 1, view->level, &local_map_.descriptor[k]});
+    query_source_.push_back(static_cast<int32_t>(k));
+  }
+  matcher_.match(f, queries_, taken_, {.max_distance = kHammingHigh, .ratio = static_cast<float>(o.local_ratio)},
+                 match_);
+  for (size_t q = 0; q < match_.size(); ++q) {
+    if (match_[q] < 0) continue;
+    const auto k = static_cast<size_t>(query_source_[q]);
+    set_match(static_cast<size_t>(match_[q]), local_map_.id[k], {local_map_.px[k], local_map_.py[k], local_map_.pz[k]},
+              kMapPoint);
+  }
+  return in_view;
+}
+
+// Tries the key frames the camera may be at: the reference, its neighbours, and a few of the others in turn.
+bool Tracker::recover(TrackResult& result, bool map_is_live) {
+  constexpr int kNeighbours = 5, kOthers = 5;
+  const Stopwatch watch;
+  bool found = false;
+  if (!map_is_live) {
+    found = local_map_.reference.features && recover_from(local_map_.reference, result, map_is_live);
+  } else {
+    std::vector<KeyFrameId> candidates;
+    {
+      const auto map = map_.read();
+      const auto add = [&](KeyFrameId id) {
+        if (std::find(candidates.begin(), candidates.end(), id) == candidates.end()) candidates.push_back(id);
+      };
+      if (const auto resolved = map->resolve(reference_)) {
+        add(resolved->key_frame);
+        for (const Neighbour& n : map->best_neighbours(resolved->key_frame, kNeighbours)) add(n.key_frame);
+      }
+      const std::vector<KeyFrameId> all = map->key_frames();
+      for (int k = 0; k < kOthers && !all.empty(); ++k) add(all[recovery_cursor_++ % all.size()]);
+    }
+    KeyFrameView view;
+    for (const KeyFrameId& candidate : candidates) {
+      {
+        const auto map = map_.read();
+        if (!map->find(candidate)) continue;
+        view.copy(*map, candidate);
+      }
+      if ((found = recover_from(view, result, map_is_live))) break;
+    }
+  }
+  result.motion_ms += watch.ms();
+  if (found) {
+    last_recovery_ = current_.stamp;
+    result.method = TrackMethod::recovered;
+  } else if (state_ == TrackState::lost) {
+    result.reason = "lost: the view matches no key frame tried";
+  }
+  return found;
+}
+
+bool Tracker::recover_from(const KeyFrameView& view, TrackResult& result, bool map_is_live) {
+  constexpr double kRatio = 0.75;
+  constexpr int kMinPose = 10;  // inliers after which a search by projection is worth it
+  const TrackerOptions& o = options_.tracker;
+  if (match_key_frame(view, kRatio) < o.reference_min_matches) return false;
+
+  const Features& f = *current_.features;
+  PnpProblem problem;
+  std::vector<size_t> feature;
+  for (size_t i = 0; i < current_.known.size(); ++i) {
+    if (!current_.known[i]) continue;
+    problem.add(current_.positions[i], f.camera.unproject(f.x[i], f.y[i]), f.pyramid->sigma2[f.level[i]]);
+    feature.push_back(i);
+  }
+  const auto pose =
+      ransac_pnp(problem, f.camera, static_cast<uint64_t>(options_.seed) + static_cast<uint64_t>(current_.index));
+  if (!pose) return false;
+  current_.T_cw = pose->T_cw;
+  for (size_t k = 0; k < feature.size(); ++k) {
+    if (!pose->inlier[k]) set_match(feature[k], {}, {}, kNone);
+  }
+  if (optimize() < kMinPose) return false;
+  // Twice: the second search starts from a better pose.
+  for (int round = 0; round < 2; ++round) {
+    if (map_is_live) {
+      matched_.clear();
+      for (size_t i = 0; i < current_.known.size(); ++i) {
+        if (current_.known[i] == kMapPoint) matched_.push_back(current_.points[i]);
+      }
+      local_map_.update(*map_.read(), matched_, view.id, o.local_key_frames);
+    }
+    result.local_in_view = search_local_map(round == 0 ? 5.0 : 2.0);
+    result.local_points = local_map_.size();
+    result.inliers = optimize();
+    if (result.inliers >= o.min_inliers_recovered) return true;
+    if (result.inliers < kMinPose) return false;
+  }
+  return false;
+}
+
+}  // namespace covis
