@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # libcovis: one shared library of the core modules with the public API of include/covis, installed so that
 # find_package(covis) gives covis::covis. Nothing of Eigen or Highway is in its interface.
+# It shares tl::expected, which is a header alone.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -12,7 +13,7 @@ set(core_modules core geometry features map matching optimization slam api)
 foreach(module ${core_modules})
   target_sources(covis_library PRIVATE $<TARGET_OBJECTS:covis_${module}>)
 endforeach()
-target_link_libraries(covis_library PRIVATE covis_flags PkgConfig::HWY Threads::Threads)
+target_link_libraries(covis_library PUBLIC tl::expected PRIVATE covis_flags PkgConfig::HWY Threads::Threads)
 target_link_options(covis_library PRIVATE LINKER:--as-needed)
 if(NOT COVIS_SANITIZE)
   target_link_options(covis_library PRIVATE LINKER:--no-undefined)
@@ -26,9 +27,9 @@ set_target_properties(covis_library PROPERTIES
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/covis)
 install(TARGETS covis_library EXPORT covis COMPONENT library
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT library)
-install(EXPORT covis NAMESPACE covis:: FILE covisConfig.cmake DESTINATION ${config_dir} COMPONENT library)
+install(EXPORT covis NAMESPACE covis:: FILE covisTargets.cmake DESTINATION ${config_dir} COMPONENT library)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/covisConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/covisConfigVersion.cmake DESTINATION ${config_dir} COMPONENT library)
+install(FILES ${PROJECT_SOURCE_DIR}/cmake/covisConfig.cmake ${PROJECT_BINARY_DIR}/covisConfigVersion.cmake DESTINATION ${config_dir} COMPONENT library)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/covis ${PROJECT_BINARY_DIR}/include/covis
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT library FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/NOTICE
