@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// Procedural painting of textures: a grey float image measured in metres, with anti-aliased shapes, noise at chosen
+// scales, lettering and soft shadows. Origin top left, x right, y down. Tones run from 0 (black) to 255 (white).
+// Noise: value noise (lattice of hashed values, smooth interpolation), summed over octaves.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace covis::synth {
+
+class Canvas {
+ public:
+  // Size in metres, pixels a metre, first tone. Sides are rounded up to whole pixels and kept within [4, 4096] pixels.
+  Canvas(double width, double height, double pixels_per_metre, double tone);
+
+  double width() const { return width_; }
+  double height() const { return height_; }
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  const std::vector<float>& pixels() const { return pixels_; }
+
+  // Covers what lies where distance(x, y) < 0 (signed distance in metres), within a box, by `tone` with opacity
+  // `alpha`.
+  template <class Distance>
+  void paint(double x0, double y0, double x1, double y1, double tone, double alpha, Distance&& distance) {
+    each_pixel(x0, y0, x1, y1, [&](double x, double y, float& v) {
+      const double cover = std::clamp(0.5 - distance(x, y) * scale_, 0.0, 1.0) * alpha;
+      v += static_cast<float>(cover) * (static_cast<float>(tone) - v);
+    });
+  }
+  // Calls edit(x, y, value&) for the pixels of a box.
+  template <class Edit>
+  void each_pixel(double x0, double y0, double x1, double y1, Edit&& edit) {
+    const int c0 = std::max(0, static_cast<int>(std::floor(x0 * x_scale_ - 1))),
+              c1 = std::min(columns_, static_cast<int>(std::ceil(x1 * x_scale_ + 1)));
+    const int r0 = std::max(0, static_cast<int>(std::floor(y0 * y_scale_ - 1))),
+              r1 = std::min(rows_, static_cast<int>(std::ceil(y1 * y_scale_ + 1)));
+    for (int r = r0; r < r1; ++r) {
+      for (int c = c0; c < c1; ++c) {
+        edit((c + 0.5) / x_scale_, (r + 0.5) / y_scale_,
+             pixels_[static_cast<size_t>(r) * static_cast<size_t>(columns_) + static_cast<size_t>(c)]);
+      }
+    }
+  }
+
+  void rect(double x0, double y0, double x1, double y1, double tone, double alpha = 1);
+  // An outline of the given line width, inside the box.
+  void frame(double x0, double y0, double x1, double y1, double line, double tone, double alpha = 1);
+  void disc(double x, double y, double radius, double tone, double alpha = 1);
+  void ellipse(double x, double y, double rx, double ry, double tone, double alpha = 1);
+  void line(double x0, double y0, double x1, double y1, double width, double tone, double alpha = 1);
+  void triangle(const double (&x)[3], const double (&y)[3], double tone, double alpha = 1);
+  // Capital letters and digits, `height` metres high; others are spaces. Returns the width written.
+  double text(double x, double y, double height, std::string_view letters, double tone);
+
+  // Adds value noise with lattice cells of cell_x by cell_y metres and the given amplitude (greatest change of tone).
+  void noise(double cell_x, double cell_y, double amplitude, uint64_t seed);
+  // Octaves of noise, each half the cell and `gain` times the amplitude of the one before.
+  void fractal(double cell, double amplitude, int octaves, double gain, uint64_t seed);
+  // Independent noise for each pixel.
+  void grain(double amplitude, uint64_t seed);
+  // Small round spots, `count` a square metre.
+  void spots(double count, double radius_min, double radius_max, double tone, double alpha, uint64_t seed);
+  // Darkens (strength > 0) a box with edges that fade over `soft` metres on both sides.
+  void shadow(double x0, double y0, double x1, double y1, double soft, double strength);
+  // Darkens towards the edges of the canvas: ambient occlusion of a wall, floor or ceiling.
+  void darken_edges(double reach, double strength);
+  void clamp_tones(double low, double high);
+
+ private:
+  double width_, height_, scale_, x_scale_, y_scale_;
+  int columns_, rows_;
+  std::vector<float> pixels_;
+};
+
+}  // namespace covis::synth

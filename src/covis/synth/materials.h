@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Procedural materials and printed things, painted on canvases. Every call draws its own from the random numbers given,
+// so no two walls, posters or books look the same. Sizes in metres, `ppm` pixels a metre.
+#pragma once
+
+#include <string>
+
+#include "covis/core/random.h"
+#include "covis/synth/canvas.h"
+
+namespace covis::synth {
+
+// Surfaces.
+Canvas plaster(Random& random, double w, double h, double ppm, double tone);    // painted wall, with stains and repairs
+Canvas wallpaper(Random& random, double w, double h, double ppm, double tone);  // printed ornaments that vary
+Canvas bricks(Random& random, double w, double h, double ppm, double tone);
+Canvas planks(Random& random, double w, double h, double ppm, double tone,
+              double plank);  // boards along x, `plank` wide
+Canvas tiles(Random& random, double w, double h, double ppm, double tone, double tile);
+Canvas carpet(Random& random, double w, double h, double ppm, double tone);
+Canvas fabric(Random& random, double w, double h, double ppm, double tone);
+Canvas ceiling_panels(Random& random, double w, double h, double ppm, double panel);
+
+// Things.
+Canvas poster(Random& random, double w, double h, double ppm);
+Canvas book_row(Random& random, double w, double h, double ppm);  // spines side by side
+Canvas book_cover(Random& random, double w, double h, double ppm);
+Canvas door(Random& random, double w, double h, double ppm);
+Canvas view_outside(Random& random, double w, double h, double ppm);  // what is seen through a window
+Canvas drawers(Random& random, double w, double h, double ppm, int columns, int rows);
+Canvas cardboard(Random& random, double w, double h, double ppm);
+Canvas notice_board(Random& random, double w, double h, double ppm);
+Canvas whiteboard(Random& random, double w, double h, double ppm);
+Canvas screen(Random& random, double w, double h, double ppm);
+Canvas keyboard(Random& random, double w, double h, double ppm);
+Canvas clock_face(Random& random, double size, double ppm);
+Canvas leaves(Random& random, double w, double h, double ppm);
+Canvas label(Random& random, double w, double h, double ppm);
+
+// A made-up word of capital letters.
+std::string made_up_word(Random& random, int length);
+
+}  // namespace covis::synth

@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/synth/renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+namespace covis::synth {
+namespace {
+
+constexpr uint32_t kNone = 0;   // no polygon; visible polygon k is number k + 1
+constexpr int kBandRows = 24;   // image rows shaded at a time, so that the z-buffer stays in the cache
+constexpr double kNear = 0.03;  // metres
+constexpr int kMaxCorners = 16;
+constexpr int kMaxTaps = 6;        // look-ups along the longer axis of a pixel's footprint
+constexpr float kLodBias = -0.2f;  // slightly sharper than the footprint: bilinear look-ups blur by themselves
+
+// Binary logarithm, exact at powers of two and at most 0.09 too small between.
+float fast_log2(float x) {
+  const uint32_t bits = std::bit_cast<uint32_t>(x);
+  const float mantissa = std::bit_cast<float>((bits & 0x007fffffu) | 0x3f800000u);
+  return static_cast<float>(static_cast<int>(bits >> 23) - 127) + mantissa - 1;
+}
+
+}  // namespace
+
+Result<Renderer> Renderer::create(const Camera& camera) {
+  Renderer r;
+  r.camera_ = camera;
+  r.distorted_ = camera.distortion != Distortion::none;
+  const Pinhole& k = camera.pinhole;
+  r.pixel_x_ = static_cast<float>(1 / k.fx);
+  r.pixel_y_ = static_cast<float>(1 / k.fy);
+  const size_t pixels = static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height);
+  r.ray_x_.resize(pixels);
+  r.ray_y_.resize(pixels);
+  const int sample_columns = 2 * camera.width + 1, sample_rows = 2 * camera.height + 1;
+  const auto ray_of = [&](double u, double v) -> std::optional<Eigen::Vector2d> {
+    if (!r.distorted_) return Eigen::Vector2d((u - k.cx) / k.fx, (v - k.cy) / k.fy);
+    const auto ray = camera.unproject({u, v});
+    if (!ray || ray->z() < 0.1) return std::nullopt;
+    return Eigen::Vector2d(ray->x() / ray->z(), ray->y() / ray->z());
+  };
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const auto ray = ray_of(x, y);
+      if (!ray)
+        return fail("the lens distortion cannot be inverted at pixel " + std::to_string(x) + ", " + std::to_string(y));
+      const size_t i = static_cast<size_t>(y) * static_cast<size_t>(camera.width) + static_cast<size_t>(x);
+      r.ray_x_[i] = static_cast<float>(ray->x());
+      r.ray_y_[i] = static_cast<float>(ray->y());
+    }
+  }
+  if (!r.distorted_) {
+    r.columns_ = sample_columns;
+    r.rows_ = sample_rows;
+    r.origin_x_ = 2 * k.cx + 1;
+    r.origin_y_ = 2 * k.cy + 1;
+    return r;
+  }
+  // The pinhole image that holds every ray of the distorted one.
+  std::vector<Eigen::Vector2d> rays;
+  Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
+  for (int j = 0; j < sample_rows; ++j) {
+    for (int i = 0; i < sample_columns; ++i) {
+      const auto ray = ray_of(0.5 * (i - 1), 0.5 * (j - 1));
+      if (!ray) return fail("the lens distortion cannot be inverted at the edge of the image");
+      rays.push_back(*ray);
+      low = low.cwiseMin(*ray);
+      high = high.cwiseMax(*ray);
+    }
+  }
+  r.origin_x_ = 1 - std::floor(2 * k.fx * low.x());
+  r.origin_y_ = 1 - std::floor(2 * k.fy * low.y());
+  r.columns_ = static_cast<int>(std::ceil(2 * k.fx * high.x() + r.origin_x_)) + 2;
+  r.rows_ = static_cast<int>(std::ceil(2 * k.fy * high.y() + r.origin_y_)) + 2;
+  if (r.columns_ > 8 * camera.width || r.rows_ > 8 * camera.height)
+    return fail("the lens distortion is too strong to render");
+  for (const Eigen::Vector2d& ray : rays) {
+    const int column = static_cast<int>(std::lround(2 * k.fx * ray.x() + r.origin_x_));
+    const int row = static_cast<int>(std::lround(2 * k.fy * ray.y() + r.origin_y_));
+    r.sample_of_.push_back(row * r.columns_ + column);
+  }
+  for (int begin = 0; begin < camera.height; begin += kBandRows) {
+    const int end = std::min(begin + kBandRows, camera.height);
+    int first = r.rows_, last = 0;
+    for (int s = 2 * begin * sample_columns; s < (2 * end + 1) * sample_columns; ++s) {
+      const int row = r.sample_of_[static_cast<size_t>(s)] / r.columns_;
+      first = std::min(first, row);
+      last = std::max(last, row);
+    }
+    r.band_row_begin_.push_back(first);
+    r.band_row_end_.push_back(last + 1);
+  }
+  return r;
+}
+
+void Renderer::render(const Scene& scene, const SE3& T_wc, ImageF& tone, ImageF& depth) {
+  tone.resize(camera_.width, camera_.height);
+  depth.resize(camera_.width, camera_.height);
+  detail_ = &scene.textures[0];
+  collect(scene, T_wc);
+  const int sample_columns = 2 * camera_.width + 1;
+  for (int begin = 0, band = 0; begin < camera_.height; begin += kBandRows, ++band) {
+    const int end = std::min(begin + kBandRows, camera_.height);
+    const uint32_t* ids = nullptr;
+    if (distorted_) {
+      const int first = band_row_begin_[static_cast<size_t>(band)];
+      rasterise(first, band_row_end_[static_cast<size_t>(band)]);
+      warped_.resize(static_cast<size_t>(sample_columns) * static_cast<size_t>(2 * (end - begin) + 1));
+      const int32_t* from = sample_of_.data() + static_cast<ptrdiff_t>(2 * begin) * sample_columns;
+      for (size_t i = 0; i < warped_.size(); ++i) warped_[i] = id_[static_cast<size_t>(from[i] - first * columns_)];
+      ids = warped_.data();
+    } else {
+      rasterise(2 * begin, 2 * end + 1);
+      ids = id_.data();
+    }
+    for (int y = begin; y < end; ++y) {
+      const uint32_t* above = ids + static_cast<ptrdiff_t>(2 * (y - begin)) * sample_columns;
+      shade_row(y, above, above + sample_columns, above + 2 * sample_columns, tone.row(y), depth.row(y));
+    }
+  }
+}
+
+void Renderer::collect(const Scene& scene, const SE3& T_wc) {
+  visible_.clear();
+  edges_.clear();
+  order_.clear();
+  const SE3 T_cw = T_wc.inverse();
+  for (const Polygon& polygon : scene.polygons) {
+    const double side = polygon.normal.dot(T_wc.t()) - polygon.offset;
+    if (std::abs(side) < 1e-6 || (side < 0 && !polygon.two_sided)) continue;
+    const double z = (T_cw.R().row(2) * polygon.centre)(0) + T_cw.t().z();
+    if (z + polygon.radius < kNear) continue;
+    if (add_visible(scene, polygon, T_cw))
+      order_.emplace_back(-visible_.back().w_max, static_cast<int>(visible_.size()) - 1);
+  }
+  std::sort(order_.begin(), order_.end());
+}
+
+bool Renderer::add_visible(const Scene& scene, const Polygon& polygon, const SE3& T_cw) {
+  std::array<Vector3d, kMaxCorners> points, clipped;
+  const int corners = std::min(polygon.count, kMaxCorners - 1);
+  bool in_front = true;
+  for (int i = 0; i < corners; ++i) {
+    points[static_cast<size_t>(i)] = T_cw * scene.vertices[static_cast<size_t>(polygon.first + i)];
+    in_front = in_front && points[static_cast<size_t>(i)].z() >= kNear;
+  }
+  int count = corners;
+  const Vector3d* outline = points.data();
+  if (!in_front) {  // cut off what lies behind the near plane
+    count = 0;
+    for (int i = 0; i < corners; ++i) {
+      const Vector3d& a = points[static_cast<size_t>(i)];
+      const Vector3d& b = points[static_cast<size_t>((i + 1) % corners)];
+      if (a.z() >= kNear) clipped[static_cast<size_t>(count++)] = a;
+      if ((a.z() >= kNear) != (b.z() >= kNear)) {
+        clipped[static_cast<size_t>(count++)] = a + (kNear - a.z()) / (b.z() - a.z()) * (b - a);
+      }
+    }
+    if (count < 3) return false;
+    outline = clipped.data();
+  }
+  Visible v;
+  if (!add_outline(outline, count, v)) return false;
+
+  const Vector3d n = T_cw.R() * polygon.normal;
+  const double d = n.dot(points[0]);
+  const Vector3d w = n / d, u = T_cw.R() * polygon.u_w, t = T_cw.R() * polygon.v_w;
+  // p_w = R_wc (p_c - t_cw), so u = u_w . p_w + u_0 has this constant part over camera coordinates.
+  const Vector3d uw = u + (polygon.u_0 - u.dot(T_cw.t())) * w, vw = t + (polygon.v_0 - t.dot(T_cw.t())) * w;
+  const auto set = [](const Vector3d& from, float& x, float& y, float& one) {
+    x = static_cast<float>(from.x());
+    y = static_cast<float>(from.y());
+    one = static_cast<float>(from.z());
+  };
+  set(w, v.w_x, v.w_y, v.w_1);
+  set(uw, v.u_x, v.u_y, v.u_1);
+  set(vw, v.v_x, v.v_y, v.v_1);
+  v.plane_x = w.x() / (2 * camera_.pinhole.fx);
+  v.plane_y = w.y() / (2 * camera_.pinhole.fy);
+  v.plane_1 = w.z() - v.plane_x * origin_x_ - v.plane_y * origin_y_;
+  v.texture = &scene.textures[static_cast<size_t>(polygon.texture)];
+  v.gain = polygon.gain;
+  v.detail = polygon.detail / 128;
+  v.detail_u = polygon.detail_u;
+  v.detail_v = polygon.detail_v;
+  v.sky = polygon.sky;
+  visible_.push_back(v);
+  return true;
+}
+
+bool Renderer::add_outline(const Vector3d* points, int count, Visible& visible) {
+  std::array<Eigen::Vector2d, kMaxCorners> at;
+  Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
+  double z_min = 1e9, z_max = 0, area = 0;
+  for (int i = 0; i < count; ++i) {
+    const Vector3d& p = points[i];
+    Eigen::Vector2d& s = at[static_cast<size_t>(i)];
+    s = {2 * camera_.pinhole.fx * p.x() / p.z() + origin_x_, 2 * camera_.pinhole.fy * p.y() / p.z() + origin_y_};
+    low = low.cwiseMin(s);
+    high = high.cwiseMax(s);
+    z_min = std::min(z_min, p.z());
+    z_max = std::max(z_max, p.z());
+  }
+  if (high.x() < 0 || high.y() < 0 || low.x() > columns_ - 1 || low.y() > rows_ - 1) return false;
+  visible.row_begin = static_cast<int>(std::ceil(std::max(low.y(), 0.0)));
+  visible.row_end = static_cast<int>(std::floor(std::min(high.y(), rows_ - 1.0))) + 1;
+  if (visible.row_begin >= visible.row_end) return false;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector2d &a = at[static_cast<size_t>(i)], &b = at[static_cast<size_t>((i + 1) % count)];
+    area += a.x() * b.y() - a.y() * b.x();
+  }
+  const double inside = area > 0 ? 1 : -1;
+  visible.first_edge = static_cast<int>(edges_.size());
+  visible.edges = count;
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector2d &a = at[static_cast<size_t>(i)], &b = at[static_cast<size_t>((i + 1) % count)];
+    const double dy = b.y() - a.y();
+    // A level edge bounds no row's columns: the rows between row_begin and row_end are the ones it leaves.
+    Edge edge{0, 0, 0};
+    if (std::abs(dy) > 1e-9) {
+      edge.slope = (b.x() - a.x()) / dy;
+      edge.at = a.x() - edge.slope * a.y();
+      edge.kind = dy * inside < 0 ? 1 : -1;
+    }
+    edges_.push_back(edge);
+  }
+  visible.w_min = static_cast<float>(1 / z_max);
+  visible.w_max = static_cast<float>(1 / z_min);
+  return true;
+}
+
+void Renderer::rasterise(int row_begin, int row_end) {
+  const size_t samples = static_cast<size_t>(row_end - row_begin) * static_cast<size_t>(columns_);
+  z_.assign(samples, 0.0f);
+  id_.assign(samples, kNone);
+  for (const auto& [key, index] : order_) {
+    const Visible& v = visible_[static_cast<size_t>(index)];
+    const int first = std::max(v.row_begin, row_begin), last = std::min(v.row_end, row_end);
+    const uint32_t number = static_cast<uint32_t>(index) + 1;
+    for (int row = first; row < last; ++row) {
+      double low = 0, high = columns_;
+      for (int e = 0; e < v.edges; ++e) {
+        const Edge& edge = edges_[static_cast<size_t>(v.first_edge + e)];
+        const double x = edge.slope * row + edge.at;
+        if (edge.kind == 1) low = std::max(low, x);
+        if (edge.kind == -1) high = std::min(high, x);
+      }
+      // Samples on a shared edge belong to the polygon on its right.
+      const int begin = static_cast<int>(std::ceil(low)), end = static_cast<int>(std::ceil(high));
+      if (begin >= end) continue;
+      const size_t base =
+          static_cast<size_t>(row - row_begin) * static_cast<size_t>(columns_) + static_cast<size_t>(begin);
+      float* z = z_.data() + base;
+      uint32_t* id = id_.data() + base;
+      const float w_0 = static_cast<float>(v.plane_1 + v.plane_y * row + v.plane_x * begin);
+      const float w_x = static_cast<float>(v.plane_x);
+      for (int i = 0; i < end - begin; ++i) {
+        const float w = w_0 + w_x * static_cast<float>(i);
+        const bool nearer = w > z[i];
+        z[i] = nearer ? w : z[i];
+        id[i] = nearer ? number : id[i];
+      }
+    }
+  }
+}
+
+void Renderer::shade_row(int y, const uint32_t* above, const uint32_t* middle, const uint32_t* below, float* tone,
+                         float* depth) {
+  const int width = camera_.width, sample_columns = 2 * width + 1;
+  uniform_.resize(static_cast<size_t>(sample_columns));
+  for (int i = 0; i < sample_columns; ++i) {
+    uniform_[static_cast<size_t>(i)] = above[i] == middle[i] && below[i] == middle[i];
+  }
+  const float* ray_x = ray_x_.data() + static_cast<ptrdiff_t>(y) * width;
+  const float* ray_y = ray_y_.data() + static_cast<ptrdiff_t>(y) * width;
+  const uint32_t* rows[3] = {above, middle, below};
+  for (int x = 0; x < width; ++x) {
+    const int i = 2 * x;
+    const uint32_t id = middle[i + 1];
+    const uint8_t* same = uniform_.data() + i;
+    const bool inside = (same[0] & same[1] & same[2]) && middle[i] == id && middle[i + 2] == id;
+    if (id == kNone) {
+      depth[x] = 0;
+    } else {
+      const Visible& v = visible_[id - 1];
+      const float w = std::clamp(v.w_x * ray_x[x] + v.w_y * ray_y[x] + v.w_1, v.w_min, v.w_max);
+      depth[x] = v.sky ? 0 : 1 / w;
+    }
+    if (inside) {
+      tone[x] = id == kNone ? 0 : shade(visible_[id - 1], ray_x[x], ray_y[x]);
+    } else {
+      tone[x] = shade_edge(rows, x, y);
+    }
+  }
+}
+
+float Renderer::shade_edge(const uint32_t* const (&rows)[3], int x, int y) const {
+  // The polygons under the 3 x 3 samples, each shaded once, at the mean place of its samples.
+  struct Part {
+    uint32_t id;
+    float weight, x, y;
+  };
+  std::array<Part, 9> parts;
+  size_t count = 0;
+  float total = 0;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) {
+      const uint32_t id = rows[r][2 * x + c];
+      if (id == kNone) continue;
+      const float weight = (r == 1 ? 2.0f : 1.0f) * (c == 1 ? 2.0f : 1.0f);
+      size_t p = 0;
+      while (p < count && parts[p].id != id) ++p;
+      if (p == count) parts[count++] = {id, 0, 0, 0};
+      parts[p].weight += weight;
+      parts[p].x += weight * 0.5f * static_cast<float>(c - 1);
+      parts[p].y += weight * 0.5f * static_cast<float>(r - 1);
+      total += weight;
+    }
+  }
+  if (count == 0) return 0;
+  const Eigen::Vector2f centre = ray(x, y);
+  float sum = 0;
+  for (size_t p = 0; p < count; ++p) {
+    const Part& part = parts[p];
+    sum += part.weight * shade(visible_[part.id - 1], centre.x() + part.x / part.weight * pixel_x_,
+                               centre.y() + part.y / part.weight * pixel_y_);
+  }
+  return sum / total;
+}
+
+float Renderer::shade(const Visible& v, float x, float y) const {
+  const float w = std::clamp(v.w_x * x + v.w_y * y + v.w_1, v.w_min, v.w_max);
+  const float z = 1 / w;
+  const float u = (v.u_x * x + v.u_y * y + v.u_1) * z;
+  const float t = (v.v_x * x + v.v_y * y + v.v_1) * z;
+  // The pixel's footprint in texels of level 0.
+  const float columns = v.texture->columns(), rows = v.texture->rows();
+  const float zx = z * pixel_x_, zy = z * pixel_y_;
+  const float ux = (v.u_x - u * v.w_x) * zx, uy = (v.u_y - u * v.w_y) * zy;
+  const float vx = (v.v_x - t * v.w_x) * zx, vy = (v.v_y - t * v.w_y) * zy;
+  const float along_x = ux * columns * (ux * columns) + vx * rows * (vx * rows);
+  const float along_y = uy * columns * (uy * columns) + vy * rows * (vy * rows);
+  const float area = std::abs(ux * vy - uy * vx) * columns * rows;
+  const bool x_longer = along_x > along_y;
+  const float longest2 = std::max(along_x, along_y) + 1e-12f;
+  const float aspect = longest2 / (area + 1e-12f);  // longer over shorter axis
+  const int taps = std::clamp(static_cast<int>(aspect + 0.5f), 1, kMaxTaps);
+  const float lod = 0.5f * fast_log2(longest2) - (taps > 1 ? fast_log2(static_cast<float>(taps)) : 0.0f) + kLodBias;
+  float value = 0;
+  if (taps == 1) {
+    value = v.texture->sample(u, t, lod);
+  } else {
+    const float du = (x_longer ? ux : uy) / static_cast<float>(taps),
+                dv = (x_longer ? vx : vy) / static_cast<float>(taps);
+    float at = -0.5f * static_cast<float>(taps - 1);
+    for (int i = 0; i < taps; ++i, at += 1) value += v.texture->sample(u + at * du, t + at * dv, lod);
+    value /= static_cast<float>(taps);
+  }
+  if (v.detail > 0) {
+    const Texture& detail = *detail_;
+    // Fine detail fades out by itself where a pixel covers much of it.
+    const float detail_lod = lod + fast_log2(detail.columns() * v.detail_u / columns);
+    if (detail_lod < 5) value *= 1 + v.detail * (detail.sample(u * v.detail_u, t * v.detail_v, detail_lod) - 128);
+  }
+  return value * v.gain;
+}
+
+}  // namespace covis::synth

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/synth/texture.h"
+
+namespace covis::synth {
+namespace {
+
+// Halves one dimension by area: output i covers [i, i + 1) * (size / half) of the input, so that odd sizes stay in
+// place. `step` is the distance between neighbours, `lines` the number of lines, `line` the distance between lines.
+std::vector<float> halve(const std::vector<float>& in, int size, int lines, bool along_rows) {
+  const int half = (size + 1) / 2;
+  std::vector<float> out(static_cast<size_t>(half) * static_cast<size_t>(lines));
+  const double ratio = static_cast<double>(size) / half;
+  for (int i = 0; i < half; ++i) {
+    const double begin = i * ratio, end = std::min<double>((i + 1) * ratio, size);
+    const int first = static_cast<int>(begin), last = std::min(size - 1, static_cast<int>(std::ceil(end - 1e-9)) - 1);
+    float weight[3] = {0, 0, 0};
+    for (int k = first; k <= last; ++k) {
+      weight[k - first] =
+          static_cast<float>((std::min<double>(k + 1, end) - std::max<double>(k, begin)) / (end - begin));
+    }
+    for (int l = 0; l < lines; ++l) {
+      float sum = 0;
+      for (int k = first; k <= last; ++k) {
+        const int at = along_rows ? l * size + k : k * lines + l;
+        sum += weight[k - first] * in[static_cast<size_t>(at)];
+      }
+      out[static_cast<size_t>(along_rows ? l * half + i : i * lines + l)] = sum;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Texture::Texture(const Canvas& canvas) {
+  int columns = canvas.columns(), rows = canvas.rows();
+  append_level(canvas.pixels(), columns, rows);
+  std::vector<float> values;
+  while (columns > 1 || rows > 1) {
+    const std::vector<float>& from = values.empty() ? canvas.pixels() : values;
+    std::vector<float> narrow = halve(from, columns, rows, true);
+    columns = (columns + 1) / 2;
+    values = halve(narrow, rows, columns, false);
+    rows = (rows + 1) / 2;
+    append_level(values, columns, rows);
+  }
+  max_lod_ = static_cast<float>(levels_.size() - 1);
+}
+
+void Texture::append_level(const std::vector<float>& values, int columns, int rows) {
+  const int stride = columns + 3;  // one repeated texel before, two after: u = 1 rounds up to the last but one
+  levels_.push_back({static_cast<float>(columns), static_cast<float>(rows), stride, texels_.size()});
+  for (int y = -1; y < rows + 2; ++y) {
+    const int row = std::clamp(y, 0, rows - 1) * columns;
+    for (int x = -1; x < columns + 2; ++x) {
+      const float v = values[static_cast<size_t>(row + std::clamp(x, 0, columns - 1))];
+      texels_.push_back(static_cast<uint8_t>(std::clamp(v, 0.0f, 255.0f) + 0.5f));
+    }
+  }
+}
+
+}  // namespace covis::synth
