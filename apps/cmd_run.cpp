@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+// covis run: a recording or a camera in, a trajectory and a map out.
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <mutex>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "covis/core/fields.h"
+#include "covis/core/log.h"
+#include "covis/io/config.h"
+#include "covis/io/sequence.h"
+#include "covis/slam/system.h"
+#include "run_session.h"
+
+namespace covis::app {
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+// The first Ctrl-C asks the run to end well, the second ends the process.
+void on_interrupt(int signal) {
+  interrupted = 1;
+  std::signal(signal, SIG_DFL);
+}
+
+struct RunArguments {
+  std::string path;
+  std::string out = "out";
+  std::string sensor, kind, camera, config, format = "tum";
+  std::vector<std::string> settings;
+  int features = 0;
+  int64_t first = 0, count = -1;
+  int stride = 1;
+  bool realtime = false, quiet = false, json = false, dump_config = false;
+};
+
+const std::map<std::string, Sensor> kSensors{{"mono", Sensor::monocular}, {"stereo", Sensor::stereo}, {"rgbd", Sensor::rgbd}};
+const std::map<std::string, io::SequenceKind> kKinds{{"tum", io::SequenceKind::tum},       {"kitti", io::SequenceKind::kitti},
+                                                     {"euroc", io::SequenceKind::euroc},   {"images", io::SequenceKind::images},
+                                                     {"video", io::SequenceKind::video},   {"camera", io::SequenceKind::camera}};
+const std::map<std::string, io::TrajectoryFormat> kFormats{{"tum", io::TrajectoryFormat::tum},
+                                                           {"kitti", io::TrajectoryFormat::kitti},
+                                                           {"euroc", io::TrajectoryFormat::euroc}};
+
+template <class Value>
+std::vector<std::string> keys(const std::map<std::string, Value>& map) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : map) names.push_back(name);
+  return names;
+}
+
+int fail_with(const std::string& message) {
+  log(LogLevel::error, message);
+  return 1;
+}
+
+// A line that renews itself, on a terminal only.
+class Progress {
+ public:
+  Progress(bool quiet, int64_t total) : shown_(!quiet && isatty(STDERR_FILENO)), total_(total) {}
+  ~Progress() {
+    if (shown_) std::fputs("\n", stderr);
+  }
+
+  void show(const FrameStats& frame, size_t done, size_t key_frames, size_t points) {
+    if (!shown_ || (since_.ms() < 100 && static_cast<int64_t>(done) != total_)) return;
+    since_.restart();
+    const double seconds = all_.ms() / 1000;
+    const double rate = static_cast<double>(done) / std::max(seconds, 1e-3);
+    std::fprintf(stderr, "\r\033[Kframe %zu", done);
+    if (total_ > 0) std::fprintf(stderr, "/%lld", static_cast<long long>(total_));
+    std::fprintf(stderr, "  %.1f fps  %s  %zu key frames  %zu points", rate, frame.state.c_str(), key_frames, points);
+    if (total_ > 0) std::fprintf(stderr, "  %.0f s left", static_cast<double>(total_ - static_cast<int64_t>(done)) / std::max(rate, 1e-3));
+    std::fflush(stderr);
+  }
+
+ private:
+  const bool shown_;
+  const int64_t total_;
+  Stopwatch all_, since_;
+};
+
+// Lets recorded frames come at their own times.
+class Pace {
+ public:
+  // Waits until the frame is due. True when it is late by more than the time to the next one: a camera would have gone on.
+  bool wait_until_due(Timestamp stamp, double frame_seconds) {
+    const auto now = Clock::now();
+    if (!start_) {
+      start_ = now;
+      first_ = stamp;
+    }
+    const auto due = *start_ + std::chrono::nanoseconds(stamp - first_);
+    if (now > due + std::chrono::duration<double>(frame_seconds)) return true;
+    std::unique_lock lock(mutex_);
+    // Nobody notifies: a signal or the due time ends the wait.
+    while (!interrupted && Clock::now() < due) waiting_.wait_until(lock, std::min(due, Clock::now() + std::chrono::milliseconds(100)));
+    return false;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::optional<Clock::time_point> start_;
+  Timestamp first_ = 0;
+  std::mutex mutex_;
+  std::condition_variable waiting_;
+};
+
+FrameStats to_stats(const io::Frame& frame, const FrameReport& report) {
+  const TrackResult& track = report.track;
+  FrameStats stats;
+  stats.frame = frame.index;
+  stats.stamp = frame.stamp;
+  stats.state = name(track.state);
+  stats.reason = track.reason;
+  stats.method = name(track.method);
+  stats.features = track.features;
+  stats.matches = track.predicted_matches;
+  stats.local_points = track.local_points;
+  stats.in_view = track.local_in_view;
+  stats.inliers = track.inliers;
+  stats.key_frame = track.key_frame;
+  stats.timing = report.timing;
+  stats.motion_ms = track.motion_ms;
+  stats.local_update_ms = track.local_update_ms;
+  stats.local_search_ms = track.local_search_ms;
+  stats.pose_ms = track.pose_ms;
+  return stats;
+}
+
+void track_all(io::Sequence& sequence, System& system, const RunArguments& arguments, RunRecord& run) {
+  Progress progress(arguments.quiet, sequence.size());
+  Pace pace;
+  io::Frame frame;
+  int64_t expected = arguments.first;
+  while (!interrupted) {
+    const Stopwatch decode;
+    Result<std::optional<io::Frame>> next = sequence.next(std::move(frame));
+    frame = {};
+    if (!next) {
+      ++run.unreadable_frames;
+      log(LogLevel::warning, next.error().message);
+      FrameStats stats;
+      stats.frame = expected;
+      expected += arguments.stride;
+      stats.state = "unreadable";
+      stats.reason = next.error().message;
+      run.frames.push_back(stats);
+      continue;
+    }
+    if (!*next) break;
+    frame = std::move(**next);
+    expected = frame.index + arguments.stride;
+    const double decode_ms = decode.ms();
+    if (arguments.realtime && sequence.kind() != io::SequenceKind::camera &&
+        pace.wait_until_due(frame.stamp, 1.0 / sequence.frame_rate())) {
+      ++run.late_frames;
+      FrameStats stats;
+      stats.frame = frame.index;
+      stats.stamp = frame.stamp;
+      stats.state = "late";
+      stats.reason = "the next frame was due before this one could be taken";
+      run.frames.push_back(stats);
+      continue;
+    }
+    const FrameReport report = system.process(
+        {.frame = frame.index, .stamp = frame.stamp, .image = frame.image.view(), .right = frame.right.view(), .depth = frame.depth.view()});
+    run.mapping.insert(run.mapping.end(), report.mapping.begin(), report.mapping.end());
+    FrameStats stats = to_stats(frame, report);
+    stats.decode_ms = decode_ms;
+    run.frames.push_back(std::move(stats));
+    const auto map = system.map().read();
+    progress.show(run.frames.back(), run.frames.size(), map->key_frame_count(), map->point_count());
+  }
+  const std::vector<MappingReport> rest = system.finish();
+  run.mapping.insert(run.mapping.end(), rest.begin(), rest.end());
+}
+
+Result<void> apply_settings(const RunArguments& arguments, const Fields& known) {
+  if (!arguments.config.empty()) {
+    if (auto loaded = io::load_settings(arguments.config, known); !loaded) return loaded;
+  }
+  for (const std::string& setting : arguments.settings) {
+    const size_t equals = setting.find('=');
+    if (equals == std::string::npos) return fail("--set " + setting + ": it must be NAME=VALUE");
+    if (auto set = set_field(known, setting.substr(0, equals), setting.substr(equals + 1)); !set) return set;
+  }
+  return {};
+}
+
+void print_summary(const nlohmann::json& summary, const std::filesystem::path& out) {
+  std::printf("%lld of %lld frames tracked, %lld key frames, %lld points\n", summary["frames_tracked"].get<long long>(),
+              summary["frames"].get<long long>(), summary["keyframes"].get<long long>(), summary["map_points"].get<long long>());
+  std::printf("tracking %.2f ms a frame (median), %.2f ms (95 %%); %.1f frames/s in all; peak memory %.0f MB\n",
+              summary["tracking_ms"]["median"].get<double>(), summary["tracking_ms"]["p95"].get<double>(),
+              summary["frames_per_second"].get<double>(), summary["peak_rss_mb"].get<double>());
+  if (summary.contains("ate_m")) {
+    std::printf("error (ATE RMSE): %.4f m after %s alignment, over %.1f m\n", summary["ate_m"].get<double>(),
+                summary["ate_alignment"].get<std::string>().c_str(), summary["truth_path_m"].get<double>());
+  }
+  std::printf("written to %s\n", out.string().c_str());
+}
+
+int run(const RunArguments& arguments) {
+  SystemOptions options;
+  const Fields known = fields(options);
+  if (const auto applied = apply_settings(arguments, known); !applied) return fail_with(applied.error().message);
+  if (arguments.features > 0) options.orb.features = arguments.features;
+  options.realtime = options.realtime || arguments.realtime;
+  if (arguments.dump_config) {
+    std::cout << io::dump_settings(known);
+    return 0;
+  }
+  if (arguments.path.empty()) return fail_with("run: PATH is missing: a recording's folder, a video file or a camera's number");
+
+  io::SequenceOptions reading;
+  if (!arguments.sensor.empty()) reading.sensor = kSensors.at(arguments.sensor);
+  if (!arguments.kind.empty()) reading.kind = kKinds.at(arguments.kind);
+  reading.camera_file = arguments.camera;
+  reading.first = arguments.first;
+  reading.count = arguments.count;
+  reading.stride = arguments.stride;
+  auto sequence = io::open_sequence(arguments.path, reading);
+  if (!sequence) return fail_with(sequence.error().message);
+  options.sensor = (*sequence)->sensor();
+
+  std::error_code error;
+  std::filesystem::create_directories(arguments.out, error);
+  if (error) return fail_with(arguments.out + ": the output folder can't be made: " + error.message());
+  if (access(arguments.out.c_str(), W_OK) != 0) return fail_with(arguments.out + ": the output folder can't be written to");
+
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
+  RunRecord record;
+  record.source = (*sequence)->description();
+  record.sensor = options.sensor;
+  if (!arguments.quiet) log(LogLevel::info, record.source);
+  System system((*sequence)->camera(), options);
+  const Stopwatch wall;
+  track_all(**sequence, system, arguments, record);
+  record.wall_seconds = wall.ms() / 1000;
+  record.interrupted = interrupted != 0;
+  if (record.frames.empty()) return fail_with(arguments.path + ": no frame could be read");
+
+  OutputOptions output;
+  output.directory = arguments.out;
+  output.format = kFormats.at(arguments.format);
+  output.title = std::filesystem::path(arguments.path).lexically_normal().filename().string();
+  Trajectory truth;
+  if ((*sequence)->truth()) {
+    if (auto loaded = io::load_truth(**sequence)) {
+      truth = std::move(*loaded);
+      output.truth = &truth;
+    } else {
+      log(LogLevel::warning, loaded.error().message);
+    }
+  }
+  const auto summary = write_outputs(record, system, output);
+  if (!summary) return fail_with(summary.error().message);
+  if (arguments.json) {
+    std::cout << summary->dump(2) << "\n";
+  } else if (!arguments.quiet) {
+    print_summary(*summary, arguments.out);
+  }
+  if (record.interrupted) log(LogLevel::warning, "interrupted; what was done until then is written");
+  return (*summary)["frames_tracked"].get<int64_t>() > 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace covis::app
+
+void add_run_command(CLI::App& app, int& exit_code) {
+  using namespace covis::app;
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* command = app.add_subcommand("run", "Track a recording, a video or a camera, and make a map");
+  command->add_option("PATH", arguments->path, "folder (TUM RGB-D, KITTI, EuRoC, images), video file, or camera number");
+  command->add_option("--sensor", arguments->sensor, "mono, stereo or rgbd (default: the richest the recording allows)")
+      ->check(CLI::IsMember(keys(kSensors)));
+  command->add_option("--camera", arguments->camera, "camera YAML, for what the recording does not say (docs/input.md)");
+  command->add_option("--out", arguments->out, "folder for the results")->capture_default_str();
+  command->add_flag("--realtime", arguments->realtime, "frames come at their own times; late ones are dropped and counted");
+  command->add_option("--kind", arguments->kind, "kind of recording (default: recognised)")->check(CLI::IsMember(keys(kKinds)));
+  command->add_option("--format", arguments->format, "trajectory format: tum, kitti or euroc")
+      ->capture_default_str()
+      ->check(CLI::IsMember(keys(kFormats)));
+  command->add_option("--features", arguments->features, "key points an image (short for --set orb.features=N)")->check(CLI::Range(50, 100000));
+  command->add_option("--config", arguments->config, "settings YAML");
+  command->add_option("--set", arguments->settings, "one setting, NAME=VALUE; may be repeated");
+  command->add_flag("--dump-config", arguments->dump_config, "print all settings with their meaning, and end");
+  command->add_option("--first", arguments->first, "index of the first frame")->check(CLI::NonNegativeNumber);
+  command->add_option("--count", arguments->count, "frames at most");
+  command->add_option("--stride", arguments->stride, "every n-th frame")->check(CLI::PositiveNumber);
+  command->add_flag("--quiet", arguments->quiet, "no progress, no summary");
+  command->add_flag("--json", arguments->json, "the summary as JSON on stdout");
+  command->footer(
+      "Examples:\n"
+      "  covis run rgbd_dataset_freiburg1_desk --out desk\n"
+      "  covis run kitti/sequences/06 --sensor stereo --features 2000 --out kitti06\n"
+      "  covis run video.mp4 --camera phone.yaml --out video\n"
+      "  covis run 0 --camera webcam.yaml --realtime --out live");
+  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}

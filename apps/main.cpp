@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// The covis command. Each subcommand registers itself (cmd_*.cpp) and only parses, calls and prints.
+#include <exception>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "commands.h"
+#include "covis/core/log.h"
+#include "covis/version.h"
+
+namespace {
+
+// The library's messages go to stderr; stdout is for results.
+void connect_log() {
+  auto logger = spdlog::stderr_color_mt("covis");
+  logger->set_pattern("%^%l%$: %v");
+  covis::set_log_sink([logger](covis::LogLevel level, std::string_view message) {
+    static constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::debug, spdlog::level::info, spdlog::level::warn,
+                                                            spdlog::level::err};
+    logger->log(kLevels[static_cast<int>(level)], message);
+  });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  connect_log();
+  CLI::App app{"Covis: visual SLAM for monocular, stereo and RGB-D cameras"};
+  app.set_version_flag("--version", std::string("covis ") + covis::version());
+  app.require_subcommand(1);
+  app.footer("covis COMMAND --help tells more, with examples.\nExit codes: 0 done; 1 the input or the result is not right; 2 wrong usage.");
+  int exit_code = 0;
+  add_run_command(app, exit_code);
+  add_eval_command(app, exit_code);
+  add_check_command(app, exit_code);
+  add_synth_command(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : 2;
+  } catch (const std::exception& error) {
+    covis::log(covis::LogLevel::error, error.what());
+    return 1;
+  }
+  return exit_code;
+}

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run_session.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "covis/eval/evaluation.h"
+#include "covis/eval/report.h"
+#include "covis/io/outputs.h"
+
+namespace covis::app {
+namespace {
+
+using nlohmann::json;
+
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + static_cast<ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+template <class Item, class Value>
+json spread(const std::vector<Item>& items, Value value) {
+  std::vector<double> values;
+  for (const Item& item : items) values.push_back(value(item));
+  return {{"median", quantile(values, 0.5)}, {"p95", quantile(values, 0.95)}};
+}
+
+double peak_rss_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+bool processed(const FrameStats& frame) { return frame.state != "late" && frame.state != "unreadable"; }
+
+json to_json(const FrameStats& f) {
+  json line{{"frame", f.frame}, {"stamp", to_seconds(f.stamp)}, {"state", f.state}, {"reason", f.reason}};
+  if (!processed(f)) return line;
+  line.update({{"method", f.method},
+               {"features", f.features},
+               {"matches", f.matches},
+               {"local_points", f.local_points},
+               {"in_view", f.in_view},
+               {"inliers", f.inliers},
+               {"key_frame", f.key_frame},
+               {"tracking_ms", f.tracking_ms()},
+               {"ms",
+                {{"decode_wait", f.decode_ms},
+                 {"extract", f.timing.extract_ms},
+                 {"depth", f.timing.depth_ms},
+                 {"motion", f.motion_ms},
+                 {"local_update", f.local_update_ms},
+                 {"local_search", f.local_search_ms},
+                 {"pose", f.pose_ms},
+                 {"track", f.timing.track_ms},
+                 {"mapping_wait", f.timing.wait_ms},
+                 {"total", f.timing.total_ms}}}});
+  return line;
+}
+
+std::string stats_text(const RunRecord& run) {
+  std::string text;
+  for (const FrameStats& frame : run.frames) {
+    // A message may quote a file name that is not UTF-8.
+    text += to_json(frame).dump(-1, ' ', false, json::error_handler_t::replace);
+    text += '\n';
+  }
+  return text;
+}
+
+Trajectory to_trajectory(const std::vector<PoseOfFrame>& poses) {
+  Trajectory trajectory;
+  for (const PoseOfFrame& pose : poses) trajectory.push_back({pose.stamp, pose.T_wc});
+  return trajectory;
+}
+
+json stage_times(const RunRecord& run) {
+  std::vector<FrameStats> tracked;
+  for (const FrameStats& f : run.frames) {
+    if (processed(f)) tracked.push_back(f);
+  }
+  const auto stage = [&](auto member) { return spread(tracked, member); };
+  return {{"extract", stage([](const FrameStats& f) { return f.timing.extract_ms; })},
+          {"depth", stage([](const FrameStats& f) { return f.timing.depth_ms; })},
+          {"motion", stage([](const FrameStats& f) { return f.motion_ms; })},
+          {"local_update", stage([](const FrameStats& f) { return f.local_update_ms; })},
+          {"local_search", stage([](const FrameStats& f) { return f.local_search_ms; })},
+          {"pose", stage([](const FrameStats& f) { return f.pose_ms; })},
+          {"mapping_wait", stage([](const FrameStats& f) { return f.timing.wait_ms; })},
+          {"decode_wait", stage([](const FrameStats& f) { return f.decode_ms; })}};
+}
+
+json mapping_times(const RunRecord& run) {
+  const auto stage = [&](auto member) { return spread(run.mapping, member); };
+  return {{"insert", stage([](const MappingReport& m) { return m.insert_ms; })},
+          {"cull_points", stage([](const MappingReport& m) { return m.cull_points_ms; })},
+          {"create", stage([](const MappingReport& m) { return m.create_ms; })},
+          {"fuse", stage([](const MappingReport& m) { return m.fuse_ms; })},
+          {"local_ba", stage([](const MappingReport& m) { return m.ba_ms; })},
+          {"cull_key_frames", stage([](const MappingReport& m) { return m.cull_key_frames_ms; })},
+          {"total", stage([](const MappingReport& m) { return m.total_ms; })}};
+}
+
+// Runs of frames without a pose, each with the reason of its first frame.
+json losses(const RunRecord& run) {
+  json list = json::array();
+  const FrameStats* start = nullptr;
+  int64_t last = 0;
+  const auto close = [&] {
+    if (start) list.push_back({{"first", start->frame}, {"last", last}, {"state", start->state}, {"reason", start->reason}});
+    start = nullptr;
+  };
+  for (const FrameStats& frame : run.frames) {
+    if (frame.state == "tracking" || (start && start->state != frame.state)) close();
+    if (frame.state != "tracking" && !start) start = &frame;
+    last = frame.frame;
+  }
+  close();
+  return list;
+}
+
+json summarise(const RunRecord& run, const System& system) {
+  std::vector<FrameStats> done;
+  for (const FrameStats& f : run.frames) {
+    if (processed(f)) done.push_back(f);
+  }
+  const auto tracked = std::count_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.tracked; });
+  const auto online = std::count_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.online; });
+  const auto first_tracked = std::find_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.online; });
+  const auto map = system.map().read();
+  return {{"source", run.source},
+          {"sensor", sensor_name(run.sensor)},
+          {"frames", run.frames.size()},
+          {"frames_tracked", tracked},
+          {"frames_tracked_online", online},
+          {"first_tracked_frame", first_tracked == system.records().end() ? -1 : first_tracked->frame},
+          {"frames_late", run.late_frames},
+          {"frames_unreadable", run.unreadable_frames},
+          {"interrupted", run.interrupted},
+          {"keyframes", map->key_frame_count()},
+          {"keyframes_made", run.mapping.size()},
+          {"map_points", map->point_count()},
+          {"refused_non_finite", map->refused_non_finite()},
+          {"tracking_ms", spread(done, [](const FrameStats& f) { return f.tracking_ms(); })},
+          {"frame_ms", spread(done, [](const FrameStats& f) { return f.timing.total_ms; })},
+          {"stage_ms", stage_times(run)},
+          {"mapping_ms", mapping_times(run)},
+          {"frames_per_second", static_cast<double>(run.frames.size()) / std::max(run.wall_seconds, 1e-9)},
+          {"wall_s", run.wall_seconds},
+          {"peak_rss_mb", peak_rss_mb()},
+          {"not_tracked", losses(run)}};
+}
+
+}  // namespace
+
+const char* sensor_name(Sensor sensor) {
+  switch (sensor) {
+    case Sensor::monocular: return "mono";
+    case Sensor::stereo: return "stereo";
+    case Sensor::rgbd: return "rgbd";
+  }
+  return "";
+}
+
+}  // namespace covis::app

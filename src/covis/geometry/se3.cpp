@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/geometry/se3.h"
+
+#include <cmath>
+
+namespace covis {
+namespace {
+
+// sin(x)/x, (1 - cos x)/x^2, (x - sin x)/x^3 with their Taylor series near 0.
+struct Coefficients {
+  double a, b, c;
+  explicit Coefficients(double theta2) {
+    if (theta2 < 1e-8) {
+      a = 1 - theta2 / 6;
+      b = 0.5 - theta2 / 24;
+      c = 1.0 / 6 - theta2 / 120;
+    } else {
+      const double theta = std::sqrt(theta2);
+      a = std::sin(theta) / theta;
+      b = (1 - std::cos(theta)) / theta2;
+      c = (1 - a) / theta2;
+    }
+  }
+};
+
+}  // namespace
+
+Eigen::Matrix3d hat(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+Eigen::Matrix3d so3_exp(const Eigen::Vector3d& phi) {
+  const Coefficients k(phi.squaredNorm());
+  const Eigen::Matrix3d w = hat(phi);
+  return Eigen::Matrix3d::Identity() + k.a * w + k.b * w * w;
+}
+
+Eigen::Vector3d so3_log(const Eigen::Matrix3d& R) {
+  Eigen::Quaterniond q(R);
+  q.normalize();
+  if (q.w() < 0) q.coeffs() *= -1;
+  const double n = q.vec().norm();
+  if (n < 1e-10) return 2 * q.vec();
+  return 2 * std::atan2(n, q.w()) / n * q.vec();
+}
+
+SE3 SE3::exp(const Vector6d& xi) {
+  const Eigen::Vector3d rho = xi.head<3>(), phi = xi.tail<3>();
+  const Coefficients k(phi.squaredNorm());
+  const Eigen::Matrix3d w = hat(phi);
+  const Eigen::Matrix3d V = Eigen::Matrix3d::Identity() + k.b * w + k.c * w * w;
+  return {so3_exp(phi), Eigen::Vector3d(V * rho)};
+}
+
+Vector6d SE3::log() const {
+  const Eigen::Vector3d phi = so3_log(R_);
+  const Coefficients k(phi.squaredNorm());
+  const Eigen::Matrix3d w = hat(phi);
+  const Eigen::Matrix3d V = Eigen::Matrix3d::Identity() + k.b * w + k.c * w * w;
+  Vector6d xi;
+  xi << V.partialPivLu().solve(t_), phi;
+  return xi;
+}
+
+Matrix6d SE3::adjoint() const {
+  Matrix6d A = Matrix6d::Zero();
+  A.topLeftCorner<3, 3>() = R_;
+  A.bottomRightCorner<3, 3>() = R_;
+  A.topRightCorner<3, 3>() = hat(t_) * R_;
+  return A;
+}
+
+}  // namespace covis
