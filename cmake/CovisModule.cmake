@@ -25,12 +25,18 @@ endfunction()
 # covis_discover_tests(TARGET LABEL): one ctest entry for each GoogleTest case, labelled LABEL. Cases with "Long" in their
 # name are labelled long as well: the sanitizer runs leave them out.
 function(covis_discover_tests target label)
-  set(environment "ASAN_OPTIONS=detect_stack_use_after_return=1"
-    "UBSAN_OPTIONS=print_stacktrace=1"
-    "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tools/tsan.supp second_deadlock_stack=1")
-  list(JOIN environment "\\;" environment)
-  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST TEST_FILTER "-*Long*" TEST_LIST ${target}_short
-    PROPERTIES LABELS ${label} TIMEOUT 900 ENVIRONMENT "${environment}")
-  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST TEST_FILTER "*Long*" TEST_LIST ${target}_long
-    PROPERTIES LABELS "${label}\\;long" TIMEOUT 900 ENVIRONMENT "${environment}")
+  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 TEST_LIST ${target}_cases
+    PROPERTIES LABELS ${label} TIMEOUT 900)
+  # Lists don't survive gtest_discover_tests' PROPERTIES; they are set by a file that ctest reads after the cases are known.
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/${target}_properties.cmake)
+  file(CONFIGURE OUTPUT ${file} @ONLY CONTENT [=[
+foreach(test IN LISTS @target@_cases)
+  set_tests_properties("${test}" PROPERTIES ENVIRONMENT
+    "UBSAN_OPTIONS=print_stacktrace=1;TSAN_OPTIONS=suppressions=@PROJECT_SOURCE_DIR@/tools/tsan.supp")
+  if(test MATCHES "Long")
+    set_tests_properties("${test}" PROPERTIES LABELS "@label@;long")
+  endif()
+endforeach()
+]=])
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
 endfunction()
