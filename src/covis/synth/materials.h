@@ -37,6 +37,22 @@ Canvas clock_face(Random& random, double size, double ppm);
 Canvas leaves(Random& random, double w, double h, double ppm);
 Canvas label(Random& random, double w, double h, double ppm);
 
+// Out of doors.
+enum class Front { flats, shop, office, warehouse };
+Canvas facade(Random& random, double w, double h, double ppm, Front front, double storey);
+Canvas road(Random& random, double w, double h, double ppm,
+            bool crossing);  // driving along x, centre line in the middle
+Canvas pavement(Random& random, double w, double h, double ppm);
+Canvas grass(Random& random, double w, double h, double ppm);
+Canvas roof(Random& random, double w, double h, double ppm);
+Canvas fence(Random& random, double w, double h, double ppm);
+Canvas clouds(Random& random, double w, double h, double ppm, double bottom,
+              double top);                                       // tones at the bottom and top edge
+Canvas skyline(Random& random, double w, double h, double ppm);  // far houses and trees against the sky's tone
+Canvas car_side(Random& random, double w, double h, double ppm, double paint);
+Canvas car_end(Random& random, double w, double h, double ppm, double paint, bool front);
+Canvas shop_sign(Random& random, double w, double h, double ppm);
+
 // A made-up word of capital letters.
 std::string made_up_word(Random& random, int length);
 

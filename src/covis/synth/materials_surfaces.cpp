@@ -112,16 +112,16 @@ Canvas planks(Random& random, double w, double h, double ppm, double tone, doubl
 Canvas tiles(Random& random, double w, double h, double ppm, double tone, double tile) {
   Canvas c(w, h, ppm, tone - 50);
   const double gap = std::max(0.004, tile * 0.02);
-  const uint32_t pattern = random.below(3);
+  const uint32_t pattern = random.below(5) % 3;
   int row = 0;
   for (double y = 0; y < h; y += tile, ++row) {
     int column = 0;
     for (double x = 0; x < w; x += tile, ++column) {
       double t = tone + random.uniform(-10, 10);
-      if (pattern == 0 && (row + column) % 2) t -= 55;
+      if (pattern == 2 && (row + column) % 2) t -= random.uniform(35, 70);
       if (pattern == 1 && random.below(6) == 0) t -= random.uniform(20, 70);
       c.rect(x + gap, y + gap, x + tile, y + tile, t);
-      if (pattern == 2) {
+      if (pattern == 0) {
         const double m = tile * 0.5, r = tile * random.uniform(0.12, 0.3);
         c.disc(x + m, y + m, r, t - 45);
         if (random.below(3)) c.disc(x + m, y + m, r * 0.5, t + 20);

@@ -64,12 +64,20 @@ Result<void> check_ranges(SynthOptions options) {
   return {};
 }
 
+synth::World make_world(const SynthOptions& options) {
+  const uint64_t seed = static_cast<uint64_t>(options.seed);
+  if (options.world == "corridor") return synth::make_corridor(seed);
+  if (options.world == "desk") return synth::make_desk(seed);
+  if (options.world == "street") return synth::make_street(seed);
+  return synth::make_room(seed);
+}
+
 }  // namespace
 
 Result<Synth> Synth::create(const SynthOptions& given) {
   if (auto ok = check_ranges(given); !ok) return tl::unexpected(ok.error());
   SynthOptions options = given;
-  synth::World world = synth::make_room(static_cast<uint64_t>(options.seed));
+  synth::World world = make_world(options);
   if (options.fps <= 0) options.fps = world.fps;
   if (options.frames <= 0) options.frames = static_cast<int>(std::lround(world.frames * options.fps / world.fps));
   if (options.focal <= 0) options.focal = 0.625 * std::hypot(options.width, options.height);

@@ -18,5 +18,8 @@ struct World {
 };
 
 World make_room(uint64_t seed);
+World make_corridor(uint64_t seed);
+World make_street(uint64_t seed);
+World make_desk(uint64_t seed);
 
 }  // namespace covis::synth
