@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/synth/renderer.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -59,6 +60,12 @@ Result<Renderer> Renderer::create(const Camera& camera) {
     r.origin_y_ = 2 * k.cy + 1;
     return r;
   }
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const float area = std::abs(r.ray_jacobian(x, y).determinant());
+      r.stretch_.push_back(std::sqrt(area / (r.pixel_x_ * r.pixel_y_)));
+    }
+  }
   // The pinhole image that holds every ray of the distorted one.
   std::vector<Eigen::Vector2d> rays;
   Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
@@ -94,6 +101,21 @@ Result<Renderer> Renderer::create(const Camera& camera) {
     r.band_row_end_.push_back(last + 1);
   }
   return r;
+}
+
+Eigen::Matrix2f Renderer::ray_jacobian(int x, int y) const {
+  if (!distorted_) return Eigen::Vector2f(pixel_x_, pixel_y_).asDiagonal();
+  const int x0 = std::max(x - 1, 0), x1 = std::min(x + 1, camera_.width - 1);
+  const int y0 = std::max(y - 1, 0), y1 = std::min(y + 1, camera_.height - 1);
+  Eigen::Matrix2f J;
+  J.col(0) = (ray(x1, y) - ray(x0, y)) / static_cast<float>(x1 - x0);
+  J.col(1) = (ray(x, y1) - ray(x, y0)) / static_cast<float>(y1 - y0);
+  return J;
+}
+
+Eigen::Vector2f Renderer::to_pixels(int x, int y, float ray_dx, float ray_dy) const {
+  if (!distorted_) return {ray_dx / pixel_x_, ray_dy / pixel_y_};
+  return ray_jacobian(x, y).inverse() * Eigen::Vector2f(ray_dx, ray_dy);
 }
 
 void Renderer::render(const Scene& scene, const SE3& T_wc, ImageF& tone, ImageF& depth) {
@@ -290,7 +312,7 @@ void Renderer::shade_row(int y, const uint32_t* above, const uint32_t* middle, c
       depth[x] = v.sky ? 0 : 1 / w;
     }
     if (inside) {
-      tone[x] = id == kNone ? 0 : shade(visible_[id - 1], ray_x[x], ray_y[x]);
+      tone[x] = id == kNone ? 0 : shade(visible_[id - 1], ray_x[x], ray_y[x], stretch(x, y));
     } else {
       tone[x] = shade_edge(rows, x, y);
     }
@@ -322,23 +344,24 @@ float Renderer::shade_edge(const uint32_t* const (&rows)[3], int x, int y) const
   }
   if (count == 0) return 0;
   const Eigen::Vector2f centre = ray(x, y);
+  const float scale = stretch(x, y);
   float sum = 0;
   for (size_t p = 0; p < count; ++p) {
     const Part& part = parts[p];
-    sum += part.weight * shade(visible_[part.id - 1], centre.x() + part.x / part.weight * pixel_x_,
-                               centre.y() + part.y / part.weight * pixel_y_);
+    sum += part.weight * shade(visible_[part.id - 1], centre.x() + part.x / part.weight * scale * pixel_x_,
+                               centre.y() + part.y / part.weight * scale * pixel_y_, scale);
   }
   return sum / total;
 }
 
-float Renderer::shade(const Visible& v, float x, float y) const {
+float Renderer::shade(const Visible& v, float x, float y, float scale) const {
   const float w = std::clamp(v.w_x * x + v.w_y * y + v.w_1, v.w_min, v.w_max);
   const float z = 1 / w;
   const float u = (v.u_x * x + v.u_y * y + v.u_1) * z;
   const float t = (v.v_x * x + v.v_y * y + v.v_1) * z;
   // The pixel's footprint in texels of level 0.
   const float columns = v.texture->columns(), rows = v.texture->rows();
-  const float zx = z * pixel_x_, zy = z * pixel_y_;
+  const float zx = z * scale * pixel_x_, zy = z * scale * pixel_y_;
   const float ux = (v.u_x - u * v.w_x) * zx, uy = (v.u_y - u * v.w_y) * zy;
   const float vx = (v.v_x - t * v.w_x) * zx, vy = (v.v_y - t * v.w_y) * zy;
   const float along_x = ux * columns * (ux * columns) + vx * rows * (vx * rows);

@@ -33,6 +33,14 @@ class Renderer {
     return {ray_x_[static_cast<size_t>(y * camera_.width + x)], ray_y_[static_cast<size_t>(y * camera_.width + x)]};
   }
 
+  // Size of a pixel at the middle of the image in ray units, 1 / f.
+  float pixel_size() const { return pixel_x_; }
+  // A small step (of x / z and y / z) of the ray through pixel (x, y), in pixels.
+  Eigen::Vector2f to_pixels(int x, int y, float ray_dx, float ray_dy) const;
+
+  // d (x / z, y / z) / d pixel, at a pixel.
+  Eigen::Matrix2f ray_jacobian(int x, int y) const;
+
  private:
   // A polygon in the frame: its plane and texture map as functions linear in the ray r = (x, y, 1), and its outline in
   // z-buffer samples.
@@ -61,7 +69,8 @@ class Renderer {
   void rasterise(int row_begin, int row_end);
   void shade_row(int y, const uint32_t* above, const uint32_t* middle, const uint32_t* below, float* tone,
                  float* depth);
-  float shade(const Visible& visible, float x, float y) const;
+  float shade(const Visible& visible, float x, float y, float scale) const;
+  float stretch(int x, int y) const { return distorted_ ? stretch_[static_cast<size_t>(y * camera_.width + x)] : 1; }
   float shade_edge(const uint32_t* const (&rows)[3], int x, int y) const;
 
   Camera camera_;
@@ -70,6 +79,7 @@ class Renderer {
   int columns_ = 0, rows_ = 0;                             // z-buffer samples
   double sample_scale_ = 2, origin_x_ = 0, origin_y_ = 0;  // sample = scale * f * ray + origin
   std::vector<float> ray_x_, ray_y_;                       // of each pixel
+  std::vector<float> stretch_;                             // distorted: size of each pixel in ray units, times f
   std::vector<int32_t> sample_of_;  // distorted: z-buffer row * columns + column of each of the image's own samples
   std::vector<int> band_row_begin_, band_row_end_;  // distorted: z-buffer rows each band needs
 

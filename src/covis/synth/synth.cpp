@@ -4,10 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "covis/core/random.h"
 #include "covis/synth/renderer.h"
+#include "covis/synth/sensor_effects.h"
 #include "covis/synth/world.h"
 
 namespace covis {
+
+namespace {
+// Stages of hash_seed.
+enum Stage : uint64_t { kLens = 11, kExposure, kNoise, kRightNoise, kDepthNoise };
+}  // namespace
 
 struct Synth::State {
   SynthOptions options;
@@ -15,7 +22,11 @@ struct Synth::State {
   Camera camera;
   synth::World world;
   synth::Renderer renderer;
-  ImageF tone, depth;
+  synth::Film film;
+  ImageF tone, depth, scratch;
+
+  // The picture of the camera that sits at T_camera in the frame of the left one; leaves its depth in `depth`.
+  void take(double seconds, const SE3& T_camera, Stage noise_stage, int frame, ImageU8& image);
 };
 
 Fields fields(SynthOptions& o) {
@@ -46,22 +57,43 @@ const std::vector<std::string>& synth_worlds() {
 
 namespace {
 
-Result<void> check_ranges(SynthOptions options) {
-  for (const Field& field : fields(options)) {
-    double value = 0;
-    if (const auto* i = std::get_if<int*>(&field.value)) {
-      value = **i;
-    } else if (const auto* d = std::get_if<double*>(&field.value)) {
-      value = **d;
-    } else {
-      continue;
-    }
-    if (!(value >= field.min && value <= field.max)) {
-      return fail(field.name + " is " + std::to_string(value) + "; it must be from " + std::to_string(field.min) +
-                  " to " + std::to_string(field.max));
-    }
+constexpr double kVirtualBaseline = 0.08;  // metres, of RGB-D
+
+Result<Sensor> check(SynthOptions& options) {
+  for (const Field& field : fields(options)) {  // setting a field to its own value checks its range
+    if (auto ok = set_field(fields(options), field.name, field_text(field)); !ok) return tl::unexpected(ok.error());
   }
-  return {};
+  const auto& worlds = synth_worlds();
+  if (std::find(worlds.begin(), worlds.end(), options.world) == worlds.end()) {
+    return fail("there is no world '" + options.world + "'; did you mean '" + nearest_name(options.world, worlds) +
+                "'? There are room, corridor, street and desk");
+  }
+  if (options.sensor == "stereo" && options.distortion > 0) {
+    return fail("synth.distortion is " + std::to_string(options.distortion) +
+                ", but stereo pairs are rendered rectified; leave it at 0, or take the sensor mono or rgbd");
+  }
+  if (options.sensor == "mono") return Sensor::monocular;
+  if (options.sensor == "stereo") return Sensor::stereo;
+  if (options.sensor == "rgbd") return Sensor::rgbd;
+  return fail("there is no sensor '" + options.sensor + "'; did you mean '" +
+              nearest_name(options.sensor, {"mono", "stereo", "rgbd"}) + "'? There are mono, stereo and rgbd");
+}
+
+Camera make_camera(const SynthOptions& o, Sensor sensor) {
+  Camera camera;
+  camera.width = o.width;
+  camera.height = o.height;
+  camera.pinhole = {o.focal, o.focal, 0.5 * (o.width - 1), 0.5 * (o.height - 1), 0};
+  if (sensor == Sensor::stereo) camera.pinhole.bf = o.focal * o.baseline;
+  if (sensor == Sensor::rgbd) camera.pinhole.bf = o.focal * kVirtualBaseline;
+  if (o.distortion > 0) {
+    Random random(hash_seed(static_cast<uint64_t>(o.seed), kLens));
+    const double s = o.distortion;
+    camera.distortion = Distortion::brown_conrady;
+    camera.coefficients = {-0.25 * s * random.uniform(0.93, 1.07), 0.08 * s * random.uniform(0.93, 1.07),
+                           0.0008 * s * random.uniform(-1, 1), 0.0008 * s * random.uniform(-1, 1), 0};
+  }
+  return camera;
 }
 
 synth::World make_world(const SynthOptions& options) {
@@ -75,26 +107,22 @@ synth::World make_world(const SynthOptions& options) {
 }  // namespace
 
 Result<Synth> Synth::create(const SynthOptions& given) {
-  if (auto ok = check_ranges(given); !ok) return tl::unexpected(ok.error());
   SynthOptions options = given;
+  const auto sensor = check(options);
+  if (!sensor) return tl::unexpected(sensor.error());
   synth::World world = make_world(options);
   if (options.fps <= 0) options.fps = world.fps;
   if (options.frames <= 0) options.frames = static_cast<int>(std::lround(world.frames * options.fps / world.fps));
   if (options.focal <= 0) options.focal = 0.625 * std::hypot(options.width, options.height);
   if (options.baseline <= 0) options.baseline = world.baseline;
-  const Sensor sensor = options.sensor == "stereo" ? Sensor::stereo
-                        : options.sensor == "mono" ? Sensor::monocular
-                                                   : Sensor::rgbd;
-  Camera camera;
-  camera.width = options.width;
-  camera.height = options.height;
-  camera.pinhole = {options.focal, options.focal, 0.5 * (options.width - 1), 0.5 * (options.height - 1), 0};
-  if (sensor == Sensor::stereo) camera.pinhole.bf = options.focal * options.baseline;
-  if (sensor == Sensor::rgbd) camera.pinhole.bf = options.focal * 0.08;
+  const Camera camera = make_camera(options, *sensor);
   auto renderer = synth::Renderer::create(camera);
-  if (!renderer) return tl::unexpected(renderer.error());
-  return Synth(
-      std::unique_ptr<State>(new State{options, sensor, camera, std::move(world), std::move(*renderer), {}, {}}));
+  if (!renderer) {
+    return fail(renderer.error().message + "; take a synth.distortion below " + std::to_string(options.distortion) +
+                " or a longer synth.focal");
+  }
+  return Synth(std::unique_ptr<State>(
+      new State{options, *sensor, camera, std::move(world), std::move(*renderer), {}, {}, {}, {}}));
 }
 
 Synth::Synth(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -106,30 +134,35 @@ const SynthOptions& Synth::options() const { return state_->options; }
 Sensor Synth::sensor() const { return state_->sensor; }
 int Synth::frames() const { return state_->options.frames; }
 const Camera& Synth::camera() const { return state_->camera; }
-SE3 Synth::T_wc(int i) const { return state_->world.path.at(i / state_->options.fps).T_wc(); }
-Timestamp Synth::stamp(int i) const { return from_seconds(i / state_->options.fps); }
+SE3 Synth::T_wc(int i) const { return state_->world.path.at(to_seconds(stamp(i))).T_wc(); }
+Timestamp Synth::stamp(int i) const { return 1000 * std::llround(1e6 * i / state_->options.fps); }
+
+void Synth::State::take(double seconds, const SE3& T_camera, Stage noise_stage, int frame, ImageU8& image) {
+  const auto pose = [&](double t) { return world.path.at(t).T_wc() * T_camera; };
+  const SE3 T_wc = pose(seconds);
+  renderer.render(world.scene, T_wc, tone, depth);
+  if (options.blur > 0) {
+    const double half = 0.0005 * options.blur;
+    const SE3 T_cw = T_wc.inverse();
+    synth::blur_motion(renderer, depth, T_cw * pose(seconds - half), T_cw * pose(seconds + half), tone, scratch);
+  }
+  const uint64_t seed = static_cast<uint64_t>(options.seed);
+  const double gain =
+      options.exposure > 0 ? synth::exposure_gain(options.exposure, hash_seed(seed, kExposure), seconds) : 1;
+  film.develop(tone, gain, options.noise, hash_seed(seed, noise_stage, static_cast<uint64_t>(frame)), image);
+}
 
 void Synth::render(int i, ImageU8& left, ImageU8* right, ImageF* depth) {
   State& s = *state_;
-  const SE3 pose = T_wc(i);
-  const auto develop = [&](ImageU8& image) {
-    image.resize(s.camera.width, s.camera.height);
-    for (int y = 0; y < s.camera.height; ++y) {
-      const float* from = s.tone.row(y);
-      uint8_t* to = image.row(y);
-      for (int x = 0; x < s.camera.width; ++x) to[x] = static_cast<uint8_t>(std::clamp(from[x] + 0.5f, 0.0f, 255.0f));
-    }
-  };
-  if (right) {
-    s.renderer.render(s.world.scene, pose * SE3(Eigen::Matrix3d::Identity(), {s.options.baseline, 0, 0}), s.tone,
-                      s.depth);
-    develop(*right);
-  }
-  s.renderer.render(s.world.scene, pose, s.tone, s.depth);
-  develop(left);
-  if (depth) {
-    depth->resize(s.camera.width, s.camera.height);
-    for (int y = 0; y < s.camera.height; ++y) std::copy_n(s.depth.row(y), s.camera.width, depth->row(y));
+  const double seconds = to_seconds(stamp(i));
+  if (right) s.take(seconds, SE3(Eigen::Matrix3d::Identity(), {s.options.baseline, 0, 0}), kRightNoise, i, *right);
+  s.take(seconds, SE3(), kNoise, i, left);
+  if (!depth) return;
+  depth->resize(s.camera.width, s.camera.height);
+  for (int y = 0; y < s.camera.height; ++y) std::copy_n(s.depth.row(y), s.camera.width, depth->row(y));
+  if (s.options.depth_noise > 0) {
+    const uint64_t seed = hash_seed(static_cast<uint64_t>(s.options.seed), kDepthNoise, static_cast<uint64_t>(i));
+    synth::disturb_depth(s.renderer, s.options.depth_noise, seed, *depth, s.scratch);
   }
 }
 

@@ -59,7 +59,7 @@ class Synth {
   // Of the left image; bf is set for stereo (the base line) and RGB-D (a virtual one of 0.08 m), 0 for monocular.
   const Camera& camera() const;
   SE3 T_wc(int i) const;         // camera to world, exact, at the middle of the exposure
-  Timestamp stamp(int i) const;  // i / fps
+  Timestamp stamp(int i) const;  // i / fps, in whole microseconds
   // The image; for `right`, if asked for, the image of the stereo pair's other camera; for `depth`, if asked for,
   // z-depth in metres (0: none), registered to the left image. Frames may be rendered in any order, with the same
   // result.
