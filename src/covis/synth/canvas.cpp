@@ -64,9 +64,11 @@ void Canvas::disc(double x, double y, double radius, double tone, double alpha) 
 }
 
 void Canvas::ellipse(double cx, double cy, double rx, double ry, double tone, double alpha) {
-  const double r = std::min(rx, ry);
-  paint(cx - rx, cy - ry, cx + rx, cy + ry, tone, alpha,
-        [=](double x, double y) { return (std::hypot((x - cx) / rx, (y - cy) / ry) - 1) * r; });
+  const double r = std::min(rx, ry), inverse_x = 1 / rx, inverse_y = 1 / ry;
+  paint(cx - rx, cy - ry, cx + rx, cy + ry, tone, alpha, [=](double x, double y) {
+    const double dx = (x - cx) * inverse_x, dy = (y - cy) * inverse_y;
+    return (std::sqrt(dx * dx + dy * dy) - 1) * r;
+  });
 }
 
 void Canvas::line(double x0, double y0, double x1, double y1, double width, double tone, double alpha) {
@@ -74,23 +76,27 @@ void Canvas::line(double x0, double y0, double x1, double y1, double width, doub
   paint(std::min(x0, x1) - h, std::min(y0, y1) - h, std::max(x0, x1) + h, std::max(y0, y1) + h, tone, alpha,
         [=](double x, double y) {
           const double t = std::clamp(((x - x0) * dx + (y - y0) * dy) / length2, 0.0, 1.0);
-          return std::hypot(x - x0 - t * dx, y - y0 - t * dy) - h;
+          const double ex = x - x0 - t * dx, ey = y - y0 - t * dy;
+          return std::sqrt(ex * ex + ey * ey) - h;
         });
 }
 
 void Canvas::triangle(const double (&px)[3], const double (&py)[3], double tone, double alpha) {
   const double area = (px[1] - px[0]) * (py[2] - py[0]) - (px[2] - px[0]) * (py[1] - py[0]);
-  const double sign = area > 0 ? 1 : -1;
-  paint(*std::min_element(px, px + 3), *std::min_element(py, py + 3), *std::max_element(px, px + 3),
-        *std::max_element(py, py + 3), tone, alpha, [&](double x, double y) {
-          double distance = -1e9;
-          for (int i = 0; i < 3; ++i) {
-            const int k = (i + 1) % 3;
-            const double ex = px[k] - px[i], ey = py[k] - py[i];
-            distance = std::max(distance, -sign * (ex * (y - py[i]) - ey * (x - px[i])) / (std::hypot(ex, ey) + 1e-12));
-          }
-          return distance;
-        });
+  double nx[3], ny[3], at[3];  // each side as nx x + ny y + at = 0, outside positive
+  for (int i = 0; i < 3; ++i) {
+    const int k = (i + 1) % 3;
+    const double ex = px[k] - px[i], ey = py[k] - py[i],
+                 scale = (area > 0 ? 1 : -1) / (std::sqrt(ex * ex + ey * ey) + 1e-12);
+    nx[i] = ey * scale;
+    ny[i] = -ex * scale;
+    at[i] = -nx[i] * px[i] - ny[i] * py[i];
+  }
+  paint(
+      std::min({px[0], px[1], px[2]}), std::min({py[0], py[1], py[2]}), std::max({px[0], px[1], px[2]}),
+      std::max({py[0], py[1], py[2]}), tone, alpha, [&](double x, double y) {
+        return std::max({nx[0] * x + ny[0] * y + at[0], nx[1] * x + ny[1] * y + at[1], nx[2] * x + ny[2] * y + at[2]});
+      });
 }
 
 double Canvas::text(double x, double y, double height, std::string_view letters, double tone) {

@@ -14,7 +14,9 @@ constexpr uint32_t kNone = 0;   // no polygon; visible polygon k is number k + 1
 constexpr int kBandRows = 24;   // image rows shaded at a time, so that the z-buffer stays in the cache
 constexpr double kNear = 0.03;  // metres
 constexpr int kMaxCorners = 16;
-constexpr int kMaxTaps = 6;        // look-ups along the longer axis of a pixel's footprint
+constexpr float kMaxTaps = 6;      // look-ups along the longer axis of a pixel's footprint
+constexpr int kSpan = 64;          // pixels shaded at a time
+constexpr float kDetailLod = 4.5;  // where the fine detail is gone
 constexpr float kLodBias = -0.2f;  // slightly sharper than the footprint: bilinear look-ups blur by themselves
 
 // Binary logarithm, exact at powers of two and at most 0.09 too small between.
@@ -54,6 +56,7 @@ Result<Renderer> Renderer::create(const Camera& camera) {
     }
   }
   if (!r.distorted_) {
+    r.stretch_.assign(kSpan, 1.0f);
     r.columns_ = sample_columns;
     r.rows_ = sample_rows;
     r.origin_x_ = 2 * k.cx + 1;
@@ -62,7 +65,9 @@ Result<Renderer> Renderer::create(const Camera& camera) {
   }
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
-      const float area = std::abs(r.ray_jacobian(x, y).determinant());
+      const Eigen::Matrix2f J = r.ray_jacobian(x, y);
+      const float area = std::abs(J.determinant());
+      r.to_pixels_.push_back(J.inverse());
       r.stretch_.push_back(std::sqrt(area / (r.pixel_x_ * r.pixel_y_)));
     }
   }
@@ -115,7 +120,7 @@ Eigen::Matrix2f Renderer::ray_jacobian(int x, int y) const {
 
 Eigen::Vector2f Renderer::to_pixels(int x, int y, float ray_dx, float ray_dy) const {
   if (!distorted_) return {ray_dx / pixel_x_, ray_dy / pixel_y_};
-  return ray_jacobian(x, y).inverse() * Eigen::Vector2f(ray_dx, ray_dy);
+  return to_pixels_[static_cast<size_t>(y * camera_.width + x)] * Eigen::Vector2f(ray_dx, ray_dy);
 }
 
 void Renderer::render(const Scene& scene, const SE3& T_wc, ImageF& tone, ImageF& depth) {
@@ -299,24 +304,30 @@ void Renderer::shade_row(int y, const uint32_t* above, const uint32_t* middle, c
   const float* ray_x = ray_x_.data() + static_cast<ptrdiff_t>(y) * width;
   const float* ray_y = ray_y_.data() + static_cast<ptrdiff_t>(y) * width;
   const uint32_t* rows[3] = {above, middle, below};
-  for (int x = 0; x < width; ++x) {
-    const int i = 2 * x;
-    const uint32_t id = middle[i + 1];
-    const uint8_t* same = uniform_.data() + i;
-    const bool inside = (same[0] & same[1] & same[2]) && middle[i] == id && middle[i + 2] == id;
-    if (id == kNone) {
-      depth[x] = 0;
-    } else {
-      const Visible& v = visible_[id - 1];
-      const float w = std::clamp(v.w_x * ray_x[x] + v.w_y * ray_y[x] + v.w_1, v.w_min, v.w_max);
-      depth[x] = v.sky ? 0 : 1 / w;
-    }
-    if (inside) {
-      tone[x] = id == kNone ? 0 : shade(visible_[id - 1], ray_x[x], ray_y[x], stretch(x, y));
-    } else {
+  const float* stretch = stretch_.data() + (distorted_ ? static_cast<ptrdiff_t>(y) * width : 0);
+  const auto inside = [&](int x) {
+    const uint8_t* same = uniform_.data() + 2 * x;
+    const uint32_t* id = middle + 2 * x;
+    return (same[0] & same[1] & same[2]) && id[0] == id[1] && id[2] == id[1];
+  };
+  for (int x = 0; x < width;) {
+    const uint32_t id = middle[2 * x + 1];
+    if (id == kNone || !inside(x)) {
       tone[x] = shade_edge(rows, x, y);
+      depth[x] = id == kNone ? 0 : depth_of(visible_[id - 1], ray_x[x], ray_y[x]);
+      ++x;
+      continue;
     }
+    int end = x + 1;
+    while (end < width && end - x < kSpan && middle[2 * end + 1] == id && inside(end)) ++end;
+    const Visible& v = visible_[id - 1];
+    shade(v, ray_x + x, ray_y + x, stretch + (distorted_ ? x : 0), end - x, tone + x);
+    for (; x < end; ++x) depth[x] = depth_of(v, ray_x[x], ray_y[x]);
   }
+}
+
+float Renderer::depth_of(const Visible& v, float x, float y) const {
+  return v.sky ? 0 : 1 / std::min(std::max(v.w_x * x + v.w_y * y + v.w_1, v.w_min), v.w_max);
 }
 
 float Renderer::shade_edge(const uint32_t* const (&rows)[3], int x, int y) const {
@@ -344,51 +355,56 @@ float Renderer::shade_edge(const uint32_t* const (&rows)[3], int x, int y) const
   }
   if (count == 0) return 0;
   const Eigen::Vector2f centre = ray(x, y);
-  const float scale = stretch(x, y);
+  const float scale = distorted_ ? stretch_[static_cast<size_t>(y * camera_.width + x)] : 1;
   float sum = 0;
   for (size_t p = 0; p < count; ++p) {
     const Part& part = parts[p];
-    sum += part.weight * shade(visible_[part.id - 1], centre.x() + part.x / part.weight * scale * pixel_x_,
-                               centre.y() + part.y / part.weight * scale * pixel_y_, scale);
+    const float part_x = centre.x() + part.x / part.weight * scale * pixel_x_,
+                part_y = centre.y() + part.y / part.weight * scale * pixel_y_;
+    float tone;
+    shade(visible_[part.id - 1], &part_x, &part_y, &scale, 1, &tone);
+    sum += part.weight * tone;
   }
   return sum / total;
 }
 
-float Renderer::shade(const Visible& v, float x, float y, float scale) const {
-  const float w = std::clamp(v.w_x * x + v.w_y * y + v.w_1, v.w_min, v.w_max);
-  const float z = 1 / w;
-  const float u = (v.u_x * x + v.u_y * y + v.u_1) * z;
-  const float t = (v.v_x * x + v.v_y * y + v.v_1) * z;
-  // The pixel's footprint in texels of level 0.
+void Renderer::shade(const Visible& v, const float* x, const float* y, const float* scale, int count,
+                     float* tone) const {
+  // First, for all pixels, in loops the compiler turns into SIMD: where their rays meet the plane, and their
+  // footprints.
+  float u[kSpan], t[kSpan], du[kSpan], dv[kSpan], lod[kSpan], taps[kSpan];
   const float columns = v.texture->columns(), rows = v.texture->rows();
-  const float zx = z * scale * pixel_x_, zy = z * scale * pixel_y_;
-  const float ux = (v.u_x - u * v.w_x) * zx, uy = (v.u_y - u * v.w_y) * zy;
-  const float vx = (v.v_x - t * v.w_x) * zx, vy = (v.v_y - t * v.w_y) * zy;
-  const float along_x = ux * columns * (ux * columns) + vx * rows * (vx * rows);
-  const float along_y = uy * columns * (uy * columns) + vy * rows * (vy * rows);
-  const float area = std::abs(ux * vy - uy * vx) * columns * rows;
-  const bool x_longer = along_x > along_y;
-  const float longest2 = std::max(along_x, along_y) + 1e-12f;
-  const float aspect = longest2 / (area + 1e-12f);  // longer over shorter axis
-  const int taps = std::clamp(static_cast<int>(aspect + 0.5f), 1, kMaxTaps);
-  const float lod = 0.5f * fast_log2(longest2) - (taps > 1 ? fast_log2(static_cast<float>(taps)) : 0.0f) + kLodBias;
-  float value = 0;
-  if (taps == 1) {
-    value = v.texture->sample(u, t, lod);
-  } else {
-    const float du = (x_longer ? ux : uy) / static_cast<float>(taps),
-                dv = (x_longer ? vx : vy) / static_cast<float>(taps);
-    float at = -0.5f * static_cast<float>(taps - 1);
-    for (int i = 0; i < taps; ++i, at += 1) value += v.texture->sample(u + at * du, t + at * dv, lod);
-    value /= static_cast<float>(taps);
+  for (int i = 0; i < count; ++i) {
+    const float w = std::min(std::max(v.w_x * x[i] + v.w_y * y[i] + v.w_1, v.w_min), v.w_max);
+    const float z = 1 / w;
+    u[i] = (v.u_x * x[i] + v.u_y * y[i] + v.u_1) * z;
+    t[i] = (v.v_x * x[i] + v.v_y * y[i] + v.v_1) * z;
+    const float zx = z * scale[i] * pixel_x_, zy = z * scale[i] * pixel_y_;
+    const float ux = (v.u_x - u[i] * v.w_x) * zx, uy = (v.u_y - u[i] * v.w_y) * zy;
+    const float vx = (v.v_x - t[i] * v.w_x) * zx, vy = (v.v_y - t[i] * v.w_y) * zy;
+    // In texels of level 0.
+    const float along_x = ux * columns * (ux * columns) + vx * rows * (vx * rows);
+    const float along_y = uy * columns * (uy * columns) + vy * rows * (vy * rows);
+    const float area = std::abs(ux * vy - uy * vx) * columns * rows;
+    const bool x_longer = along_x > along_y;
+    const float longest2 = std::max(along_x, along_y) + 1e-12f;
+    // As many look-ups along the longer axis as it is longer than the other one.
+    const float wanted = std::min(longest2 / (area + 1e-12f), kMaxTaps) + 0.5f;
+    taps[i] = std::max(static_cast<float>(static_cast<int>(wanted)), 1.0f);
+    du[i] = (x_longer ? ux : uy) / taps[i];
+    dv[i] = (x_longer ? vx : vy) / taps[i];
+    lod[i] = 0.5f * fast_log2(longest2 / (taps[i] * taps[i])) + kLodBias;
   }
-  if (v.detail > 0) {
-    const Texture& detail = *detail_;
-    // Fine detail fades out by itself where a pixel covers much of it.
-    const float detail_lod = lod + fast_log2(detail.columns() * v.detail_u / columns);
-    if (detail_lod < 5) value *= 1 + v.detail * (detail.sample(u * v.detail_u, t * v.detail_v, detail_lod) - 128);
+  for (int i = 0; i < count; ++i)
+    tone[i] = v.gain * v.texture->sample(u[i], t[i], du[i], dv[i], static_cast<int>(taps[i]), lod[i]);
+  if (v.detail <= 0) return;
+  const float finer = fast_log2(detail_->columns() * v.detail_u / columns);
+  for (int i = 0; i < count; ++i) {
+    // It fades out where a pixel covers much of it.
+    const float detail_lod = lod[i] + finer, strength = v.detail * std::min(kDetailLod - detail_lod, 1.0f);
+    if (strength <= 0) continue;
+    tone[i] *= 1 + strength * (detail_->sample(u[i] * v.detail_u, t[i] * v.detail_v, 0, 0, 1, detail_lod) - 128);
   }
-  return value * v.gain;
 }
 
 }  // namespace covis::synth

@@ -38,9 +38,6 @@ class Renderer {
   // A small step (of x / z and y / z) of the ray through pixel (x, y), in pixels.
   Eigen::Vector2f to_pixels(int x, int y, float ray_dx, float ray_dy) const;
 
-  // d (x / z, y / z) / d pixel, at a pixel.
-  Eigen::Matrix2f ray_jacobian(int x, int y) const;
-
  private:
   // A polygon in the frame: its plane and texture map as functions linear in the ray r = (x, y, 1), and its outline in
   // z-buffer samples.
@@ -63,14 +60,16 @@ class Renderer {
   };
 
   Renderer() = default;
+  // d (x / z, y / z) / d pixel, at a pixel.
+  Eigen::Matrix2f ray_jacobian(int x, int y) const;
   void collect(const Scene& scene, const SE3& T_wc);
   bool add_visible(const Scene& scene, const Polygon& polygon, const SE3& T_cw);
   bool add_outline(const Vector3d* points, int count, Visible& visible);
   void rasterise(int row_begin, int row_end);
   void shade_row(int y, const uint32_t* above, const uint32_t* middle, const uint32_t* below, float* tone,
                  float* depth);
-  float shade(const Visible& visible, float x, float y, float scale) const;
-  float stretch(int x, int y) const { return distorted_ ? stretch_[static_cast<size_t>(y * camera_.width + x)] : 1; }
+  void shade(const Visible& visible, const float* x, const float* y, const float* scale, int count, float* tone) const;
+  float depth_of(const Visible& visible, float x, float y) const;
   float shade_edge(const uint32_t* const (&rows)[3], int x, int y) const;
 
   Camera camera_;
@@ -79,7 +78,8 @@ class Renderer {
   int columns_ = 0, rows_ = 0;                             // z-buffer samples
   double sample_scale_ = 2, origin_x_ = 0, origin_y_ = 0;  // sample = scale * f * ray + origin
   std::vector<float> ray_x_, ray_y_;                       // of each pixel
-  std::vector<float> stretch_;                             // distorted: size of each pixel in ray units, times f
+  std::vector<Eigen::Matrix2f> to_pixels_;                 // distorted: inverse of ray_jacobian() at each pixel
+  std::vector<float> stretch_;      // size of each pixel in ray units, times f; without distortion one span of ones
   std::vector<int32_t> sample_of_;  // distorted: z-buffer row * columns + column of each of the image's own samples
   std::vector<int> band_row_begin_, band_row_end_;  // distorted: z-buffer rows each band needs
 

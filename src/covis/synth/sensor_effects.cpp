@@ -2,22 +2,36 @@
 #include "covis/synth/sensor_effects.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace covis::synth {
 namespace {
 
-constexpr float kFar = 1e4f;           // metres: as good as infinity for the way a pixel moves
-constexpr int kMaxSteps = 24;          // look-ups along the way
-constexpr size_t kNormals = 1u << 14;  // table of normal numbers
+constexpr float kLeastMotion = 0.3f;  // pixels; less is not seen
+constexpr int kMaxSteps = 24;         // look-ups along the way
+constexpr int kNormalShift = 50;      // of 64 random bits, to an index into the table of normal numbers
 
-float bilinear(const ImageF& image, float x, float y) {
-  x = std::clamp(x, 0.0f, static_cast<float>(image.width() - 1) - 0.001f);
-  y = std::clamp(y, 0.0f, static_cast<float>(image.height() - 1) - 0.001f);
+// Normal numbers to draw from: quick, and many enough for noise.
+const std::vector<float>& normal_table() {
+  static const std::vector<float> table = [] {
+    Random random(hash_seed(0x6e6f697365, 1));
+    std::vector<float> values(size_t{1} << (64 - kNormalShift));
+    for (float& value : values) value = static_cast<float>(random.normal());
+    return values;
+  }();
+  return table;
+}
+
+uint8_t to_byte(float tone) { return static_cast<uint8_t>(std::min(std::max(tone + 0.5f, 0.0f), 255.0f)); }
+
+// (x, y) within the image's middle, one pixel away from its right and lower edges.
+float bilinear(const float* data, ptrdiff_t stride, float x, float y) {
   const int ix = static_cast<int>(x), iy = static_cast<int>(y);
   const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy);
-  const float *a = image.row(iy) + ix, *b = image.row(iy + 1) + ix;
+  const float *a = data + iy * stride + ix, *b = a + stride;
   const float top = a[0] + fx * (a[1] - a[0]), bottom = b[0] + fx * (b[1] - b[0]);
   return top + fy * (bottom - top);
 }
@@ -42,81 +56,84 @@ void blur_motion(const Renderer& renderer, const ImageF& depth, const SE3& T_mid
   const SE3 begin = T_middle_begin.inverse(), end = T_middle_end.inverse();
   const Eigen::Matrix3f R_b = begin.R().cast<float>(), R_e = end.R().cast<float>();
   const Eigen::Vector3f t_b = begin.t().cast<float>(), t_e = end.t().cast<float>();
+  const float limit_x = static_cast<float>(width) - 1.001f, limit_y = static_cast<float>(height) - 1.001f;
   for (int y = 0; y < height; ++y) {
+    const float *z_row = depth.row(y), *from = tone.row(y);
+    float* to = scratch.row(y);
     for (int x = 0; x < width; ++x) {
-      const float z = depth(x, y) > 0 ? depth(x, y) : kFar;
-      const Eigen::Vector3f p(renderer.ray(x, y).x() * z, renderer.ray(x, y).y() * z, z);
-      const Eigen::Vector3f b = R_b * p + t_b, e = R_e * p + t_e;
-      float dx = 0, dy = 0;
+      const Eigen::Vector2f ray = renderer.ray(x, y);
+      const Eigen::Vector3f r(ray.x(), ray.y(), 1);
+      // Points are taken with z = 1 and the translations by 1 / z, so that the sky needs no case of its own.
+      const float w = z_row[x] > 0 ? 1 / z_row[x] : 0;
+      const Eigen::Vector3f b = R_b * r + w * t_b, e = R_e * r + w * t_e;
+      Eigen::Vector2f moved(0, 0);
       if (b.z() > 0.01f && e.z() > 0.01f) {
-        const Eigen::Vector2f moved =
-            renderer.to_pixels(x, y, e.x() / e.z() - b.x() / b.z(), e.y() / e.z() - b.y() / b.z());
-        dx = moved.x();
-        dy = moved.y();
+        const float ib = 1 / b.z(), ie = 1 / e.z();
+        moved = renderer.to_pixels(x, y, e.x() * ie - b.x() * ib, e.y() * ie - b.y() * ib);
       }
-      const float length = std::sqrt(dx * dx + dy * dy);
-      if (!(length > 0.3f)) {
-        scratch(x, y) = tone(x, y);
+      const float length2 = moved.squaredNorm();
+      if (!(length2 > kLeastMotion * kLeastMotion)) {
+        to[x] = from[x];
         continue;
       }
-      const int steps = std::min(kMaxSteps, static_cast<int>(length) + 2);
+      const int steps = std::min(kMaxSteps, static_cast<int>(std::sqrt(length2)) + 2);
+      const Eigen::Vector2f step = moved / static_cast<float>(steps);
+      Eigen::Vector2f at =
+          Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)) - 0.5f * static_cast<float>(steps - 1) * step;
       float sum = 0;
-      for (int i = 0; i < steps; ++i) {
-        const float t = (static_cast<float>(i) + 0.5f) / static_cast<float>(steps) - 0.5f;
-        sum += bilinear(tone, static_cast<float>(x) + t * dx, static_cast<float>(y) + t * dy);
+      for (int i = 0; i < steps; ++i, at += step) {
+        sum += bilinear(tone.row(0), tone.stride(), std::min(std::max(at.x(), 0.0f), limit_x),
+                        std::min(std::max(at.y(), 0.0f), limit_y));
       }
-      scratch(x, y) = sum / static_cast<float>(steps);
+      to[x] = sum / static_cast<float>(steps);
     }
   }
   tone.swap(scratch);
 }
 
-Film::Film() {
-  Random random(hash_seed(0x66696c6d, 1));
-  for (size_t i = 0; i < kNormals; ++i) normals_.push_back(static_cast<float>(random.normal()));
-  for (int tone = 0; tone < 256; ++tone) deviation_.push_back(static_cast<float>(std::sqrt(0.3 + 0.7 * tone / 128)));
-}
-
-void Film::develop(const ImageF& tone, double gain, double noise, uint64_t seed, ImageU8& image) {
+void develop(const ImageF& tone, double gain, double noise, uint64_t seed, ImageU8& image) {
   image.resize(tone.width(), tone.height());
   const float g = static_cast<float>(gain), n = static_cast<float>(noise);
+  const std::vector<float>& normals = normal_table();
+  std::array<float, 256> deviation;
+  for (size_t t = 0; t < 256; ++t) deviation[t] = n * std::sqrt(0.3f + 0.7f * static_cast<float>(t) / 128);
   for (int y = 0; y < tone.height(); ++y) {
     const float* from = tone.row(y);
     uint8_t* to = image.row(y);
     if (noise <= 0) {
-      for (int x = 0; x < tone.width(); ++x) to[x] = static_cast<uint8_t>(std::clamp(g * from[x] + 0.5f, 0.0f, 255.0f));
+      for (int x = 0; x < tone.width(); ++x) to[x] = to_byte(g * from[x]);
       continue;
     }
     Random random(hash_seed(seed, static_cast<uint64_t>(y)));
     for (int x = 0; x < tone.width(); ++x) {
-      const float v = std::clamp(g * from[x], 0.0f, 255.0f);
-      const float normal = normals_[random.next() >> 50];
-      to[x] =
-          static_cast<uint8_t>(std::clamp(v + n * deviation_[static_cast<size_t>(v)] * normal + 0.5f, 0.0f, 255.0f));
+      const uint8_t v = to_byte(g * from[x]);
+      to[x] = to_byte(g * from[x] + deviation[v] * normals[random.next() >> kNormalShift]);
     }
   }
 }
 
 void disturb_depth(const Renderer& renderer, double strength, uint64_t seed, ImageF& depth, ImageF& scratch) {
   constexpr float kNearest = 0.4f, kFarthest = 8.0f, kSteepest = 6.0f;  // metres; tangent of the angle to the normal
+  constexpr float kUnits = 5000;                                        // a metre
+  constexpr uint64_t kLost = 205;                                       // of 256 steep pixels
   const int width = depth.width(), height = depth.height();
   scratch.resize(width, height);
-  const float focal = 1 / renderer.pixel_size();
+  const float half_focal = 0.5f / renderer.pixel_size(), s = static_cast<float>(strength);
+  const std::vector<float>& normals = normal_table();
   for (int y = 0; y < height; ++y) {
     Random random(hash_seed(seed, static_cast<uint64_t>(y)));
+    const float *above = depth.row(std::max(y - 1, 0)), *row = depth.row(y),
+                *below = depth.row(std::min(y + 1, height - 1));
+    float* to = scratch.row(y);
     for (int x = 0; x < width; ++x) {
-      const float z = depth(x, y);
-      const double normal = random.normal(), luck = random.uniform();
-      const int x0 = std::max(x - 1, 0), x1 = std::min(x + 1, width - 1), y0 = std::max(y - 1, 0),
-                y1 = std::min(y + 1, height - 1);
-      const float across = std::max(std::abs(depth(x1, y) - depth(x0, y)), std::abs(depth(x, y1) - depth(x, y0)));
-      const bool steep = 0.5f * across * focal > kSteepest * z;
-      if (!(z >= kNearest) || z > kFarthest || (steep && luck < 0.8)) {
-        scratch(x, y) = 0;
-        continue;
-      }
-      const double sigma = strength * (0.0012 + 0.0019 * (z - 0.4) * (z - 0.4));
-      scratch(x, y) = static_cast<float>(std::round((z + sigma * normal) * 5000) / 5000);
+      const float z = row[x];
+      const uint64_t bits = random.next();
+      const float across =
+          std::max(std::abs(row[std::min(x + 1, width - 1)] - row[std::max(x - 1, 0)]), std::abs(below[x] - above[x]));
+      const bool steep = across * half_focal > kSteepest * z;
+      const float sigma = s * (0.0012f + 0.0019f * (z - 0.4f) * (z - 0.4f));
+      const float sensed = std::floor((z + sigma * normals[bits >> kNormalShift]) * kUnits + 0.5f) / kUnits;
+      to[x] = !(z >= kNearest) || z > kFarthest || (steep && (bits & 255) < kLost) ? 0 : sensed;
     }
   }
   depth.swap(scratch);

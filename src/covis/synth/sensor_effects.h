@@ -25,15 +25,7 @@ void blur_motion(const Renderer& renderer, const ImageF& depth, const SE3& T_mid
                  ImageF& tone, ImageF& scratch);
 
 // Tones to bytes, with a gain and noise that grows with the light: variance = noise^2 (0.3 + 0.7 tone / 128).
-class Film {
- public:
-  Film();
-  void develop(const ImageF& tone, double gain, double noise, uint64_t seed, ImageU8& image);
-
- private:
-  std::vector<float> normals_;
-  std::vector<float> deviation_;  // by tone, for unit noise
-};
+void develop(const ImageF& tone, double gain, double noise, uint64_t seed, ImageU8& image);
 
 // Makes exact depth that of a sensor: noise of `strength` times the model, quantised to 1/5000 m, without what is
 // nearer than 0.4 m, farther than 8 m, seen at a grazing angle or across an edge.

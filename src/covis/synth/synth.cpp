@@ -22,7 +22,6 @@ struct Synth::State {
   Camera camera;
   synth::World world;
   synth::Renderer renderer;
-  synth::Film film;
   ImageF tone, depth, scratch;
 
   // The picture of the camera that sits at T_camera in the frame of the left one; leaves its depth in `depth`.
@@ -121,8 +120,8 @@ Result<Synth> Synth::create(const SynthOptions& given) {
     return fail(renderer.error().message + "; take a synth.distortion below " + std::to_string(options.distortion) +
                 " or a longer synth.focal");
   }
-  return Synth(std::unique_ptr<State>(
-      new State{options, *sensor, camera, std::move(world), std::move(*renderer), {}, {}, {}, {}}));
+  return Synth(
+      std::unique_ptr<State>(new State{options, *sensor, camera, std::move(world), std::move(*renderer), {}, {}, {}}));
 }
 
 Synth::Synth(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -149,7 +148,7 @@ void Synth::State::take(double seconds, const SE3& T_camera, Stage noise_stage, 
   const uint64_t seed = static_cast<uint64_t>(options.seed);
   const double gain =
       options.exposure > 0 ? synth::exposure_gain(options.exposure, hash_seed(seed, kExposure), seconds) : 1;
-  film.develop(tone, gain, options.noise, hash_seed(seed, noise_stage, static_cast<uint64_t>(frame)), image);
+  synth::develop(tone, gain, options.noise, hash_seed(seed, noise_stage, static_cast<uint64_t>(frame)), image);
 }
 
 void Synth::render(int i, ImageU8& left, ImageU8* right, ImageF* depth) {

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// covis synth: renders a recording of a synthetic world, with exact truth.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "commands.h"
+#include "covis/core/log.h"
+#include "covis/core/time.h"
+#include "covis/synth/sequence_writer.h"
+#include "covis/synth/synth.h"
+
+namespace covis::app {
+namespace {
+
+volatile std::sig_atomic_t synth_interrupted = 0;
+
+// The first Ctrl-C asks to end well, the second ends the process.
+void on_synth_interrupt(int signal) {
+  synth_interrupted = 1;
+  std::signal(signal, SIG_DFL);
+}
+
+struct SynthArguments {
+  SynthOptions options;
+  std::map<std::string, std::string> settings;  // field name to text, of the flags given
+  std::string out;
+  bool overwrite = false, quiet = false, json = false;
+};
+
+int fail_synth(const std::string& message) {
+  log(LogLevel::error, message);
+  return 1;
+}
+
+int synth(SynthArguments arguments) {
+  for (const auto& [name, text] : arguments.settings) {
+    if (text.empty()) continue;
+    if (auto ok = set_field(fields(arguments.options), name, text); !ok) return fail_synth(ok.error().message);
+  }
+  auto world = Synth::create(arguments.options);
+  if (!world) return fail_synth(world.error().message);
+  std::signal(SIGINT, on_synth_interrupt);
+  std::signal(SIGTERM, on_synth_interrupt);
+
+  const bool shown = !arguments.quiet && isatty(STDERR_FILENO);
+  const int frames = world->frames();
+  const Stopwatch all;
+  Stopwatch since;
+  const auto progress = [&](int done) {
+    if (shown && (since.ms() >= 100 || done == frames)) {
+      since.restart();
+      const double rate = done / std::max(all.ms() / 1000, 1e-3);
+      std::fprintf(stderr, "\r\033[Kframe %d/%d  %.1f fps  %.0f s left", done, frames, rate,
+                   (frames - done) / std::max(rate, 1e-3));
+      std::fflush(stderr);
+    }
+    return synth_interrupted == 0;
+  };
+  const auto report = write_sequence(*world, arguments.out, arguments.overwrite, progress);
+  if (shown) std::fputs("\n", stderr);
+  if (!report) return fail_synth(report.error().message);
+
+  const SynthOptions& made = world->options();
+  const double seconds = all.ms() / 1000;
+  if (arguments.json) {
+    const nlohmann::json summary{{"world", made.world},
+                                 {"sensor", made.sensor},
+                                 {"seed", made.seed},
+                                 {"frames", report->frames},
+                                 {"width", made.width},
+                                 {"height", made.height},
+                                 {"fps", made.fps},
+                                 {"path_m", report->path_metres},
+                                 {"image_bytes", report->bytes},
+                                 {"frames_per_second", report->frames / std::max(seconds, 1e-3)},
+                                 {"folder", arguments.out}};
+    std::cout << summary.dump(2) << "\n";
+  } else if (!arguments.quiet) {
+    std::printf("%s, %s, seed %d: %d frames of %dx%d at %g Hz, %.1f m of path, %.0f MB in %s (%.1f frames/s)\n",
+                made.world.c_str(), made.sensor.c_str(), made.seed, report->frames, made.width, made.height, made.fps,
+                report->path_metres, static_cast<double>(report->bytes) / 1e6, arguments.out.c_str(),
+                report->frames / std::max(seconds, 1e-3));
+  }
+  return 0;
+}
+
+// "synth.depth_noise" is set by --depth-noise.
+std::string flag_of(const std::string& field) {
+  std::string flag = "--" + field.substr(field.find('.') + 1);
+  std::replace(flag.begin(), flag.end(), '_', '-');
+  return flag;
+}
+
+}  // namespace
+}  // namespace covis::app
+
+void add_synth_command(CLI::App& app, int& exit_code) {
+  using namespace covis;
+  using namespace covis::app;
+  auto arguments = std::make_shared<SynthArguments>();
+  CLI::App* command = app.add_subcommand("synth", "Render a recording of a synthetic world, with exact truth");
+  for (const Field& field : fields(arguments->options)) {
+    std::string& text = arguments->settings[field.name];
+    if (field.name == "synth.world") {
+      command->add_option("WORLD", text, field.doc)->required();
+    } else {
+      command->add_option(flag_of(field.name), text, field.doc)->default_str(field_text(field));
+    }
+  }
+  command->add_option("--out", arguments->out, "folder for the recording")->required();
+  command->add_flag("--overwrite", arguments->overwrite, "replace the recording that is in the folder");
+  command->add_flag("--quiet", arguments->quiet, "no progress, no summary");
+  command->add_flag("--json", arguments->json, "the summary as JSON on stdout");
+  command->footer(
+      "Makes a TUM RGB-D folder (rgbd), a KITTI odometry folder (stereo) or an image folder (mono); see "
+      "docs/synth.md.\n"
+      "Examples:\n"
+      "  covis synth room --out room\n"
+      "  covis synth street --sensor stereo --width 1241 --height 376 --seed 7 --out street\n"
+      "  covis synth corridor --sensor mono --frames 300 --out corridor\n"
+      "  covis synth desk --noise 3 --depth-noise 1 --exposure 0.2 --blur 8 --distortion 1 --out desk");
+  command->callback([arguments, &exit_code] { exit_code = covis::app::synth(*arguments); });
+}
