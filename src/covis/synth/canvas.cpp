@@ -190,10 +190,19 @@ void Canvas::shadow(double x0, double y0, double x1, double y1, double soft, dou
 }
 
 void Canvas::darken_edges(double reach, double strength) {
-  each_pixel(0, 0, width_, height_, [&](double x, double y, float& v) {
-    const double near_x = std::min(x, width_ - x) / reach, near_y = std::min(y, height_ - y) / reach;
-    v *= static_cast<float>((1 - strength * std::exp(-3 * near_x)) * (1 - strength * std::exp(-3 * near_y)));
-  });
+  const auto factors = [&](int count, double size) {
+    std::vector<float> f(static_cast<size_t>(count));
+    for (int i = 0; i < count; ++i) {
+      const double at = (i + 0.5) / count * size;
+      f[static_cast<size_t>(i)] = static_cast<float>(1 - strength * std::exp(-3 * std::min(at, size - at) / reach));
+    }
+    return f;
+  };
+  const std::vector<float> across = factors(columns_, width_), down = factors(rows_, height_);
+  size_t i = 0;
+  for (const float d : down) {
+    for (const float a : across) pixels_[i++] *= d * a;
+  }
 }
 
 void Canvas::clamp_tones(double low, double high) {

@@ -64,10 +64,11 @@ void add_wall_surface(Scene& scene, const Wall& wall) {
     c.rect(0, top - 0.05, w, top, t - 30);
     c.line(0, top - 0.05, w, top - 0.05, 0.01, t + 50);
   }
-  c.rect(0, h - 0.12, w, h, tone - 80);  // skirting board
+  c.fractal(0.3, 7, 6, 0.9, random.next());  // wear
+  c.rect(0, h - 0.12, w, h, tone - 80);      // skirting board
   c.line(0, h - 0.12, w, h - 0.12, 0.01, tone + 30);
   c.darken_edges(0.5, 0.22);
-  Skin skin = painted(scene, c, 0.16);
+  Skin skin = painted(scene, c, 0.2);
   const Place place = wall.at(0);
   skin.gain = light(place.turn(1, 0, 0));
   scene.add_rect(place(0, 0, h), place.turn(0, w, 0), {0, 0, -h}, skin);

@@ -10,7 +10,7 @@ Canvas plaster(Random& random, double w, double h, double ppm, double tone) {
   Canvas c(w, h, ppm, tone);
   c.fractal(1.3, 10, 7, 0.72, random.next());
   c.spots(1.5, 0.02, 0.12, tone + random.uniform(-25, 25), 0.35, random.next());  // repairs
-  c.spots(14, 0.004, 0.018, tone - 60, 0.55, random.next());                      // nail holes, knocks
+  c.spots(30, 0.004, 0.018, tone - 60, 0.6, random.next());                       // nail holes, knocks
   for (int i = 0; i < static_cast<int>(w * h * 0.5) + 1; ++i) {                   // hair cracks
     double x = random.uniform(0, w), y = random.uniform(0, h), a = random.uniform(0, 6.28);
     for (int k = 0; k < 9; ++k) {

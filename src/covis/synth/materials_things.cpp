@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Printed and made things: posters, books, doors, screens, labels.
+#include <array>
 #include <numbers>
 
 #include "covis/synth/materials.h"
 
 namespace covis::synth {
 namespace {
+
+constexpr size_t kRidge = 256;  // steps of a hill's outline
 
 // Lines of small print in a box.
 void print_text(Canvas& c, Random& random, double x0, double y0, double x1, double y1, double height, double tone) {
@@ -30,12 +33,21 @@ void landscape(Canvas& c, Random& random, double x0, double y0, double x1, doubl
   for (int ridge = 0; ridge < 4; ++ridge) {
     const double p1 = random.uniform(0, 6), p2 = random.uniform(0, 6), p3 = random.uniform(0, 6),
                  f = random.uniform(3, 6);
+    std::array<double, kRidge + 1> tops;
+    for (size_t i = 0; i <= kRidge; ++i) {
+      const double t = static_cast<double>(i) / kRidge;
+      tops[i] =
+          base + 0.09 * std::sin(f * t + p1) + 0.04 * std::sin(2.7 * f * t + p2) + 0.02 * std::sin(7.1 * f * t + p3);
+    }
+    const uint64_t seed = random.next();
     c.each_pixel(x0, y0, x1, y1, [&](double x, double y, float& v) {
       if (x < x0 || x > x1 || y < y0 || y > y1) return;
-      const double t = (x - x0) / w;
-      const double top =
-          base + 0.09 * std::sin(f * t + p1) + 0.04 * std::sin(2.7 * f * t + p2) + 0.02 * std::sin(7.1 * f * t + p3);
-      if ((y - y0) / h > top) v = static_cast<float>(tone + 25 * std::sin(40 * t + p2) * std::sin(60 * (y - y0) / h));
+      const double down = (y - y0) / h, across = (x - x0) / w * kRidge;
+      if (down < tops[static_cast<size_t>(across)]) return;
+      // Fields: each of another tone.
+      const uint64_t field =
+          mix64(seed ^ (static_cast<uint64_t>(across / 11 + 40 * down) << 8) ^ static_cast<uint64_t>(24 * down));
+      v = static_cast<float>(tone + static_cast<double>(field % 31) - 15);
     });
     base += random.uniform(0.1, 0.16);
     tone -= random.uniform(25, 38);
@@ -390,8 +402,8 @@ Canvas clock_face(Random& random, double size, double ppm) {
 
 Canvas leaves(Random& random, double w, double h, double ppm) {
   Canvas c(w, h, ppm, 45);
-  const int count = static_cast<int>(w * h * 900) + 20;
   const double size = std::min(w, h) * 0.12;
+  const int count = static_cast<int>(14 * w * h / (size * size));
   for (int i = 0; i < count; ++i) {
     const double x = random.uniform(0, w), y = random.uniform(0, h), a = random.uniform(0, 6.28),
                  s = size * random.uniform(0.4, 1);

@@ -83,11 +83,10 @@ void add_building(Scene& scene, const Place& place, double width, double depth) 
   add_box(scene, place.at(0.06, 0.5 * width - 0.2, 0), 0.12, 0.12, height, BoxSkin(plain(scene, 70)));  // drain pipe
 }
 
-void add_garden(Scene& scene, const Place& place, double width, double depth) {
+void add_garden(Scene& scene, const Place& place, double width, double depth, int leaf_texture) {
   Random& random = scene.random;
   const Skin boards = painted(scene, fence(random, width, 1.8, 60), 0.2);
   add_box(scene, place.at(-0.1, 0, 0), 0.1, width, random.uniform(1.1, 1.8), BoxSkin(boards));
-  const int leaf_texture = scene.add_texture(leaves(random, 3, 3, 50));
   for (int i = 0; i < 3; ++i)
     add_tree(scene, place.at(-random.uniform(2, depth - 2), random.uniform(-0.4, 0.4) * width, 0), leaf_texture);
   BoxSkin back(painted(scene, facade(random, width, 9, 0.7 * kTexels, Front::flats, 3), 0.2));

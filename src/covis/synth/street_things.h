@@ -8,7 +8,8 @@
 namespace covis::synth {
 
 void add_building(Scene& scene, const Place& place, double width, double depth);
-void add_garden(Scene& scene, const Place& place, double width, double depth);  // a gap between houses
+void add_garden(Scene& scene, const Place& place, double width, double depth,
+                int leaf_texture);  // a gap between houses
 void add_car(Scene& scene, const Place& place);
 void add_tree(Scene& scene, const Place& place, int leaf_texture);
 void add_street_furniture(Scene& scene, const Place& place);  // a lamp post, bin, sign, letter box or kiosk

@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/synth/synth.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
+#include <vector>
 
 namespace covis {
 namespace {
+
+using ::testing::HasSubstr;
 
 uint64_t hash(const ImageU8& image) {
   uint64_t h = 0;
@@ -17,7 +24,7 @@ uint64_t hash(const ImageU8& image) {
   return h;
 }
 
-SynthOptions small(const std::string& world, const std::string& sensor) {
+SynthOptions small(const std::string& world, const std::string& sensor = "rgbd") {
   SynthOptions options;
   options.world = world;
   options.sensor = sensor;
@@ -26,15 +33,383 @@ SynthOptions small(const std::string& world, const std::string& sensor) {
   return options;
 }
 
-TEST(Synth, SameSeedSameBytesInAnyOrder) {
-  auto a = Synth::create(small("room", "rgbd")), b = Synth::create(small("room", "rgbd"));
-  ASSERT_TRUE(a && b);
-  ImageU8 first, second, other;
-  a->render(3, first, nullptr, nullptr);
-  b->render(200, other, nullptr, nullptr);
-  b->render(3, second, nullptr, nullptr);
+Synth make(const SynthOptions& options) { return std::move(Synth::create(options).value()); }
+
+template <class T>
+double sample(const Image<T>& image, double x, double y) {
+  const int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
+  const double fx = x - ix, fy = y - iy;
+  const auto at = [&](int dx, int dy) { return static_cast<double>(image(ix + dx, iy + dy)); };
+  return (1 - fy) * ((1 - fx) * at(0, 0) + fx * at(1, 0)) + fy * ((1 - fx) * at(0, 1) + fx * at(1, 1));
+}
+
+bool inside(const Camera& camera, const Eigen::Vector2d& p) {
+  return p.x() >= 1 && p.y() >= 1 && p.x() < camera.width - 2 && p.y() < camera.height - 2;
+}
+
+double quantile(std::vector<double> values, double q) {
+  const auto at = values.begin() + static_cast<ptrdiff_t>(q * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+class EveryWorld : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Worlds, EveryWorld, testing::ValuesIn(synth_worlds()),
+                         [](const auto& param_info) { return param_info.param; });
+
+TEST_P(EveryWorld, SameSeedSameBytesInAnyOrder) {
+  SynthOptions options = small(GetParam());
+  options.noise = 3;
+  options.exposure = 0.2;
+  options.blur = 10;
+  options.depth_noise = 1;
+  options.distortion = 0.7;
+  Synth a = make(options), b = make(options);
+  options.seed = 2;
+  Synth c = make(options);
+  ImageU8 first, second, other, seed2;
+  ImageF depth1, depth2;
+  a.render(3, first, nullptr, &depth1);
+  b.render(200, other, nullptr, nullptr);
+  b.render(3, second, nullptr, &depth2);
+  c.render(3, seed2, nullptr, nullptr);
   EXPECT_EQ(hash(first), hash(second));
   EXPECT_NE(hash(first), hash(other));
+  EXPECT_NE(hash(first), hash(seed2));
+  for (int y = 0; y < depth1.height(); ++y) {
+    ASSERT_TRUE(std::equal(depth1.row(y), depth1.row(y) + depth1.width(), depth2.row(y))) << y;
+  }
+}
+
+// What one frame sees, moved by the truth, is what the next frames see.
+TEST_P(EveryWorld, DepthAndPosesExplainTheNextImage) {
+  Synth synth = make(small(GetParam()));
+  ImageU8 image1, image2;
+  ImageF depth1, depth2;
+  const Camera& camera = synth.camera();
+  for (const int i : {0, 100, 250}) {
+    const int step = GetParam() == "street" ? 1 : 4;
+    synth.render(i, image1, nullptr, &depth1);
+    synth.render(i + step, image2, nullptr, &depth2);
+    const SE3 T_21 = synth.T_wc(i + step).inverse() * synth.T_wc(i);
+    std::vector<double> tone_errors, depth_errors;
+    for (int y = 0; y < camera.height; y += 2) {
+      for (int x = 0; x < camera.width; x += 2) {
+        if (!(depth1(x, y) > 0)) continue;
+        const Eigen::Vector3d p = T_21 * (static_cast<double>(depth1(x, y)) * camera.pinhole.unproject(x, y));
+        if (p.z() <= 0.05) continue;
+        const Eigen::Vector2d at = camera.pinhole.project(p);
+        if (!inside(camera, at)) continue;
+        depth_errors.push_back(std::abs(sample(depth2, at.x(), at.y()) - p.z()) / p.z());
+        tone_errors.push_back(std::abs(sample(image2, at.x(), at.y()) - image1(x, y)));
+      }
+    }
+    ASSERT_GT(tone_errors.size(), 3000u);
+    EXPECT_LT(quantile(depth_errors, 0.5), 1e-3) << i;
+    EXPECT_LT(quantile(depth_errors, 0.8), 0.01) << i;
+    EXPECT_LT(quantile(tone_errors, 0.5), 5) << i;
+  }
+}
+
+TEST_P(EveryWorld, DisparityIsBaselineTimesFocalOverDepth) {
+  Synth synth = make(small(GetParam(), "stereo"));
+  ImageU8 left, right;
+  ImageF depth;
+  synth.render(50, left, &right, &depth);
+  const Camera& camera = synth.camera();
+  EXPECT_DOUBLE_EQ(camera.pinhole.baseline(), synth.options().baseline);
+  // The right image is explained best by exactly this disparity.
+  std::vector<double> errors;
+  for (const double shift : {-0.3, 0.0, 0.3}) {
+    double sum = 0;
+    int count = 0;
+    for (int y = 1; y < camera.height - 1; ++y) {
+      for (int x = 1; x < camera.width - 1; ++x) {
+        if (!(depth(x, y) > 0)) continue;
+        const double u = x - camera.pinhole.bf / static_cast<double>(depth(x, y)) + shift;
+        if (u < 1 || u > camera.width - 2) continue;
+        sum += std::min(30.0, std::abs(sample(right, u, y) - left(x, y)));
+        ++count;
+      }
+    }
+    errors.push_back(sum / count);
+  }
+  EXPECT_LT(errors[1], 0.8 * errors[0]);
+  EXPECT_LT(errors[1], 0.8 * errors[2]);
+  EXPECT_LT(errors[1], 6);
+}
+
+TEST_P(EveryWorld, MovesSmoothlyAtASensibleSpeed) {
+  SynthOptions options = small(GetParam());
+  options.fps = 50;
+  for (const int seed : {1, 2, 3}) {
+    options.seed = seed;
+    const Synth synth = make(options);
+    const bool street = GetParam() == "street";
+    const double top_speed = street                     ? 10.5
+                             : GetParam() == "corridor" ? 1.8
+                                                        : 1.0,
+                 top_turn = (street ? 40 : 50) * std::numbers::pi / 180;
+    Eigen::Vector3d last_velocity(0, 0, 0), last_turn(0, 0, 0);
+    double mean_speed = 0;
+    for (int i = 0; i + 1 < synth.frames(); ++i) {
+      const SE3 a = synth.T_wc(i), b = synth.T_wc(i + 1);
+      const Eigen::Vector3d velocity = 50 * (b.t() - a.t());
+      const Eigen::AngleAxisd angle(a.R().transpose() * b.R());
+      const Eigen::Vector3d turn = 50 * angle.angle() * angle.axis();
+      EXPECT_TRUE((a.R() * a.R().transpose()).isIdentity(1e-9) && a.R().determinant() > 0);
+      ASSERT_LT(velocity.norm(), top_speed) << i;
+      ASSERT_LT(turn.norm(), top_turn) << i;
+      if (i > 0) {  // nothing jumps: 50 times the change is the acceleration
+        ASSERT_LT(50 * (velocity - last_velocity).norm(), street ? 8 : 3) << i;
+        ASSERT_LT(50 * (turn - last_turn).norm(), 3) << i;
+      }
+      if (i == 0) {
+        EXPECT_GT(velocity.norm(), 0.1) << "a monocular start needs parallax";
+      }
+      last_velocity = velocity;
+      last_turn = turn;
+      mean_speed += velocity.norm() / (synth.frames() - 1);
+    }
+    EXPECT_GT(mean_speed, street ? 6 : GetParam() == "corridor" ? 0.9 : 0.25);
+  }
+}
+
+TEST_P(EveryWorld, ComesBackToItsBeginning) {
+  const Synth synth = make(small(GetParam()));
+  const SE3 start = synth.T_wc(0);
+  double nearest = 1e9, farthest = 0;
+  for (int i = 0; i < synth.frames(); ++i) {
+    const SE3 pose = synth.T_wc(i);
+    farthest = std::max(farthest, (pose.t() - start.t()).norm());
+    const double turned = Eigen::AngleAxisd(pose.R().transpose() * start.R()).angle();
+    if (i > synth.frames() * 3 / 4) nearest = std::min(nearest, (pose.t() - start.t()).norm() + turned);
+  }
+  EXPECT_LT(nearest, GetParam() == "street" ? 1.2 : 0.25);
+  const double least_extent = GetParam() == "street"     ? 60
+                              : GetParam() == "corridor" ? 15
+                              : GetParam() == "room"     ? 2
+                                                         : 0.5;
+  EXPECT_GT(farthest, least_extent);
+}
+
+TEST_P(EveryWorld, IsClosedAndNotFlat) {
+  for (const int seed : {1, 2, 3}) {
+    SynthOptions options = small(GetParam());
+    options.seed = seed;
+    Synth synth = make(options);
+    ImageU8 image;
+    ImageF depth;
+    for (int k = 0; k < 8; ++k) {
+      const int i = k * synth.frames() / 8;
+      synth.render(i, image, nullptr, &depth);
+      int empty = 0;
+      std::vector<double> depths, tones;
+      for (int y = 0; y < depth.height(); ++y) {
+        for (int x = 0; x < depth.width(); ++x) {
+          empty += depth(x, y) <= 0;
+          if (depth(x, y) > 0) depths.push_back(static_cast<double>(depth(x, y)));
+          tones.push_back(image(x, y));
+        }
+      }
+      if (GetParam() == "street") {
+        EXPECT_LT(empty, depth.width() * depth.height() / 2) << "sky in frame " << i;
+      } else {
+        EXPECT_EQ(empty, 0) << "frame " << i;
+      }
+      EXPECT_GT(quantile(depths, 0.9) / quantile(depths, 0.1), 1.1) << "frame " << i;
+      EXPECT_GT(quantile(tones, 0.9) - quantile(tones, 0.1), 30) << "frame " << i;
+      EXPECT_GT(quantile(depths, 0), 0.15) << "the camera is inside something in frame " << i;
+    }
+  }
+}
+
+TEST(Synth, DistortedImagesFollowTheCameraModel) {
+  SynthOptions options = small("room", "rgbd");
+  options.width = 640;
+  options.height = 480;
+  Synth straight = make(options);
+  options.distortion = 1;
+  Synth bent = make(options);
+  const Camera& camera = bent.camera();
+  ASSERT_EQ(camera.distortion, Distortion::brown_conrady);
+  ImageU8 image, bent_image;
+  ImageF depth, bent_depth;
+  straight.render(20, image, nullptr, &depth);
+  bent.render(20, bent_image, nullptr, &bent_depth);
+  // Points known from the undistorted frame land where the model says, with their depth and look.
+  std::vector<double> tone_errors, depth_errors, unbent_errors;
+  double farthest = 0;
+  for (int y = 2; y < camera.height - 2; y += 2) {
+    for (int x = 2; x < camera.width - 2; x += 2) {
+      const Eigen::Vector3d p = static_cast<double>(depth(x, y)) * straight.camera().pinhole.unproject(x, y);
+      const auto at = camera.project(p);
+      if (!at || !inside(camera, *at)) continue;
+      farthest = std::max(farthest, (*at - Eigen::Vector2d(x, y)).norm());
+      depth_errors.push_back(std::abs(sample(bent_depth, at->x(), at->y()) - p.z()) / p.z());
+      tone_errors.push_back(std::abs(sample(bent_image, at->x(), at->y()) - image(x, y)));
+      unbent_errors.push_back(std::abs(static_cast<double>(bent_image(x, y)) - image(x, y)));
+    }
+  }
+  EXPECT_GT(farthest, 30);
+  EXPECT_LT(quantile(depth_errors, 0.5), 1e-4);
+  EXPECT_LT(quantile(depth_errors, 0.9), 0.01);
+  EXPECT_LT(quantile(tone_errors, 0.5), 2.5);
+  EXPECT_LT(quantile(tone_errors, 0.5), 0.4 * quantile(unbent_errors, 0.5));
+}
+
+double mean(const ImageU8& image) {
+  double sum = 0;
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) sum += image(x, y);
+  }
+  return sum / (image.width() * image.height());
+}
+
+TEST(Synth, NoiseHasTheStrengthAskedFor) {
+  SynthOptions options = small("desk");
+  Synth clean = make(options);
+  options.noise = 5;
+  Synth noisy = make(options);
+  ImageU8 a, b;
+  clean.render(7, a, nullptr, nullptr);
+  noisy.render(7, b, nullptr, nullptr);
+  double sum = 0, sum2 = 0;
+  int count = 0;
+  for (int y = 0; y < a.height(); ++y) {
+    for (int x = 0; x < a.width(); ++x) {
+      if (std::abs(a(x, y) - 128) > 10) continue;
+      const double d = b(x, y) - a(x, y);
+      sum += d;
+      sum2 += d * d;
+      ++count;
+    }
+  }
+  ASSERT_GT(count, 1000);
+  EXPECT_NEAR(std::sqrt(sum2 / count), 5, 0.4);
+  EXPECT_NEAR(sum / count, 0, 0.4);
+}
+
+TEST(Synth, ExposureChangesOverTimeWithinItsBounds) {
+  SynthOptions options = small("room");
+  Synth steady = make(options);
+  options.exposure = 0.3;
+  Synth lively = make(options);
+  ImageU8 a, b;
+  double low = 10, high = 0;
+  for (int i = 0; i < 600; i += 40) {
+    steady.render(i, a, nullptr, nullptr);
+    lively.render(i, b, nullptr, nullptr);
+    const double gain = mean(b) / mean(a);
+    low = std::min(low, gain);
+    high = std::max(high, gain);
+  }
+  EXPECT_GT(low, 0.68);
+  EXPECT_LT(high, 1.32);
+  EXPECT_GT(high - low, 0.1);
+}
+
+TEST(Synth, MotionBlurSmoothsAlongTheMotionOnly) {
+  SynthOptions options = small("room");
+  Synth sharp = make(options);
+  options.blur = 60;
+  Synth blurred = make(options);
+  ImageU8 a, b;
+  sharp.render(60, a, nullptr, nullptr);
+  blurred.render(60, b, nullptr, nullptr);
+  // The room's camera mostly turns: things move sideways.
+  double across[2] = {}, along[2] = {};
+  for (int y = 0; y + 1 < a.height(); ++y) {
+    for (int x = 0; x + 1 < a.width(); ++x) {
+      along[0] += std::abs(a(x + 1, y) - a(x, y));
+      along[1] += std::abs(b(x + 1, y) - b(x, y));
+      across[0] += std::abs(a(x, y + 1) - a(x, y));
+      across[1] += std::abs(b(x, y + 1) - b(x, y));
+    }
+  }
+  EXPECT_LT(along[1], 0.7 * along[0]);
+  EXPECT_GT(across[1] / across[0], along[1] / along[0]);
+  EXPECT_NEAR(mean(a), mean(b), 2);
+}
+
+TEST(Synth, DepthNoiseIsQuadraticAndLeavesHolesAtEdges) {
+  SynthOptions options = small("corridor");
+  Synth exact = make(options);
+  options.depth_noise = 1;
+  Synth sensed = make(options);
+  ImageU8 image;
+  ImageF a, b;
+  double sum2[2] = {}, expected2[2] = {};
+  int count[2] = {}, holes = 0, far = 0;
+  for (int i = 0; i < 300; i += 50) {
+    exact.render(i, image, nullptr, &a);
+    sensed.render(i, image, nullptr, &b);
+    for (int y = 0; y < a.height(); ++y) {
+      for (int x = 0; x < a.width(); ++x) {
+        const double z = static_cast<double>(a(x, y)), s = static_cast<double>(b(x, y));
+        if (z > 8) {
+          EXPECT_EQ(s, 0);
+          ++far;
+          continue;
+        }
+        if (s == 0) {
+          ++holes;
+          continue;
+        }
+        EXPECT_NEAR(std::round(s * 5000), s * 5000, 0.01);
+        const int k = z < 3 ? 0 : 1;
+        const double sigma = 0.0012 + 0.0019 * (z - 0.4) * (z - 0.4);
+        sum2[k] += (s - z) * (s - z);
+        expected2[k] += sigma * sigma;
+        ++count[k];
+      }
+    }
+  }
+  ASSERT_GT(count[0], 10000);
+  ASSERT_GT(count[1], 10000);
+  EXPECT_NEAR(std::sqrt(sum2[0] / expected2[0]), 1, 0.05);
+  EXPECT_NEAR(std::sqrt(sum2[1] / expected2[1]), 1, 0.05);
+  EXPECT_GT(holes, 1000);
+  EXPECT_LT(holes, 6 * 320 * 240 / 5);
+  EXPECT_GT(far, 100);
+}
+
+TEST(Synth, StampsAndDefaults) {
+  const Synth room = make(SynthOptions{});
+  EXPECT_EQ(room.camera().width, 640);
+  EXPECT_EQ(room.camera().height, 480);
+  EXPECT_DOUBLE_EQ(room.camera().pinhole.fx, 500);
+  EXPECT_DOUBLE_EQ(room.camera().pinhole.cx, 319.5);
+  EXPECT_EQ(room.frames(), 600);
+  EXPECT_EQ(room.stamp(0), 0);
+  EXPECT_EQ(room.stamp(1), 33333000);
+  EXPECT_EQ(room.sensor(), Sensor::rgbd);
+  EXPECT_NEAR(room.camera().pinhole.baseline(), 0.08, 1e-12);
+  EXPECT_EQ(make(small("room", "mono")).camera().pinhole.bf, 0);
+  const Synth street = make(small("street", "stereo"));
+  EXPECT_EQ(street.options().fps, 10);
+  EXPECT_NEAR(street.camera().pinhole.baseline(), 0.54, 1e-12);
+  EXPECT_GT(street.frames(), 380);
+}
+
+TEST(Synth, SaysWhatIsWrongWithTheOptions) {
+  const auto message = [](auto change) {
+    SynthOptions options;
+    change(options);
+    const auto synth = Synth::create(options);
+    return synth ? std::string("accepted") : synth.error().message;
+  };
+  EXPECT_THAT(message([](auto& o) { o.world = "rom"; }), HasSubstr("did you mean 'room'"));
+  EXPECT_THAT(message([](auto& o) { o.sensor = "setreo"; }), HasSubstr("did you mean 'stereo'"));
+  EXPECT_THAT(message([](auto& o) { o.width = 10; }), HasSubstr("synth.width"));
+  EXPECT_THAT(message([](auto& o) { o.noise = -1; }), HasSubstr("synth.noise"));
+  EXPECT_THAT(message([](auto& o) { o.noise = std::nan(""); }), HasSubstr("synth.noise"));
+  EXPECT_THAT(message([](auto& o) { o.frames = -5; }), HasSubstr("synth.frames"));
+  EXPECT_THAT(message([](auto& o) {
+                o.sensor = "stereo";
+                o.distortion = 1;
+              }),
+              HasSubstr("rectified"));
 }
 
 }  // namespace

@@ -50,12 +50,15 @@ Texture::Texture(const Canvas& canvas) {
 void Texture::append_level(const std::vector<float>& values, int columns, int rows) {
   const int stride = columns + 3;  // one repeated texel before, two after: u = 1 rounds up to the last but one
   levels_.push_back({static_cast<float>(columns), static_cast<float>(rows), stride, texels_.size()});
+  texels_.resize(texels_.size() + static_cast<size_t>(stride) * static_cast<size_t>(rows + 3));
+  uint8_t* to = texels_.data() + levels_.back().offset;
   for (int y = -1; y < rows + 2; ++y) {
-    const int row = std::clamp(y, 0, rows - 1) * columns;
-    for (int x = -1; x < columns + 2; ++x) {
-      const float v = values[static_cast<size_t>(row + std::clamp(x, 0, columns - 1))];
-      texels_.push_back(static_cast<uint8_t>(std::clamp(v, 0.0f, 255.0f) + 0.5f));
-    }
+    const float* row = values.data() + static_cast<size_t>(std::clamp(y, 0, rows - 1)) * static_cast<size_t>(columns);
+    const auto texel = [](float v) { return static_cast<uint8_t>(std::min(std::max(v, 0.0f), 255.0f) + 0.5f); };
+    *to++ = texel(row[0]);
+    for (int x = 0; x < columns; ++x) *to++ = texel(row[x]);
+    *to++ = texel(row[columns - 1]);
+    *to++ = texel(row[columns - 1]);
   }
 }
 

@@ -110,6 +110,7 @@ void lay_desk(Scene& scene, const Place& desk) {
       if (x > 0.1 && random.below(3) == 0) continue;
       const Place at =
           desk.at(x + random.uniform(-0.04, 0.04), y + random.uniform(-0.03, 0.03), 0.004, random.uniform(-0.5, 0.5));
+      if (kind % 8 == 4 && x > 0) ++kind;  // a lamp in front would hide the rest
       switch (kind++ % 8) {
         case 0:
           for (int i = 0; i < 4; ++i)
@@ -148,15 +149,16 @@ void lay_desk(Scene& scene, const Place& desk) {
 CameraPath sweep(const Vector3d& target, uint64_t seed) {
   Random random(seed);
   // To and fro around the desk, nearer and farther, up and down, always looking at some of it.
-  const double period = 18, interval = 0.45;
+  const double period = 15, interval = 0.25;
   const int count = static_cast<int>(period / interval);
   const double p1 = random.uniform(0, 2 * pi), p2 = random.uniform(0, 2 * pi), p3 = random.uniform(0, 2 * pi);
   std::vector<CameraPose> control;
   for (int i = 0; i < count; ++i) {
     const double a = 2 * pi * i / count;
-    const double around = 0.75 * std::sin(a + p1), distance = 1.05 + 0.22 * std::sin(2 * a + p2),
-                 up = 0.55 + 0.14 * std::sin(2 * a + p3);
-    const Vector3d look = target + Vector3d(0, 0.28 * std::sin(a + p2), 0.06 * std::sin(2 * a + p1));
+    const double around = 0.5 * std::sin(a + p1) + 0.25 * std::sin(3 * a + p2),
+                 distance = 1.08 + 0.2 * std::sin(2 * a + p2);
+    const double up = 0.55 + 0.13 * std::sin(3 * a + p3);
+    const Vector3d look = target + Vector3d(0, 0.25 * std::sin(a + p2), 0.08 + 0.06 * std::sin(2 * a + p1));
     CameraPose pose;
     pose.position = target + distance * Vector3d(std::cos(around), std::sin(around), 0) + Vector3d(0, 0, up);
     const Vector3d d = look - pose.position;

@@ -46,7 +46,7 @@ CameraPath tour(const Size& room, uint64_t seed) {
   Random random(seed);
   // One round in `period` seconds at about half a metre a second, looking to the walls, now ahead, now back.
   const double period = 17, interval = 0.5;
-  const double rx = 0.5 * room.length - 1.75, ry = 0.5 * room.width - 1.6, start = random.uniform(0, 2 * pi);
+  const double rx = 0.5 * room.length - 2.2, ry = 0.5 * room.width - 1.9, start = random.uniform(0, 2 * pi);
   const double p1 = random.uniform(0, 2 * pi), p2 = random.uniform(0, 2 * pi);
   std::vector<CameraPose> control;
   const int count = static_cast<int>(period / interval);
@@ -67,7 +67,7 @@ CameraPath tour(const Size& room, uint64_t seed) {
 World make_room(uint64_t seed) {
   Scene scene(seed);
   Random& random = scene.random;
-  const Size room{random.uniform(6.0, 7.0), random.uniform(5.0, 5.8), random.uniform(2.5, 2.8)};
+  const Size room{random.uniform(6.6, 7.6), random.uniform(5.6, 6.3), random.uniform(2.5, 2.8)};
   std::vector<Floor> floors;
   floors.push_back({{0, 0}, floor_canvas(random, room.width, room.length)});
   const Vector2d corners[4] = {{0, 0}, {0, room.width}, {room.length, room.width}, {room.length, 0}};

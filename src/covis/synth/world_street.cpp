@@ -13,7 +13,7 @@ namespace {
 constexpr double kRoad = 7, kWalk = 3.2, kHalf = 0.5 * kRoad + kWalk;  // metres; half the distance between the fronts
 
 // Houses along a line seen from the street, from `left` to `right`.
-void add_row(Scene& scene, const Vector2d& left, const Vector2d& right) {
+void add_row(Scene& scene, const Vector2d& left, const Vector2d& right, const std::vector<int>& leaf_textures) {
   Random& random = scene.random;
   const double length = (right - left).norm();
   const Vector2d r = (right - left) / length;
@@ -27,7 +27,7 @@ void add_row(Scene& scene, const Vector2d& left, const Vector2d& right) {
     const Place place{{middle.x(), middle.y(), 0}, heading};
     garden = !garden && random.below(4) == 0;
     if (garden) {
-      add_garden(scene, place, width, 9);
+      add_garden(scene, place, width, 9, leaf_textures[random.below(static_cast<uint32_t>(leaf_textures.size()))]);
     } else {
       add_building(scene, place.at(-random.uniform(0, 1.2), 0, 0), width, 9);
     }
@@ -137,9 +137,9 @@ World make_street(uint64_t seed) {
   const Vector2d inner[4] = {{-ix, -iy}, {ix, -iy}, {ix, iy}, {-ix, iy}};
   for (int side = 0; side < 4; ++side) {
     const Vector2d a = outer[side], b = outer[(side + 1) % 4], ab = (b - a).normalized();
-    add_row(scene, a, b);
+    add_row(scene, a, b, leaf_textures);
     add_kerb(scene, a + 2 * kHalf * ab, b - 2 * kHalf * ab, leaf_textures);
-    add_row(scene, inner[side], inner[(side + 1) % 4]);
+    add_row(scene, inner[side], inner[(side + 1) % 4], leaf_textures);
     add_kerb(scene, inner[side], inner[(side + 1) % 4], leaf_textures);
   }
   LoopOptions loop;
