@@ -12,6 +12,8 @@ namespace {
 
 using Failure = tl::unexpected<std::string>;
 
+ImageView<const uint8_t> view(const GreyImage& image) { return {image.data, image.width, image.height, image.stride}; }
+
 Pose to_pose(const SE3& T) {
   const Eigen::Quaterniond q = T.q();
   return {T.t().x(), T.t().y(), T.t().z(), q.x(), q.y(), q.z(), q.w()};
@@ -107,26 +109,30 @@ tl::expected<std::unique_ptr<Slam>, std::string> Slam::create(const CameraParame
 
 tl::expected<FrameResult, std::string> Slam::track_monocular(int64_t stamp, const GreyImage& image) {
   if (const auto problem = impl_->check_image(image, "image")) return Failure(*problem);
-  return impl_->track(Sensor::monocular,
-                      {.stamp = stamp, .image = {image.data, image.width, image.height, image.stride}});
+  System::Input input;
+  input.stamp = stamp;
+  input.image = view(image);
+  return impl_->track(Sensor::monocular, input);
 }
 
-tl::expected<FrameResult, std::string> Slam::track_stereo(int64_t stamp, const GreyImage& left,
-                                                          const GreyImage& right) {
+tl::expected<FrameResult, std::string> Slam::track_stereo(int64_t stamp, const GreyImage& left, const GreyImage& right) {
   if (const auto problem = impl_->check_image(left, "left")) return Failure(*problem);
   if (const auto problem = impl_->check_image(right, "right")) return Failure(*problem);
-  return impl_->track(Sensor::stereo, {.stamp = stamp,
-                                       .image = {left.data, left.width, left.height, left.stride},
-                                       .right = {right.data, right.width, right.height, right.stride}});
+  System::Input input;
+  input.stamp = stamp;
+  input.image = view(left);
+  input.right = view(right);
+  return impl_->track(Sensor::stereo, input);
 }
 
-tl::expected<FrameResult, std::string> Slam::track_rgbd(int64_t stamp, const GreyImage& image,
-                                                        const DepthImage& depth) {
+tl::expected<FrameResult, std::string> Slam::track_rgbd(int64_t stamp, const GreyImage& image, const DepthImage& depth) {
   if (const auto problem = impl_->check_image(image, "image")) return Failure(*problem);
   if (const auto problem = impl_->check_image(depth, "depth")) return Failure(*problem);
-  return impl_->track(Sensor::rgbd, {.stamp = stamp,
-                                     .image = {image.data, image.width, image.height, image.stride},
-                                     .depth = {depth.data, depth.width, depth.height, depth.stride}});
+  System::Input input;
+  input.stamp = stamp;
+  input.image = view(image);
+  input.depth = {depth.data, depth.width, depth.height, depth.stride};
+  return impl_->track(Sensor::rgbd, input);
 }
 
 void Slam::finish() { impl_->system.finish(); }

@@ -164,6 +164,7 @@ class Map {
 
   void add_weight(KeyFrameId a, KeyFrameId b, int delta);
   void unlink_observations(MapPointId id);
+  void reattach_children(KeyFrameId id);
 };
 
 }  // namespace covis

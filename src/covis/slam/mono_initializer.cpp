@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/slam/mono_initializer.h"
 
+#include "covis/core/random.h"
 #include "covis/geometry/two_view.h"
 #include "covis/matching/descriptor_match.h"
 

@@ -52,7 +52,9 @@ FrameReport System::process(const Input& input) {
   report.track = outcome.result;
   report.timing.track_ms = watch.ms();
 
-  records_.push_back({.frame = input.frame, .stamp = input.stamp});
+  FrameRecord& fresh = records_.emplace_back();
+  fresh.frame = input.frame;
+  fresh.stamp = input.stamp;
   if (outcome.discard_map) {
     collect(report, true);
     mapping_.mapper().reset();

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/features/features.h"
+
+namespace covis {
+
+ScalePyramid::ScalePyramid(int level_count, float scale_factor)
+    : levels(level_count), factor(scale_factor), log_factor(std::log(scale_factor)) {
+  float s = 1;
+  for (int l = 0; l < levels; ++l, s *= factor) {
+    scale.push_back(s);
+    sigma2.push_back(s * s);
+    inv_sigma2.push_back(1 / (s * s));
+  }
+}
+
+int ScalePyramid::predict_level(float d_max, float distance) const {
+  // The first level whose scale reaches d_max / distance: ceil of the logarithm, without taking one.
+  const float ratio = d_max / distance;
+  int level = 0;
+  while (level + 1 < levels && scale[static_cast<size_t>(level)] < ratio) ++level;
+  return level;
+}
+
+void FeatureGrid::build(const ImageBounds& image_bounds, const AlignedVector<float>& x, const AlignedVector<float>& y) {
+  bounds = image_bounds;
+  inv_cell_width = kColumns / (bounds.max_x - bounds.min_x);
+  inv_cell_height = kRows / (bounds.max_y - bounds.min_y);
+  const auto cell_of = [&](size_t i) {
+    const int c = std::clamp(static_cast<int>((x[i] - bounds.min_x) * inv_cell_width), 0, kColumns - 1);
+    const int r = std::clamp(static_cast<int>((y[i] - bounds.min_y) * inv_cell_height), 0, kRows - 1);
+    return static_cast<size_t>(r) * kColumns + static_cast<size_t>(c);
+  };
+  offsets.assign(static_cast<size_t>(kColumns) * kRows + 1, 0);
+  for (size_t i = 0; i < x.size(); ++i) ++offsets[cell_of(i) + 1];
+  for (size_t c = 1; c < offsets.size(); ++c) offsets[c] += offsets[c - 1];
+  indices.resize(x.size());
+  std::vector<uint32_t> next(offsets.begin(), offsets.end() - 1);
+  for (size_t i = 0; i < x.size(); ++i) indices[next[cell_of(i)]++] = static_cast<uint32_t>(i);
+}
+
+}  // namespace covis

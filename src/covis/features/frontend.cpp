@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/features/frontend.h"
+
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "covis/core/time.h"
+#include "covis/features/extractor.h"
+#include "covis/features/stereo_matcher.h"
+
+namespace covis {
+namespace {
+
+// Extracts the right image while the caller extracts the left.
+class RightWorker {
+ public:
+  explicit RightWorker(OrbExtractor& extractor) : extractor_(extractor), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+  void start(ImageView<const uint8_t> image) {
+    const std::lock_guard lock(mutex_);
+    job_ = image;
+    changed_.notify_all();
+  }
+  void wait() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return !job_; });
+  }
+
+ private:
+  void run(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    while (changed_.wait(lock, stop, [&] { return job_.has_value(); })) {
+      const ImageView<const uint8_t> image = *job_;
+      lock.unlock();
+      extractor_.extract(image);
+      lock.lock();
+      job_.reset();
+      changed_.notify_all();
+    }
+  }
+
+  OrbExtractor& extractor_;
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::optional<ImageView<const uint8_t>> job_;
+  std::jthread thread_;
+};
+
+// The box of the undistorted border.
+ImageBounds find_bounds(const Camera& camera) {
+  const auto w = static_cast<float>(camera.width), h = static_cast<float>(camera.height);
+  if (camera.distortion == Distortion::none) return {0, 0, w, h};
+  ImageBounds box{w, h, 0, 0};
+  bool any = false;
+  constexpr int kSteps = 32;
+  for (int k = 0; k <= kSteps; ++k) {
+    const double s = static_cast<double>(k) / kSteps;
+    for (const Eigen::Vector2d& p : {Eigen::Vector2d(s * w, 0), Eigen::Vector2d(s * w, h), Eigen::Vector2d(0, s * h), Eigen::Vector2d(w, s * h)}) {
+      const auto u = camera.undistort(p);
+      if (!u) continue;
+      any = true;
+      box.min_x = std::min(box.min_x, static_cast<float>(u->x()));
+      box.max_x = std::max(box.max_x, static_cast<float>(u->x()));
+      box.min_y = std::min(box.min_y, static_cast<float>(u->y()));
+      box.max_y = std::max(box.max_y, static_cast<float>(u->y()));
+    }
+  }
+  if (!any) return {0, 0, w, h};
+  // A fisheye's corners fly off: what lies farther than an image size outside is of no use.
+  return {std::max(box.min_x, -w), std::max(box.min_y, -h), std::min(box.max_x, 2 * w), std::min(box.max_y, 2 * h)};
+}
+
+}  // namespace
+
+Fields fields(OrbOptions& o) {
+  return {{"orb.features", &o.features, "key points wanted in an image", 50, 100000},
+          {"orb.levels", &o.levels, "pyramid levels", 1, 16},
+          {"orb.scale_factor", &o.scale_factor, "scale between levels", 1.05, 2},
+          {"orb.fast_threshold", &o.fast_threshold, "FAST contrast, first try in a cell, grey levels", 1, 255},
+          {"orb.fast_threshold_low", &o.fast_threshold_low, "second try where the first found nothing, grey levels", 1, 255}};
+}
+
+struct Frontend::Impl {
+  Impl(const Camera& c, const OrbOptions& options, Sensor sensor) : camera(c), bounds(find_bounds(c)), left(options) {
+    if (sensor == Sensor::stereo) {
+      right.emplace(options);
+      worker.emplace(*right);
+    }
+  }
+
+  std::shared_ptr<Features> finish(ImageView<const float> depth_image);
+
+  const Camera camera;
+  const ImageBounds bounds;
+  OrbExtractor left;
+  std::optional<OrbExtractor> right;
+  std::optional<RightWorker> worker;
+  StereoMatcher matcher;
+  Timing timing;
+};
+
+// Undistorted features of the left extractor's key points, without depth.
+std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_image) {
+  const KeyPoints& k = left.key_points();
+  auto f = std::make_shared<Features>();
+  f->camera = camera.pinhole;
+  f->pyramid = left.pyramid();
+  const size_t n = k.size();
+  for (auto* array : {&f->x, &f->y, &f->raw_x, &f->raw_y, &f->angle, &f->u_right, &f->depth}) array->reserve(n);
+  f->level.reserve(n);
+  f->descriptor.reserve(n);
+  for (size_t i = 0; i < n; ++i) {
+    Eigen::Vector2f at(k.x[i], k.y[i]);
+    if (camera.distortion != Distortion::none) {
+      const auto u = camera.undistort(at.cast<double>());
+      if (!u) continue;
+      at = u->cast<float>();
+      if (!bounds.contains(at.x(), at.y())) continue;
+    }
+    float depth = 0;
+    if (!depth_image.empty()) {
+      depth = depth_image(static_cast<int>(std::lround(k.x[i])), static_cast<int>(std::lround(k.y[i])));
+      if (!(depth > 0) || !std::isfinite(depth)) depth = 0;
+    }
+    f->x.push_back(at.x());
+    f->y.push_back(at.y());
+    f->raw_x.push_back(k.x[i]);
+    f->raw_y.push_back(k.y[i]);
+    f->angle.push_back(k.angle[i]);
+    f->level.push_back(k.level[i]);
+    f->descriptor.push_back(k.descriptor[i]);
+    f->depth.push_back(depth);
+    f->u_right.push_back(depth > 0 ? at.x() - static_cast<float>(camera.pinhole.bf) / depth : -1.0f);
+  }
+  f->grid.build(bounds, f->x, f->y);
+  return f;
+}
+
+Frontend::Frontend(const Camera& camera, const OrbOptions& options, Sensor sensor)
+    : impl_(std::make_unique<Impl>(camera, options, sensor)) {}
+Frontend::~Frontend() = default;
+
+const Frontend::Timing& Frontend::timing() const { return impl_->timing; }
+
+void Frontend::set_feature_budget(int features) {
+  impl_->left.set_budget(features);
+  if (impl_->right) impl_->right->set_budget(features);
+}
+
+FeaturesPtr Frontend::monocular(ImageView<const uint8_t> image) {
+  const Stopwatch watch;
+  impl_->left.extract(image);
+  FeaturesPtr features = impl_->finish({});
+  impl_->timing = {watch.ms(), 0};
+  return features;
+}
+
+FeaturesPtr Frontend::rgbd(ImageView<const uint8_t> image, ImageView<const float> depth) {
+  Stopwatch watch;
+  impl_->left.extract(image);
+  impl_->timing.extract_ms = watch.ms();
+  watch.restart();
+  FeaturesPtr features = impl_->finish(depth);
+  impl_->timing.depth_ms = watch.ms();
+  return features;
+}
+
+FeaturesPtr Frontend::stereo(ImageView<const uint8_t> left, ImageView<const uint8_t> right) {
+  Stopwatch watch;
+  impl_->worker->start(right);
+  impl_->left.extract(left);
+  impl_->worker->wait();
+  impl_->timing.extract_ms = watch.ms();
+  watch.restart();
+  std::shared_ptr<Features> features = impl_->finish({});
+  const Pinhole& camera = impl_->camera.pinhole;
+  impl_->matcher.match(impl_->left, *impl_->right, camera.fx, camera.bf, features->u_right, features->depth);
+  impl_->timing.depth_ms = watch.ms();
+  return features;
+}
+
+}  // namespace covis

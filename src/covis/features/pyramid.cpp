@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/features/pyramid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace covis {
+namespace {
+
+constexpr int kBits = 11;
+constexpr int kOne = 1 << kBits;
+
+struct Tap {
+  int index;       // of the first pixel
+  int next;        // of the second
+  int weight;      // of the second, kOne = all
+};
+
+std::vector<Tap> make_taps(int from, int to) {
+  std::vector<Tap> taps(static_cast<size_t>(to));
+  const double factor = static_cast<double>(from) / to;
+  for (int i = 0; i < to; ++i) {
+    const double at = std::clamp((i + 0.5) * factor - 0.5, 0.0, static_cast<double>(from - 1));
+    const int index = std::min(static_cast<int>(at), from - 1);
+    taps[static_cast<size_t>(i)] = {index, std::min(index + 1, from - 1), static_cast<int>(std::lround((at - index) * kOne))};
+  }
+  return taps;
+}
+
+// Weights of exp(-x^2 / 8) for x = -3 … 3, scaled to a sum of 256.
+constexpr std::array<int, 7> kGauss = {18, 33, 49, 56, 49, 33, 18};
+
+int reflect(int i, int n) {
+  if (i < 0) i = -i;
+  if (i >= n) i = 2 * n - 2 - i;
+  return std::clamp(i, 0, n - 1);
+}
+
+void blur_row(const uint8_t* from, uint16_t* to, int width) {
+  const auto border = [&](int x) {
+    int sum = 0;
+    for (int k = 0; k < 7; ++k) sum += kGauss[static_cast<size_t>(k)] * from[reflect(x + k - 3, width)];
+    to[x] = static_cast<uint16_t>(sum);
+  };
+  const int inner = std::max(3, width - 3);
+  for (int x = 0; x < std::min(3, width); ++x) border(x);
+  for (int x = 3; x < inner; ++x) {
+    to[x] = static_cast<uint16_t>(18 * (from[x - 3] + from[x + 3]) + 33 * (from[x - 2] + from[x + 2]) +
+                                  49 * (from[x - 1] + from[x + 1]) + 56 * from[x]);
+  }
+  for (int x = inner; x < width; ++x) border(x);
+}
+
+}  // namespace
+
+void resize_bilinear(ImageView<const uint8_t> from, ImageView<uint8_t> to) {
+  const std::vector<Tap> columns = make_taps(from.width, to.width), rows = make_taps(from.height, to.height);
+  for (int y = 0; y < to.height; ++y) {
+    const Tap& r = rows[static_cast<size_t>(y)];
+    const uint8_t* above = from.row(r.index);
+    const uint8_t* below = from.row(r.next);
+    uint8_t* out = to.row(y);
+    for (int x = 0; x < to.width; ++x) {
+      const Tap& c = columns[static_cast<size_t>(x)];
+      const int top = above[c.index] * (kOne - c.weight) + above[c.next] * c.weight;
+      const int bottom = below[c.index] * (kOne - c.weight) + below[c.next] * c.weight;
+      out[x] = static_cast<uint8_t>((static_cast<int64_t>(top) * (kOne - r.weight) + static_cast<int64_t>(bottom) * r.weight +
+                                     (int64_t{1} << (2 * kBits - 1))) >>
+                                    (2 * kBits));
+    }
+  }
+}
+
+void GaussianBlur::apply(ImageView<const uint8_t> from, ImageU8& to) {
+  to.resize(from.width, from.height);
+  const auto stride = static_cast<size_t>(from.width);
+  rows_.resize(7 * stride);
+  const auto ring = [&](int y) { return rows_.data() + static_cast<size_t>((y % 7 + 7) % 7) * stride; };
+  for (int y = -3; y < 3; ++y) blur_row(from.row(reflect(y, from.height)), ring(y), from.width);
+  for (int y = 0; y < from.height; ++y) {
+    blur_row(from.row(reflect(y + 3, from.height)), ring(y + 3), from.width);
+    const uint16_t* r[7];
+    for (int k = 0; k < 7; ++k) r[k] = ring(y + k - 3);
+    uint8_t* out = to.row(y);
+    for (int x = 0; x < from.width; ++x) {
+      const uint32_t sum = 18u * (r[0][x] + r[6][x]) + 33u * (r[1][x] + r[5][x]) + 49u * (r[2][x] + r[4][x]) + 56u * r[3][x];
+      out[x] = static_cast<uint8_t>((sum + 32768u) >> 16);
+    }
+  }
+}
+
+}  // namespace covis

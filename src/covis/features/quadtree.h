@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Thins the corners of one level to a budget, spread over the image, by a quadtree (algorithms.md §1).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "covis/features/fast.h"
+
+namespace covis {
+
+class Quadtree {
+ public:
+  // Keeps at most budget + 3 of the corners, which lie in [x0, x1) x [y0, y1): of each final node the one of highest score (ties:
+  // least y, then least x). kept is sorted by y, then x. Order of input does not matter; positions must be distinct.
+  void distribute(const std::vector<Corner>& corners, int x0, int y0, int x1, int y1, int budget, std::vector<Corner>& kept);
+
+ private:
+  struct Node {
+    float x0, y0, x1, y1;
+    uint32_t first, last;  // its corners in order_
+    bool open() const { return last - first > 1; }
+  };
+  // Appends the children of a node that hold corners.
+  void split(const Node& node, std::vector<Node>& out);
+
+  std::vector<Corner> order_, scratch_;
+  std::vector<Node> nodes_, next_;
+};
+
+}  // namespace covis

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/features/stereo_matcher.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+namespace covis {
+namespace {
+
+constexpr int kHalfPatch = 5;  // of the 11x11 patches compared
+constexpr int kSlide = 5;      // pixels either way
+constexpr int kMaxHamming = 75;
+
+int patch_sad(const uint8_t* a, ptrdiff_t stride_a, const uint8_t* b, ptrdiff_t stride_b) {
+  int sum = 0;
+  for (int y = -kHalfPatch; y <= kHalfPatch; ++y) {
+    for (int x = -kHalfPatch; x <= kHalfPatch; ++x) sum += std::abs(a[y * stride_a + x] - b[y * stride_b + x]);
+  }
+  return sum;
+}
+
+}  // namespace
+
+void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, double fx, double bf,
+                          AlignedVector<float>& u_right, AlignedVector<float>& depth) {
+  const KeyPoints& l = left.key_points();
+  const KeyPoints& r = right.key_points();
+  const ScalePyramid& pyramid = *left.pyramid();
+  u_right.assign(l.size(), -1.0f);
+  depth.assign(l.size(), 0.0f);
+  const int height = left.level(0).height;
+
+  // Right key points by the rows they may answer: 2 pixels at their scale either way.
+  const auto rows_of = [&](size_t j) {
+    const float reach = 2 * pyramid.scale[r.level[j]];
+    return std::pair{std::max(0, static_cast<int>(std::floor(r.y[j] - reach))),
+                     std::min(height - 1, static_cast<int>(std::ceil(r.y[j] + reach)))};
+  };
+  row_offsets_.assign(static_cast<size_t>(height) + 1, 0);
+  for (size_t j = 0; j < r.size(); ++j) {
+    const auto [first, last] = rows_of(j);
+    for (int y = first; y <= last; ++y) ++row_offsets_[static_cast<size_t>(y) + 1];
+  }
+  for (size_t y = 1; y < row_offsets_.size(); ++y) row_offsets_[y] += row_offsets_[y - 1];
+  row_items_.resize(row_offsets_.back());
+  std::vector<uint32_t> next(row_offsets_.begin(), row_offsets_.end() - 1);
+  for (size_t j = 0; j < r.size(); ++j) {
+    const auto [first, last] = rows_of(j);
+    for (int y = first; y <= last; ++y) row_items_[next[static_cast<size_t>(y)]++] = static_cast<uint32_t>(j);
+  }
+
+  accepted_.clear();
+  const auto max_disparity = static_cast<float>(fx);  // depth of one base line
+  for (size_t i = 0; i < l.size(); ++i) {
+    const auto row = static_cast<size_t>(std::clamp(static_cast<int>(std::lround(l.y[i])), 0, height - 1));
+    int best = kMaxHamming;
+    size_t best_j = r.size();
+    for (uint32_t k = row_offsets_[row]; k < row_offsets_[row + 1]; ++k) {
+      const size_t j = row_items_[k];
+      if (std::abs(r.level[j] - l.level[i]) > 1) continue;
+      const float disparity = l.x[i] - r.x[j];
+      if (disparity < 0 || disparity > max_disparity) continue;
+      const int d = hamming(l.descriptor[i], r.descriptor[j]);
+      if (d < best) {
+        best = d;
+        best_j = j;
+      }
+    }
+    if (best_j == r.size()) continue;
+
+    // Sub-pixel, at the left key point's level.
+    const int level = l.level[i];
+    const float scale = pyramid.scale[static_cast<size_t>(level)];
+    const auto a = left.level(level), b = right.level(level);
+    const int xl = static_cast<int>(std::lround(l.x[i] / scale)), y = static_cast<int>(std::lround(l.y[i] / scale));
+    const int xr = static_cast<int>(std::lround(r.x[best_j] / scale));
+    if (xr - kSlide - kHalfPatch < 0 || xr + kSlide + kHalfPatch >= b.width) continue;
+    std::array<int, 2 * kSlide + 1> sad{};
+    int at = 0;
+    for (int s = -kSlide; s <= kSlide; ++s) {
+      sad[static_cast<size_t>(s + kSlide)] = patch_sad(a.row(y) + xl, a.stride, b.row(y) + xr + s, b.stride);
+      if (sad[static_cast<size_t>(s + kSlide)] < sad[static_cast<size_t>(at + kSlide)] || s == -kSlide) at = s;
+    }
+    if (at == -kSlide || at == kSlide) continue;
+    const auto m = static_cast<size_t>(at + kSlide);
+    const float s0 = static_cast<float>(sad[m - 1]), s1 = static_cast<float>(sad[m]), s2 = static_cast<float>(sad[m + 1]);
+    const float curvature = s0 + s2 - 2 * s1;
+    if (!(curvature > 0)) continue;
+    const float offset = (s0 - s2) / (2 * curvature);
+    if (std::abs(offset) > 1) continue;
+    const float column = (static_cast<float>(xr + at) + offset) * scale;
+    float disparity = l.x[i] - column;
+    if (disparity < 0 || disparity > max_disparity) continue;
+    disparity = std::max(disparity, 0.01f);
+    u_right[i] = l.x[i] - disparity;
+    depth[i] = static_cast<float>(bf) / disparity;
+    accepted_.emplace_back(sad[m], static_cast<uint32_t>(i));
+  }
+  if (accepted_.empty()) return;
+  const auto middle = accepted_.begin() + static_cast<ptrdiff_t>(accepted_.size() / 2);
+  std::nth_element(accepted_.begin(), middle, accepted_.end());
+  const double bound = 1.5 * 1.4 * middle->first;
+  for (const auto& [sad, i] : accepted_) {
+    if (sad <= bound) continue;
+    u_right[i] = -1;
+    depth[i] = 0;
+  }
+}
+
+}  // namespace covis

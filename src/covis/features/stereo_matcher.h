@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Matches the key points of a rectified pair along rows (algorithms.md §1; ORB-SLAM2, T-RO 2017, section III-A).
+#pragma once
+
+#include <vector>
+
+#include "covis/features/extractor.h"
+
+namespace covis {
+
+class StereoMatcher {
+ public:
+  // For each left key point its column in the right image (sub-pixel), or -1, and its depth in metres, or 0. bf: pixels x metres.
+  void match(const OrbExtractor& left, const OrbExtractor& right, double fx, double bf, AlignedVector<float>& u_right,
+             AlignedVector<float>& depth);
+
+ private:
+  std::vector<uint32_t> row_offsets_, row_items_;
+  std::vector<std::pair<int, uint32_t>> accepted_;  // SAD, left index
+};
+
+}  // namespace covis

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// The similarity or rigid motion that best takes one set of points to another. Source: Horn, JOSA A 1987; Umeyama, "Least-squares
+// estimation of transformation parameters between two point patterns", PAMI 1991, eq. 40 to 43.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "covis/geometry/se3.h"
+
+namespace covis {
+
+struct Alignment {
+  SE3 T_ba;          // with `scale`: b ~ scale * R * a + t
+  double scale = 1;
+  double rmse = 0;   // of the distances left
+  bool unique = true;  // false: the points lie on a line, the rotation about it is arbitrary
+
+  Eigen::Vector3d operator*(const Eigen::Vector3d& a) const { return scale * (T_ba.R() * a) + T_ba.t(); }
+};
+
+// Nothing for fewer than 3 points, sets of different sizes, points that are not finite or all coincide.
+std::optional<Alignment> align(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b, bool with_scale);
+
+}  // namespace covis

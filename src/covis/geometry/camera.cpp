@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/geometry/camera.h"
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+namespace covis {
+namespace {
+
+// Distorted normalised coordinates of ideal ones, and their Jacobian.
+Eigen::Vector2d brown_conrady(const std::array<double, 5>& k, const Eigen::Vector2d& m, Eigen::Matrix2d& J) {
+  const double x = m.x(), y = m.y(), r2 = x * x + y * y;
+  const double radial = 1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
+  const double slope = 2 * (k[0] + r2 * (2 * k[1] + r2 * 3 * k[4]));  // d radial / d r2, times 2
+  const double p1 = k[2], p2 = k[3];
+  J(0, 0) = radial + x * x * slope + 2 * p1 * y + 6 * p2 * x;
+  J(0, 1) = x * y * slope + 2 * p1 * x + 2 * p2 * y;
+  J(1, 0) = J(0, 1);
+  J(1, 1) = radial + y * y * slope + 6 * p1 * y + 2 * p2 * x;
+  return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
+}
+
+// theta_d of theta and its slope (Kannala and Brandt, eq. 6).
+double kannala_brandt(const std::array<double, 5>& k, double theta, double& slope) {
+  const double t2 = theta * theta;
+  slope = 1 + t2 * (3 * k[0] + t2 * (5 * k[1] + t2 * (7 * k[2] + t2 * 9 * k[3])));
+  return theta * (1 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3]))));
+}
+
+// Newton from the distorted point; nothing when it does not converge or lands beyond the fold of the lens polynomial.
+std::optional<Eigen::Vector2d> undo_brown_conrady(const std::array<double, 5>& k, const Eigen::Vector2d& distorted) {
+  Eigen::Vector2d m = distorted;
+  Eigen::Matrix2d J;
+  for (int i = 0; i < 30; ++i) {
+    const Eigen::Vector2d error = brown_conrady(k, m, J) - distorted;
+    if (!(J.determinant() > 1e-9)) return std::nullopt;
+    const Eigen::Vector2d step = J.inverse() * error;
+    m -= step;
+    if (!m.allFinite()) return std::nullopt;
+    if (step.squaredNorm() < 1e-24) {
+      brown_conrady(k, m, J);
+      if (!(J.determinant() > 0)) return std::nullopt;
+      return m;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<double> undo_kannala_brandt(const std::array<double, 5>& k, double theta_d) {
+  constexpr double kPi = 3.14159265358979323846;
+  double theta = std::min(theta_d, kPi / 2), slope = 1;
+  for (int i = 0; i < 50; ++i) {
+    const double step = (kannala_brandt(k, theta, slope) - theta_d) / slope;
+    if (!(slope > 1e-9)) return std::nullopt;
+    theta -= step;
+    if (std::abs(step) < 1e-13) return theta >= 0 && theta <= kPi && slope > 0 ? std::optional(theta) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& p, Eigen::Matrix<double, 2, 3>* J) const {
+  const Eigen::Vector2d f(pinhole.fx, pinhole.fy), c(pinhole.cx, pinhole.cy);
+  if (distortion == Distortion::kannala_brandt) {
+    const double r2 = p.x() * p.x() + p.y() * p.y(), r = std::sqrt(r2), n2 = r2 + p.z() * p.z();
+    if (!(n2 > 0)) return std::nullopt;
+    const double theta = std::atan2(r, p.z());
+    double slope;
+    const double theta_d = kannala_brandt(coefficients, theta, slope);
+    if (!(slope > 0)) return std::nullopt;  // beyond the lens
+    if (r < 1e-12) {
+      if (!(p.z() > 0)) return std::nullopt;
+      if (J) *J << f.x() / p.z(), 0, 0, 0, f.y() / p.z(), 0;
+      return c;
+    }
+    const Eigen::Vector2d d(p.x() / r, p.y() / r);
+    if (J) {
+      // d theta = (z dr - r dz) / n2;  d direction = (I - d d') / r.
+      Eigen::Matrix<double, 2, 3> m;
+      m.leftCols<2>() = d * d.transpose() * (slope * p.z() / n2) + (Eigen::Matrix2d::Identity() - d * d.transpose()) * (theta_d / r);
+      m.col(2) = d * (-slope * r / n2);
+      *J = f.asDiagonal() * m;
+    }
+    return f.cwiseProduct(d * theta_d) + c;
+  }
+  if (!(p.z() > 0)) return std::nullopt;
+  const double iz = 1 / p.z();
+  const Eigen::Vector2d m(p.x() * iz, p.y() * iz);
+  Eigen::Matrix<double, 2, 3> J_m;
+  J_m << iz, 0, -m.x() * iz, 0, iz, -m.y() * iz;
+  if (distortion == Distortion::none) {
+    if (J) *J = f.asDiagonal() * J_m;
+    return f.cwiseProduct(m) + c;
+  }
+  Eigen::Matrix2d J_d;
+  const Eigen::Vector2d d = brown_conrady(coefficients, m, J_d);
+  if (!(J_d.determinant() > 0)) return std::nullopt;  // the polynomial has folded over: no lens does that
+  if (J) *J = f.asDiagonal() * J_d * J_m;
+  return f.cwiseProduct(d) + c;
+}
+
+std::optional<Eigen::Vector3d> Camera::unproject(const Eigen::Vector2d& pixel) const {
+  const Eigen::Vector2d m((pixel.x() - pinhole.cx) / pinhole.fx, (pixel.y() - pinhole.cy) / pinhole.fy);
+  switch (distortion) {
+    case Distortion::none: return m.homogeneous().normalized();
+    case Distortion::brown_conrady: {
+      const auto ideal = undo_brown_conrady(coefficients, m);
+      if (!ideal) return std::nullopt;
+      return ideal->homogeneous().normalized();
+    }
+    case Distortion::kannala_brandt: {
+      const double theta_d = m.norm();
+      if (theta_d < 1e-12) return Eigen::Vector3d::UnitZ();
+      const auto theta = undo_kannala_brandt(coefficients, theta_d);
+      if (!theta) return std::nullopt;
+      const Eigen::Vector2d d = m / theta_d * std::sin(*theta);
+      return Eigen::Vector3d(d.x(), d.y(), std::cos(*theta));
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Eigen::Vector2d> Camera::undistort(const Eigen::Vector2d& pixel) const {
+  const auto ray = unproject(pixel);
+  if (!ray || !(ray->z() > 1e-6)) return std::nullopt;
+  return pinhole.project(*ray);
+}
+
+}  // namespace covis

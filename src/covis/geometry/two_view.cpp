@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/geometry/two_view.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+
+#include "covis/core/random.h"
+#include "covis/geometry/triangulation.h"
+
+namespace covis {
+namespace {
+
+constexpr double kChi2Homography = 5.991;  // 2 degrees of freedom, 95 %
+constexpr double kChi2Fundamental = 3.841; // 1 degree of freedom
+constexpr double kScoreCap = 5.991;        // both, so that scores compare
+
+using Points = std::vector<Eigen::Vector2d>;
+
+// Shift and scale to mean 0 and mean distance sqrt(2) (Hartley and Zisserman, 4.4.4).
+Eigen::Matrix3d normalisation(const Points& points) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const auto& p : points) mean += p;
+  mean /= static_cast<double>(points.size());
+  double distance = 0;
+  for (const auto& p : points) distance += (p - mean).norm();
+  const double s = std::numbers::sqrt2 * static_cast<double>(points.size()) / std::max(distance, 1e-9);
+  Eigen::Matrix3d T;
+  T << s, 0, -s * mean.x(), 0, s, -s * mean.y(), 0, 0, 1;
+  return T;
+}
+
+using Matrix9d = Eigen::Matrix<double, 9, 9>;
+
+Eigen::Matrix3d smallest(const Matrix9d& AtA) {
+  const Eigen::SelfAdjointEigenSolver<Matrix9d> solver(AtA);
+  const Eigen::Matrix<double, 9, 1> v = solver.eigenvectors().col(0);
+  Eigen::Matrix3d m;
+  m << v(0), v(1), v(2), v(3), v(4), v(5), v(6), v(7), v(8);
+  return m;
+}
+
+// b ~ H a over the given matches of normalised points.
+Eigen::Matrix3d fit_homography(const Points& a, const Points& b, const std::vector<size_t>& use) {
+  Matrix9d AtA = Matrix9d::Zero();
+  for (const size_t i : use) {
+    Eigen::Matrix<double, 2, 9> rows;
+    const Eigen::Vector3d p = a[i].homogeneous();
+    rows << Eigen::RowVector3d::Zero(), -p.transpose(), b[i].y() * p.transpose(),  //
+        p.transpose(), Eigen::RowVector3d::Zero(), -b[i].x() * p.transpose();
+    AtA += rows.transpose() * rows;
+  }
+  return smallest(AtA);
+}
+
+// b' F a = 0, of rank 2.
+Eigen::Matrix3d fit_fundamental(const Points& a, const Points& b, const std::vector<size_t>& use) {
+  Matrix9d AtA = Matrix9d::Zero();
+  for (const size_t i : use) {
+    const Eigen::Vector3d p = a[i].homogeneous();
+    Eigen::Matrix<double, 1, 9> row;
+    row << b[i].x() * p.transpose(), b[i].y() * p.transpose(), p.transpose();
+    AtA += row.transpose() * row;
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(smallest(AtA), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Vector3d w = svd.singularValues();
+  w(2) = 0;
+  return svd.matrixU() * w.asDiagonal() * svd.matrixV().transpose();
+}
+
+// Score of a model, capped both ways (ORB-SLAM, eq. 2), and its inliers.
+struct Score {
+  double value = 0;
+  std::vector<uint8_t> inlier;
+  int count = 0;
+
+  void add(size_t i, double chi2_a, double chi2_b, double bound) {
+    const bool ok = chi2_a <= bound && chi2_b <= bound;
+    if (chi2_a <= bound) value += kScoreCap - chi2_a;
+    if (chi2_b <= bound) value += kScoreCap - chi2_b;
+    inlier[i] = ok;
+    count += ok;
+  }
+};
+
+Score score_homography(const Eigen::Matrix3d& H, const TwoViewMatches& m, double inv_sigma2) {
+  Score score;
+  score.inlier.resize(m.a.size());
+  const Eigen::Matrix3d inverse = H.inverse();
+  for (size_t i = 0; i < m.a.size(); ++i) {
+    const Eigen::Vector2d in_b = (H * m.a[i].homogeneous()).hnormalized(), in_a = (inverse * m.b[i].homogeneous()).hnormalized();
+    score.add(i, (in_a - m.a[i]).squaredNorm() * inv_sigma2, (in_b - m.b[i]).squaredNorm() * inv_sigma2, kChi2Homography);
+  }
+  return score;
+}
+
+Score score_fundamental(const Eigen::Matrix3d& F, const TwoViewMatches& m, double inv_sigma2) {
+  Score score;
+  score.inlier.resize(m.a.size());
+  for (size_t i = 0; i < m.a.size(); ++i) {
+    const Eigen::Vector3d a = m.a[i].homogeneous(), b = m.b[i].homogeneous();
+    const Eigen::Vector3d line_b = F * a, line_a = F.transpose() * b;
+    const double e = b.dot(line_b), e2 = e * e * inv_sigma2;
+    score.add(i, e2 / line_a.head<2>().squaredNorm(), e2 / line_b.head<2>().squaredNorm(), kChi2Fundamental);
+  }
+  return score;
+}
+
+std::vector<size_t> indices_of(const std::vector<uint8_t>& flags) {
+  std::vector<size_t> indices;
+  for (size_t i = 0; i < flags.size(); ++i) {
+    if (flags[i]) indices.push_back(i);
+  }
+  return indices;
+}
+
+// The 8 motions of a homography of calibrated coordinates (Faugeras and Lustman), |t| = 1; none when its singular values are not distinct.
+std::vector<SE3> motions_of_homography(const Eigen::Matrix3d& H, const Eigen::Matrix3d& K) {
+  const Eigen::Matrix3d A = K.inverse() * H * K;
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d U = svd.matrixU(), V = svd.matrixV();
+  const double s = U.determinant() * V.determinant();
+  const double d1 = svd.singularValues()(0), d2 = svd.singularValues()(1), d3 = svd.singularValues()(2);
+  std::vector<SE3> motions;
+  if (d1 / d2 < 1.00001 || d2 / d3 < 1.00001) return motions;
+  const double x1 = std::sqrt((d1 * d1 - d2 * d2) / (d1 * d1 - d3 * d3)), x3 = std::sqrt((d2 * d2 - d3 * d3) / (d1 * d1 - d3 * d3));
+  for (const double e1 : {1.0, -1.0}) {
+    for (const double e3 : {1.0, -1.0}) {
+      // d' = d2
+      const double sin_t = e1 * e3 * std::sqrt((d1 * d1 - d2 * d2) * (d2 * d2 - d3 * d3)) / ((d1 + d3) * d2);
+      const double cos_t = (d2 * d2 + d1 * d3) / ((d1 + d3) * d2);
+      Eigen::Matrix3d R;
+      R << cos_t, 0, -sin_t, 0, 1, 0, sin_t, 0, cos_t;
+      const Eigen::Vector3d t = U * Eigen::Vector3d(e1 * x1, 0, -e3 * x3);
+      motions.emplace_back(Eigen::Matrix3d(s * U * R * V.transpose()), t.normalized());
+      // d' = -d2
+      const double sin_p = e1 * e3 * std::sqrt((d1 * d1 - d2 * d2) * (d2 * d2 - d3 * d3)) / ((d1 - d3) * d2);
+      const double cos_p = (d1 * d3 - d2 * d2) / ((d1 - d3) * d2);
+      R << cos_p, 0, sin_p, 0, -1, 0, sin_p, 0, -cos_p;
+      const Eigen::Vector3d t_p = U * Eigen::Vector3d(e1 * x1, 0, e3 * x3);
+      motions.emplace_back(Eigen::Matrix3d(s * U * R * V.transpose()), t_p.normalized());
+    }
+  }
+  return motions;
+}
+
+// The 4 motions of an essential matrix (Hartley and Zisserman, 9.6.2).
+std::vector<SE3> motions_of_fundamental(const Eigen::Matrix3d& F, const Eigen::Matrix3d& K) {
+  const Eigen::Matrix3d E = K.transpose() * F * K;
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(E, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d W;
+  W << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  Eigen::Matrix3d Ra = svd.matrixU() * W * svd.matrixV().transpose(), Rb = svd.matrixU() * W.transpose() * svd.matrixV().transpose();
+  if (Ra.determinant() < 0) Ra = -Ra;
+  if (Rb.determinant() < 0) Rb = -Rb;
+  const Eigen::Vector3d t = svd.matrixU().col(2);
+  return {SE3(Ra, t), SE3(Rb, t), SE3(Ra, Eigen::Vector3d(-t)), SE3(Rb, Eigen::Vector3d(-t))};
+}
+
+struct Trial {
+  SE3 T_21;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<uint8_t> triangulated;
+  int good = 0;
+  double parallax_deg = 0;
+};
+
+// How many of the inliers a motion explains: in front of both cameras, near both pixels.
+Trial try_motion(const SE3& T_21, const TwoViewMatches& m, const std::vector<uint8_t>& inlier, const Pinhole& camera, double sigma) {
+  constexpr double kMinParallaxCos = 0.99998;  // farther points may be behind without harm, but give no parallax
+  const double bound = 4 * sigma * sigma;      // squared pixels
+  Trial trial;
+  trial.T_21 = T_21;
+  trial.points.resize(m.a.size());
+  trial.triangulated.assign(m.a.size(), 0);
+  const Eigen::Vector3d centre_2 = T_21.centre();
+  std::vector<double> cosines;
+  for (size_t i = 0; i < m.a.size(); ++i) {
+    if (!inlier[i]) continue;
+    const auto p = triangulate(SE3(), camera.unproject(m.a[i].x(), m.a[i].y()), T_21, camera.unproject(m.b[i].x(), m.b[i].y()));
+    if (!p || !p->allFinite()) continue;
+    const Eigen::Vector3d in_2 = T_21 * *p;
+    const double cosine = p->dot(*p - centre_2) / (p->norm() * (*p - centre_2).norm());
+    if ((p->z() <= 0 || in_2.z() <= 0)) continue;
+    if ((camera.project(*p) - m.a[i]).squaredNorm() > bound || (camera.project(in_2) - m.b[i]).squaredNorm() > bound) continue;
+    ++trial.good;
+    cosines.push_back(cosine);
+    if (cosine < kMinParallaxCos) {
+      trial.points[i] = *p;
+      trial.triangulated[i] = 1;
+    }
+  }
+  if (cosines.empty()) return trial;
+  std::sort(cosines.begin(), cosines.end());
+  const size_t at = std::min<size_t>(50, cosines.size() - 1);
+  trial.parallax_deg = std::acos(std::clamp(cosines[at], -1.0, 1.0)) * 180 / std::numbers::pi;
+  return trial;
+}
+
+}  // namespace
+
+TwoViewResult reconstruct_two_views(const TwoViewMatches& m, const Pinhole& camera, const TwoViewOptions& options) {
+  TwoViewResult result;
+  const size_t n = m.a.size();
+  if (n < 8 || static_cast<int>(n) < options.min_points) return result;
+  const Eigen::Matrix3d Ta = normalisation(m.a), Tb = normalisation(m.b);
+  Points a(n), b(n);
+  for (size_t i = 0; i < n; ++i) {
+    a[i] = (Ta * m.a[i].homogeneous()).hnormalized();
+    b[i] = (Tb * m.b[i].homogeneous()).hnormalized();
+  }
+  const double inv_sigma2 = 1 / (options.sigma * options.sigma);
+  const auto homography = [&](const std::vector<size_t>& use) -> Eigen::Matrix3d { return Tb.inverse() * fit_homography(a, b, use) * Ta; };
+  const auto fundamental = [&](const std::vector<size_t>& use) -> Eigen::Matrix3d { return Tb.transpose() * fit_fundamental(a, b, use) * Ta; };
+
+  Random random(options.seed);
+  Eigen::Matrix3d H = Eigen::Matrix3d::Identity(), F = Eigen::Matrix3d::Zero();
+  Score score_h, score_f;
+  std::vector<size_t> order(n), sample(8);
+  for (size_t i = 0; i < n; ++i) order[i] = i;
+  for (int t = 0; t < options.iterations; ++t) {
+    for (size_t k = 0; k < 8; ++k) {
+      std::swap(order[k], order[k + random.below(static_cast<uint32_t>(n - k))]);
+      sample[k] = order[k];
+    }
+    const Eigen::Matrix3d h = homography(sample), f = fundamental(sample);
+    Score sh = score_homography(h, m, inv_sigma2), sf = score_fundamental(f, m, inv_sigma2);
+    if (sh.value > score_h.value) {
+      score_h = std::move(sh);
+      H = h;
+    }
+    if (sf.value > score_f.value) {
+      score_f = std::move(sf);
+      F = f;
+    }
+  }
+  // Again over all that agree, while it gets better.
+  for (int k = 0; k < 5 && score_h.count >= 8; ++k) {
+    const Eigen::Matrix3d h = homography(indices_of(score_h.inlier));
+    Score s = score_homography(h, m, inv_sigma2);
+    if (s.value <= score_h.value) break;
+    score_h = std::move(s);
+    H = h;
+  }
+  for (int k = 0; k < 5 && score_f.count >= 8; ++k) {
+    const Eigen::Matrix3d f = fundamental(indices_of(score_f.inlier));
+    Score s = score_fundamental(f, m, inv_sigma2);
+    if (s.value <= score_f.value) break;
+    score_f = std::move(s);
+    F = f;
+  }
+  result.score_h = score_h.value;
+  result.score_f = score_f.value;
+  result.status = TwoViewStatus::no_model;
+  if (score_h.value + score_f.value <= 0) return result;
+  result.homography = score_h.value / (score_h.value + score_f.value) > options.homography_ratio;
+  const Score& score = result.homography ? score_h : score_f;
+  if (score.count < options.min_points) return result;
+
+  Eigen::Matrix3d K;
+  K << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+  Trial best;
+  int second = 0;
+  for (const SE3& motion : result.homography ? motions_of_homography(H, K) : motions_of_fundamental(F, K)) {
+    Trial trial = try_motion(motion, m, score.inlier, camera, options.sigma);
+    if (trial.good > best.good) {
+      second = best.good;
+      best = std::move(trial);
+    } else {
+      second = std::max(second, trial.good);
+    }
+  }
+  result.parallax_deg = best.parallax_deg;
+  const auto points = static_cast<int>(std::count(best.triangulated.begin(), best.triangulated.end(), 1));
+  if (best.parallax_deg < options.min_parallax_deg) {
+    result.status = TwoViewStatus::low_parallax;
+  } else if (second > options.clear_winner * best.good || best.good < options.min_good_share * score.count) {
+    result.status = TwoViewStatus::no_clear_winner;
+  } else if (points < options.min_points) {
+    result.status = TwoViewStatus::too_few_points;
+  } else {
+    result.status = TwoViewStatus::ok;
+    result.T_21 = best.T_21;
+    result.points_1 = std::move(best.points);
+    result.triangulated = std::move(best.triangulated);
+  }
+  return result;
+}
+
+}  // namespace covis

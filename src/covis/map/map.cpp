@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+// Key frames: making, erasing, resolving; poses.
+#include "covis/map/map.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "covis/core/log.h"
+
+namespace covis {
+namespace {
+
+void insert_sorted(std::vector<KeyFrameId>& list, KeyFrameId id) {
+  const auto at = std::lower_bound(list.begin(), list.end(), id);
+  if (at == list.end() || *at != id) list.insert(at, id);
+}
+
+void erase_sorted(std::vector<KeyFrameId>& list, KeyFrameId id) {
+  const auto at = std::lower_bound(list.begin(), list.end(), id);
+  if (at != list.end() && *at == id) list.erase(at);
+}
+
+}  // namespace
+
+KeyFrameId Map::add_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features) {
+  if (!T_cw.all_finite()) {
+    ++refused_non_finite_;
+    log(LogLevel::error, "a key frame with a pose that is not finite was refused");
+    return {};
+  }
+  KeyFrame key_frame;
+  key_frame.serial = next_serial_++;
+  key_frame.frame = frame;
+  key_frame.stamp = stamp;
+  key_frame.T_cw = T_cw;
+  key_frame.points.resize(static_cast<size_t>(features->size()));
+  key_frame.features = std::move(features);
+  const KeyFrameId id = key_frames_.insert(std::move(key_frame));
+  if (!root_.valid()) root_ = id;
+  return id;
+}
+
+void Map::attach_to_tree(KeyFrameId id) {
+  KeyFrame& key_frame = key_frames_.at(id);
+  if (id == root_ || key_frame.parent.valid()) return;
+  KeyFrameId parent;
+  int best = 0;
+  uint32_t best_serial = 0;
+  for (const Neighbour& n : key_frame.shared) {
+    const uint32_t serial = at(n.key_frame).serial;
+    if (serial >= key_frame.serial) continue;  // a parent is older: the tree can't close on itself
+    if (n.weight > best || (n.weight == best && serial < best_serial)) {
+      best = n.weight;
+      best_serial = serial;
+      parent = n.key_frame;
+    }
+  }
+  if (!parent.valid()) {
+    uint32_t newest_serial = 0;
+    for_each_key_frame([&](KeyFrameId other, const KeyFrame& k) {
+      if (k.serial < key_frame.serial && (!parent.valid() || k.serial > newest_serial)) {
+        parent = other;
+        newest_serial = k.serial;
+      }
+    });
+  }
+  assert(parent.valid());
+  key_frame.parent = parent;
+  insert_sorted(key_frames_.at(parent).children, id);
+}
+
+bool Map::erase_key_frame(KeyFrameId id) {
+  KeyFrame* key_frame = key_frames_.find(id);
+  if (!key_frame || id == root_ || key_frame->protections > 0) return false;
+  const std::vector<MapPointId> points = key_frame->points;
+  for (const MapPointId& point : points) {
+    if (point.valid()) erase_observation(point, id);
+  }
+  reattach_children(id);
+  const KeyFrameId parent = key_frame->parent;
+  erase_sorted(key_frames_.at(parent).children, id);
+  for (const KeyFrameId& other : key_frame->loop_edges) erase_sorted(key_frames_.at(other).loop_edges, id);
+  erased_frames_[id] = {parent, key_frame->T_cw * at(parent).T_cw.inverse()};
+  return key_frames_.erase(id);
+}
+
+// algorithms.md §2: repeatedly the (child, candidate) pair of greatest weight, candidates being the erased frame's parent and the
+// children already re-attached; children without any pair go to the parent.
+void Map::reattach_children(KeyFrameId id) {
+  KeyFrame& erased = key_frames_.at(id);
+  std::vector<KeyFrameId> open = std::move(erased.children);
+  erased.children.clear();
+  std::vector<KeyFrameId> candidates{erased.parent};
+  while (!open.empty()) {
+    KeyFrameId child, parent;
+    int best = 0;
+    for (const KeyFrameId& c : open) {
+      for (const KeyFrameId& p : candidates) {
+        const int w = weight(c, p);
+        if (w > best) {
+          best = w;
+          child = c;
+          parent = p;
+        }
+      }
+    }
+    if (best == 0) break;
+    key_frames_.at(child).parent = parent;
+    insert_sorted(key_frames_.at(parent).children, child);
+    open.erase(std::find(open.begin(), open.end(), child));
+    candidates.push_back(child);
+  }
+  for (const KeyFrameId& child : open) {
+    key_frames_.at(child).parent = erased.parent;
+    insert_sorted(key_frames_.at(erased.parent).children, child);
+  }
+}
+
+bool Map::set_pose(KeyFrameId id, const SE3& T_cw) {
+  KeyFrame* key_frame = key_frames_.find(id);
+  if (!key_frame) return false;
+  if (!T_cw.all_finite()) {
+    ++refused_non_finite_;
+    log(LogLevel::error, "a pose that is not finite was refused");
+    return false;
+  }
+  key_frame->T_cw = T_cw;
+  return true;
+}
+
+void Map::protect(KeyFrameId id) { ++key_frames_.at(id).protections; }
+
+void Map::unprotect(KeyFrameId id) {
+  KeyFrame& key_frame = key_frames_.at(id);
+  assert(key_frame.protections > 0);
+  --key_frame.protections;
+}
+
+void Map::add_loop_edge(KeyFrameId a, KeyFrameId b) {
+  assert(a != b);
+  insert_sorted(key_frames_.at(a).loop_edges, b);
+  insert_sorted(key_frames_.at(b).loop_edges, a);
+}
+
+KeyFrameId Map::newest() const {
+  const std::vector<KeyFrameId> all = key_frames();
+  return all.empty() ? KeyFrameId{} : all.back();
+}
+
+std::vector<KeyFrameId> Map::key_frames() const {
+  std::vector<KeyFrameId> ids;
+  ids.reserve(key_frames_.size());
+  for_each_key_frame([&](KeyFrameId id, const KeyFrame&) { ids.push_back(id); });
+  std::sort(ids.begin(), ids.end(), [&](KeyFrameId a, KeyFrameId b) { return at(a).serial < at(b).serial; });
+  return ids;
+}
+
+std::optional<Map::Resolved> Map::resolve(KeyFrameId id) const {
+  SE3 T_ar;
+  while (!find(id)) {
+    const auto erased = erased_frames_.find(id);
+    if (erased == erased_frames_.end()) return std::nullopt;
+    T_ar = T_ar * erased->second.T_cp;
+    id = erased->second.parent;
+  }
+  return Resolved{id, T_ar};
+}
+
+void Map::clear() {
+  key_frames_.clear();
+  points_.clear();
+  replaced_by_.clear();
+  erased_frames_.clear();
+  root_ = {};
+}
+
+}  // namespace covis

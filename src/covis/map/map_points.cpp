@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// Map points: observations, replacement, and what is derived from the observers.
+#include <algorithm>
+#include <cassert>
+
+#include "covis/core/log.h"
+#include "covis/map/map.h"
+
+namespace covis {
+namespace {
+
+struct ByHandle {
+  bool operator()(const Observation& o, KeyFrameId id) const { return o.key_frame < id; }
+};
+
+// More observations than this add nothing to the representative descriptor; the first ones are compared.
+constexpr size_t kMaxCompared = 48;
+
+}  // namespace
+
+MapPointId Map::add_point(const Eigen::Vector3d& position_w, KeyFrameId reference, uint32_t feature) {
+  KeyFrame* key_frame = key_frames_.find(reference);
+  if (!key_frame || feature >= key_frame->points.size() || key_frame->points[feature].valid()) return {};
+  if (!position_w.allFinite()) {
+    ++refused_non_finite_;
+    log(LogLevel::error, "a map point that is not finite was refused");
+    return {};
+  }
+  MapPoint point;
+  point.position_w = position_w;
+  point.reference = reference;
+  point.descriptor = key_frame->features->descriptor[feature];
+  point.observations.push_back({reference, feature});
+  point.created_serial = next_serial_ - 1;
+  const MapPointId id = points_.insert(std::move(point));
+  key_frame->points[feature] = id;
+  refresh_point_geometry(id);
+  return id;
+}
+
+bool Map::add_observation(MapPointId id, KeyFrameId key_frame_id, uint32_t feature) {
+  MapPoint* point = points_.find(id);
+  KeyFrame* key_frame = key_frames_.find(key_frame_id);
+  if (!point || !key_frame || feature >= key_frame->points.size() || key_frame->points[feature].valid()) return false;
+  const auto at = std::lower_bound(point->observations.begin(), point->observations.end(), key_frame_id, ByHandle{});
+  if (at != point->observations.end() && at->key_frame == key_frame_id) return false;
+  for (const Observation& other : point->observations) add_weight(key_frame_id, other.key_frame, 1);
+  point->observations.insert(at, {key_frame_id, feature});
+  key_frame->points[feature] = id;
+  return true;
+}
+
+bool Map::erase_observation(MapPointId id, KeyFrameId key_frame_id) {
+  MapPoint* point = points_.find(id);
+  if (!point) return false;
+  const auto at = std::lower_bound(point->observations.begin(), point->observations.end(), key_frame_id, ByHandle{});
+  if (at == point->observations.end() || at->key_frame != key_frame_id) return false;
+  key_frames_.at(key_frame_id).points[at->feature] = {};
+  point->observations.erase(at);
+  for (const Observation& other : point->observations) add_weight(key_frame_id, other.key_frame, -1);
+  const std::vector<Observation>& left = point->observations;
+  const bool held = left.size() >= 2 ||
+                    (left.size() == 1 && this->at(left[0].key_frame).features->has_depth(static_cast<int>(left[0].feature)));
+  if (!held) {
+    erase_point(id);
+  } else if (point->reference == key_frame_id) {
+    point->reference = left.front().key_frame;
+    refresh_point_geometry(id);
+  }
+  return true;
+}
+
+void Map::unlink_observations(MapPointId id) {
+  MapPoint& point = points_.at(id);
+  for (size_t i = 0; i < point.observations.size(); ++i) {
+    const Observation& o = point.observations[i];
+    key_frames_.at(o.key_frame).points[o.feature] = {};
+    for (size_t j = 0; j < i; ++j) add_weight(o.key_frame, point.observations[j].key_frame, -1);
+  }
+  point.observations.clear();
+}
+
+bool Map::erase_point(MapPointId id) {
+  if (!points_.find(id)) return false;
+  unlink_observations(id);
+  return points_.erase(id);
+}
+
+bool Map::replace_point(MapPointId old, MapPointId by) {
+  if (old == by || !points_.find(old) || !points_.find(by)) return false;
+  const std::vector<Observation> observations = points_.at(old).observations;
+  const uint32_t visible = points_.at(old).visible, found = points_.at(old).found;
+  unlink_observations(old);
+  points_.erase(old);
+  for (const Observation& o : observations) add_observation(by, o.key_frame, o.feature);
+  MapPoint& point = points_.at(by);
+  point.visible += visible;
+  point.found += found;
+  replaced_by_[old] = by;
+  refresh_point(by);
+  return true;
+}
+
+MapPointId Map::forwarded(MapPointId id) const {
+  while (!points_.find(id)) {
+    const auto next = replaced_by_.find(id);
+    if (next == replaced_by_.end()) return {};
+    id = next->second;
+  }
+  return id;
+}
+
+void Map::forget_replacements() { replaced_by_.clear(); }
+
+bool Map::set_position(MapPointId id, const Eigen::Vector3d& position_w) {
+  MapPoint* point = points_.find(id);
+  if (!point) return false;
+  if (!position_w.allFinite()) {
+    ++refused_non_finite_;
+    log(LogLevel::error, "a point position that is not finite was refused");
+    return false;
+  }
+  point->position_w = position_w;
+  return true;
+}
+
+void Map::refresh_point_geometry(MapPointId id) {
+  MapPoint& point = points_.at(id);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Observation& o : point.observations) {
+    const Eigen::Vector3d ray = point.position_w - at(o.key_frame).T_cw.centre();
+    const double distance = ray.norm();
+    if (distance > 0) sum += ray / distance;
+    if (o.key_frame != point.reference) continue;
+    const Features& f = *at(o.key_frame).features;
+    point.d_max = static_cast<float>(distance) * f.pyramid->scale[f.level[o.feature]];
+    point.d_min = point.d_max / f.pyramid->scale.back();
+  }
+  point.normal_w = sum / static_cast<double>(point.observations.size());
+}
+
+void Map::refresh_point(MapPointId id) {
+  refresh_point_geometry(id);
+  MapPoint& point = points_.at(id);
+  const size_t n = std::min(point.observations.size(), kMaxCompared);
+  if (n <= 1) return;
+  std::vector<const Descriptor*> descriptors(n);
+  for (size_t i = 0; i < n; ++i) {
+    const Observation& o = point.observations[i];
+    descriptors[i] = &at(o.key_frame).features->descriptor[o.feature];
+  }
+  int best = 257;
+  std::vector<int> distances(n);
+  for (size_t i = 0; i < n; ++i) {
+    for (size_t j = 0; j < n; ++j) distances[j] = hamming(*descriptors[i], *descriptors[j]);
+    const auto middle = distances.begin() + static_cast<ptrdiff_t>((n - 1) / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    if (*middle < best) {
+      best = *middle;
+      point.descriptor = *descriptors[i];
+    }
+  }
+}
+
+void Map::count_visible(MapPointId id, uint32_t frames) {
+  if (MapPoint* point = points_.find(id)) point->visible += frames;
+}
+
+void Map::count_found(MapPointId id, uint32_t frames) {
+  if (MapPoint* point = points_.find(id)) point->found += frames;
+}
+
+std::vector<MapPointId> Map::points() const {
+  std::vector<MapPointId> ids;
+  ids.reserve(points_.size());
+  for_each_point([&](MapPointId id, const MapPoint&) { ids.push_back(id); });
+  return ids;
+}
+
+}  // namespace covis

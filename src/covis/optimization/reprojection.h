@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The residual every problem here is made of: z - h(T_cw p), 2 rows (u, v) or 3 (u, v, u_right), with its Jacobians.
+// Source: Solà et al., "A micro Lie theory", 2018; h as in Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, eq. 3 and 4.
+#pragma once
+
+#include <cmath>
+
+#include <Eigen/Core>
+
+#include "covis/geometry/camera.h"
+#include "covis/geometry/se3.h"
+
+namespace covis {
+
+using Matrix3x6d = Eigen::Matrix<double, 3, 6>;
+
+inline constexpr double kMinDepth = 1e-6;  // metres: nearer points, or points behind, have no residual
+
+// Residual of a point in camera coordinates; row 2 is 0 without u_right (negative).
+inline Eigen::Vector3d reprojection_residual(const Eigen::Vector3d& p_c, const Pinhole& camera, float u, float v,
+                                             float u_right) {
+  const double iz = 1 / p_c.z();
+  const double pu = camera.fx * p_c.x() * iz + camera.cx;
+  return {u - pu, v - (camera.fy * p_c.y() * iz + camera.cy), u_right >= 0 ? u_right - (pu - camera.bf * iz) : 0.0};
+}
+
+// d h / d p_c; row 2 is 0 when not stereo.
+inline Eigen::Matrix3d projection_jacobian(const Eigen::Vector3d& p_c, const Pinhole& camera, bool stereo) {
+  const double iz = 1 / p_c.z(), iz2 = iz * iz;
+  Eigen::Matrix3d J;
+  J << camera.fx * iz, 0, -camera.fx * p_c.x() * iz2,  //
+      0, camera.fy * iz, -camera.fy * p_c.y() * iz2,   //
+      0, 0, 0;
+  if (stereo) J.row(2) << J(0, 0), 0, J(0, 2) + camera.bf * iz2;
+  return J;
+}
+
+// d p_c / d xi for T <- exp(xi) T, applied behind a projection Jacobian: J_pi * [I, -hat(p_c)].
+inline Matrix3x6d pose_jacobian(const Eigen::Matrix3d& J_pi, const Eigen::Vector3d& p_c) {
+  Matrix3x6d J;
+  J.leftCols<3>() = J_pi;
+  J.rightCols<3>() = -J_pi * hat(p_c);
+  return J;
+}
+
+// Huber: the cost of a squared error, and the weight its quadratic gets.
+inline double huber(double chi2, double bound, double& weight) {
+  if (chi2 <= bound) {
+    weight = 1;
+    return chi2;
+  }
+  const double e = std::sqrt(chi2), k = std::sqrt(bound);
+  weight = k / e;
+  return 2 * k * e - bound;
+}
+
+}  // namespace covis
