@@ -43,11 +43,17 @@ tl::unexpected<Error> wrong(const Field& field, std::string_view text, std::stri
               field.doc + ")");
 }
 
-std::string range(const Field& field, std::string_view kind) {
-  return std::string(kind) + " from " + number(field.min) + " to " + number(field.max);
-}
+std::string range(const Field& field, std::string_view kind) { return std::string(kind) + " " + field_range(field); }
 
 }  // namespace
+
+std::string field_range(const Field& field) {
+  const bool low = field.min > std::numeric_limits<double>::lowest(), high = field.max < std::numeric_limits<double>::max();
+  std::string text;
+  if (low) text = "from " + number(field.min);
+  if (high) text += (low ? " to " : "up to ") + number(field.max);
+  return text;
+}
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& names) {
   std::string best;

@@ -27,6 +27,8 @@ using Fields = std::vector<Field>;
 Result<void> set_field(const Fields& fields, std::string_view name, std::string_view text);
 // The field's present value as set_field() takes it.
 std::string field_text(const Field& field);
+// "from 1 to 10"; empty when there is no bound.
+std::string field_range(const Field& field);
 // Of `names` the one with the fewest letters to change to `name` (the first on a tie); empty when there are none.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& names);
 

@@ -13,16 +13,18 @@
 #include "covis/core/sensor.h"
 #include "covis/core/time.h"
 #include "covis/geometry/camera.h"
+#include "covis/io/trajectory.h"
 
 namespace covis::io {
 
-// One moment of the recording, decoded. Stereo images are rectified already; depth is in metres, registered to the image.
+// One moment of the recording, decoded. Stereo images are rectified already; depth is in metres, registered to the
+// image.
 struct Frame {
   int64_t index = 0;  // in the recording, from 0; frames that can't be read keep their number
   Timestamp stamp = 0;
-  ImageU8 image;      // grey, left
-  ImageU8 right;      // stereo only
-  ImageF depth;       // RGB-D only
+  ImageU8 image;  // grey, left
+  ImageU8 right;  // stereo only
+  ImageF depth;   // RGB-D only
 };
 
 enum class SequenceKind { automatic, tum, kitti, euroc, images, video, camera };
@@ -40,7 +42,9 @@ struct SequenceOptions {
 // Where the truth of a recording is, if it has any.
 struct Truth {
   std::filesystem::path file;
-  std::optional<std::filesystem::path> stamps;  // KITTI: times.txt beside poses.txt
+  std::filesystem::path stamps;  // KITTI: times.txt beside poses.txt; else empty
+  std::optional<SE3>
+      T_bc;  // EuRoC: the truth is of a body b; takes the camera of the images (rectified, when stereo) to it
 };
 
 class Sequence {
@@ -51,17 +55,21 @@ class Sequence {
   virtual Sensor sensor() const = 0;
   // Of the images next() returns (after rectification), bf and depth filled in.
   virtual const Camera& camera() const = 0;
-  virtual int64_t size() const = 0;          // frames, -1 when not known (camera, some videos)
-  virtual double frame_rate() const = 0;     // Hz, from the stamps; 30 when not known
+  virtual int64_t size() const = 0;       // frames, -1 when not known (camera, some videos)
+  virtual double frame_rate() const = 0;  // Hz, from the stamps; 30 when not known
   virtual std::optional<Truth> truth() const = 0;
   // A one-line description: "TUM RGB-D folder, 1000 frames, 640x480".
   virtual std::string description() const = 0;
-  // The next frame; nothing at the end; an error for an unreadable frame, after which next() may be called again for the
-  // one after it. `recycled` frames' memory is used again.
+  // The next frame; nothing at the end; an error for an unreadable frame, after which next() may be called again for
+  // the one after it. `recycled` frames' memory is used again.
   virtual Result<std::optional<Frame>> next(Frame recycled = {}) = 0;
 };
 
-// Opens and checks what can be checked without decoding images (files listed exist, stamps rise, calibration is there and sound).
+// Opens and checks what can be checked without decoding images (files listed exist, stamps rise, calibration is there
+// and sound).
 Result<std::unique_ptr<Sequence>> open_sequence(const std::string& path, const SequenceOptions& options);
+
+// The truth of a sequence that has one: poses of its camera.
+Result<Trajectory> load_truth(const Sequence& sequence);
 
 }  // namespace covis::io

@@ -22,10 +22,11 @@ namespace io {
 
 enum class TrajectoryFormat { automatic, tum, kitti, euroc };
 
-// automatic: recognised from the number of columns and the separator. KITTI rows have no stamps: `stamps` (a times.txt) or,
-// without it, the row number in seconds. Blank lines and lines starting with '#' are passed over; anything else that is
-// not right is an error with file and line.
-Result<Trajectory> read_trajectory(const std::filesystem::path& file, TrajectoryFormat format = TrajectoryFormat::automatic,
+// automatic: recognised from the number of columns and the separator. KITTI rows have no stamps: `stamps` (a times.txt)
+// or, without it, the row number in seconds. Blank lines and lines starting with '#' are passed over; anything else
+// that is not right is an error with file and line.
+Result<Trajectory> read_trajectory(const std::filesystem::path& file,
+                                   TrajectoryFormat format = TrajectoryFormat::automatic,
                                    const std::filesystem::path& stamps = {});
 // Written to a temporary name and renamed, so that a full disk leaves no half file.
 Result<void> write_trajectory(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFormat format);

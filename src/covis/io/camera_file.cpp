@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/io/camera_file.h"
+
+#include <map>
+#include <sstream>
+
+#include "covis/core/fields.h"
+#include "covis/io/files.h"
+#include "covis/io/yaml.h"
+
+namespace covis::io {
+namespace {
+
+const std::map<std::string, Distortion> kModels{{"pinhole", Distortion::none},
+                                                {"brown_conrady", Distortion::brown_conrady},
+                                                {"kannala_brandt", Distortion::kannala_brandt}};
+
+const char* model_name(Distortion distortion) {
+  for (const auto& [model, value] : kModels) {
+    if (value == distortion) return model.c_str();
+  }
+  return "";
+}
+
+// The plain values of the file; model and distortion are read apart.
+struct Values {
+  int width = 0, height = 0;
+  double fx = 0, fy = 0, cx = 0, cy = 0, baseline = 0, bf = 0, fps = 0, depth_scale = 0;
+  std::string model = "pinhole";
+
+  Fields fields() {
+    return {{"width", &width, "width of the image, pixels", 16, 20000},
+            {"height", &height, "height of the image, pixels", 16, 20000},
+            {"fx", &fx, "focal length, pixels", 1, 100000},
+            {"fy", &fy, "focal length, pixels", 1, 100000},
+            {"cx", &cx, "principal point, pixels", -20000, 20000},
+            {"cy", &cy, "principal point, pixels", -20000, 20000},
+            {"baseline", &baseline, "base line of the stereo pair, or the virtual one of an RGB-D camera, metres", 1e-4,
+             100},
+            {"bf", &bf, "base line times fx, pixels x metres", 1e-3, 1e6},
+            {"fps", &fps, "frames a second", 0.01, 10000},
+            {"depth_scale", &depth_scale, "units of a depth image a metre", 1e-3, 1e6},
+            {"model", &model, "pinhole, brown_conrady or kannala_brandt"}};
+  }
+};
+
+Result<void> read_distortion(const std::filesystem::path& file, const YAML::Node& node, Camera& camera) {
+  const std::string where = yaml_place(file, node) + ": distortion";
+  const size_t most = camera.distortion == Distortion::kannala_brandt ? 4 : 5;
+  if (camera.distortion == Distortion::none) {
+    return fail(where + " is given, but model is pinhole; it must be brown_conrady or kannala_brandt then");
+  }
+  if (!node.IsSequence() || node.size() < 4 || node.size() > most) {
+    return fail(where +
+                " must be a list: [k1, k2, p1, p2] or [k1, k2, p1, p2, k3] for brown_conrady, [k1, k2, k3, k4] for "
+                "kannala_brandt");
+  }
+  for (size_t i = 0; i < node.size(); ++i) {
+    const auto value = parse_double(node[i].Scalar());
+    if (!value) return fail(where + ": '" + node[i].Scalar() + "' is not a finite number");
+    camera.coefficients[i] = *value;
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<CameraFile> load_camera(const std::filesystem::path& file) {
+  const auto root = load_yaml(file);
+  if (!root) return tl::unexpected(root.error());
+  if (!root->IsMap()) return fail(file.string() + ": it must be a map: width, height, fx, fy, cx, cy …");
+  Values values;
+  Fields fields = values.fields();
+  std::vector<std::string> names{"distortion"};
+  for (const Field& field : fields) names.push_back(field.name);
+  std::map<std::string, YAML::Node> given;
+  for (const auto& entry : *root) {
+    const std::string key = entry.first.Scalar(), where = yaml_place(file, entry.first);
+    if (std::find(names.begin(), names.end(), key) == names.end()) {
+      return fail(where + ": unknown key '" + key + "'; the nearest known one is '" + nearest_name(key, names) + "'");
+    }
+    if (!given.emplace(key, entry.second).second) return fail(where + ": '" + key + "' stands twice");
+    if (key == "distortion") continue;
+    if (!entry.second.IsScalar()) return fail(where + ": '" + key + "' must be a single value");
+    if (auto set = set_field(fields, key, entry.second.Scalar()); !set) return fail(where + ": " + set.error().message);
+  }
+  for (const char* needed : {"width", "height", "fx", "fy", "cx", "cy"}) {
+    if (!given.contains(needed)) return fail(file.string() + ": '" + needed + "' is missing");
+  }
+  if (given.contains("baseline") && given.contains("bf"))
+    return fail(file.string() + ": give baseline or bf, not both");
+  const auto model = kModels.find(values.model);
+  if (model == kModels.end()) {
+    return fail(yaml_place(file, given["model"]) + ": model '" + values.model +
+                "' is unknown; it must be pinhole, brown_conrady or kannala_brandt");
+  }
+  CameraFile result;
+  result.baseline = given.contains("bf") ? values.bf / values.fx : values.baseline;
+  result.fps = values.fps;
+  result.depth_scale = values.depth_scale;
+  result.camera.width = values.width;
+  result.camera.height = values.height;
+  result.camera.pinhole = {values.fx, values.fy, values.cx, values.cy, values.fx * result.baseline};
+  result.camera.distortion = model->second;
+  if (given.contains("distortion")) {
+    if (auto read = read_distortion(file, given["distortion"], result.camera); !read)
+      return tl::unexpected(read.error());
+  } else if (model->second != Distortion::none) {
+    return fail(file.string() + ": model is " + values.model + ", but 'distortion' is missing");
+  }
+  return result;
+}
+
+std::string camera_text(const CameraFile& file) {
+  const Camera& c = file.camera;
+  std::ostringstream text;
+  text.precision(17);
+  text << "width: " << c.width << "\nheight: " << c.height << "\nfx: " << c.pinhole.fx << "\nfy: " << c.pinhole.fy
+       << "\ncx: " << c.pinhole.cx << "\ncy: " << c.pinhole.cy << "\nmodel: " << model_name(c.distortion) << "\n";
+  if (c.distortion != Distortion::none) {
+    text << "distortion: [";
+    const size_t count = c.distortion == Distortion::kannala_brandt ? 4 : 5;
+    for (size_t i = 0; i < count; ++i) text << (i ? ", " : "") << c.coefficients[i];
+    text << "]\n";
+  }
+  if (file.baseline > 0) text << "baseline: " << file.baseline << "\n";
+  if (file.fps > 0) text << "fps: " << file.fps << "\n";
+  if (file.depth_scale > 0) text << "depth_scale: " << file.depth_scale << "\n";
+  return text.str();
+}
+
+}  // namespace covis::io

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// A folder of images, with stamps from a list, from the files' names, or from a frame rate.
+#include <algorithm>
+#include <cctype>
+
+#include "covis/io/files.h"
+#include "covis/io/recording.h"
+
+namespace covis::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_image(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  for (const char* known : {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".bmp", ".tif", ".tiff", ".webp"}) {
+    if (extension == known) return true;
+  }
+  return false;
+}
+
+// Numbers inside names compare by value.
+bool natural_less(const fs::path& a, const fs::path& b) {
+  const std::string s = a.filename().string(), t = b.filename().string();
+  size_t i = 0, j = 0;
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  while (i < s.size() && j < t.size()) {
+    if (digit(s[i]) && digit(t[j])) {
+      const size_t si = i, tj = j;
+      while (i < s.size() && digit(s[i])) ++i;
+      while (j < t.size() && digit(t[j])) ++j;
+      std::string_view x(s.data() + si, i - si), y(t.data() + tj, j - tj);
+      x.remove_prefix(std::min(x.find_first_not_of('0'), x.size() - 1));
+      y.remove_prefix(std::min(y.find_first_not_of('0'), y.size() - 1));
+      if (x != y) return x.size() != y.size() ? x.size() < y.size() : x < y;
+    } else if (s[i] != t[j]) {
+      return s[i] < t[j];
+    } else {
+      ++i;
+      ++j;
+    }
+  }
+  return s.size() - i != t.size() - j ? s.size() - i < t.size() - j : s < t;
+}
+
+// Stamps from a list beside the images (or one folder up), one a row, the stamp in the first column; empty when there
+// is none.
+Result<std::vector<Timestamp>> find_stamps(const fs::path& folder, const fs::path& images, size_t count) {
+  for (const fs::path& base : {folder, images}) {
+    for (const char* name : {"times.txt", "timestamps.txt", "stamps.txt"}) {
+      const fs::path file = base / name;
+      if (!fs::exists(file)) continue;
+      const auto text = read_text(file);
+      if (!text) return tl::unexpected(text.error());
+      std::vector<Timestamp> stamps;
+      std::string problem;
+      for_each_line(*text, [&](std::string_view line, int number) {
+        const auto stamp = parse_stamp(split(line).front());
+        if (!stamp)
+          problem =
+              file.string() + ":" + std::to_string(number) + ": '" + std::string(line) + "' is not a stamp in seconds";
+        stamps.push_back(stamp.value_or(0));
+        return problem.empty();
+      });
+      if (!problem.empty()) return fail(problem);
+      if (stamps.size() != count) {
+        return fail(file.string() + ": it has " + std::to_string(stamps.size()) + " stamps for " +
+                    std::to_string(count) + " images");
+      }
+      return stamps;
+    }
+  }
+  return std::vector<Timestamp>{};
+}
+
+// Stamps when every name is a plain number of at least 10 digits (seconds or nanoseconds), rising.
+std::vector<Timestamp> stamps_of_names(const std::vector<fs::path>& images) {
+  std::vector<Timestamp> stamps;
+  for (const fs::path& image : images) {
+    const std::string name = image.stem().string();
+    const auto stamp = name.size() >= 10 ? parse_stamp(name) : std::nullopt;
+    if (!stamp || (!stamps.empty() && *stamp <= stamps.back())) return {};
+    stamps.push_back(*stamp);
+  }
+  return stamps;
+}
+
+}  // namespace
+
+std::vector<fs::path> list_images(const fs::path& folder) {
+  std::vector<fs::path> images;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.is_regular_file(error) && is_image(entry.path())) images.push_back(entry.path());
+  }
+  std::sort(images.begin(), images.end(), natural_less);
+  return images;
+}
+
+Error no_calibration(const fs::path& folder, const std::string& looked_for) {
+  return {folder.string() + ": nothing tells the camera's figures (looked for " + looked_for +
+          "). Give them with --camera FILE, a YAML such as:\n  width: 640\n  height: 480\n  fx: 525\n  fy: 525\n  cx: "
+          "320\n  cy: 240"};
+}
+
+Result<Recording> read_images(const Request& request) {
+  constexpr double kDefaultRate = 30;
+  Recording recording;
+  recording.kind = SequenceKind::images;
+  recording.name = "image folder";
+  if (request.wanted && *request.wanted != Sensor::monocular) {
+    return fail(
+        request.folder.string() +
+        ": an image folder serves --sensor mono only; stereo wants the KITTI or EuRoC layout, RGB-D the TUM layout");
+  }
+  fs::path folder = request.folder;
+  for (const char* inner : {"images", "image", "rgb", "data"}) {
+    if (list_images(folder).empty() && fs::is_directory(request.folder / inner)) folder = request.folder / inner;
+  }
+  const std::vector<fs::path> images = list_images(folder);
+  if (images.empty())
+    return fail(request.folder.string() + ": there is no image in it (PNG, JPEG, PGM, BMP, TIFF, WebP)");
+  CameraFile camera;
+  if (request.given) {
+    camera = *request.given;
+  } else if (fs::exists(request.folder / "camera.yaml")) {
+    auto loaded = load_camera(request.folder / "camera.yaml");
+    if (!loaded) return tl::unexpected(loaded.error());
+    camera = *loaded;
+  } else {
+    return tl::unexpected(no_calibration(request.folder, "camera.yaml"));
+  }
+  recording.camera = camera.camera;
+  recording.camera.pinhole.bf = 0;
+  auto stamps = find_stamps(request.folder, folder, images.size());
+  if (!stamps) return tl::unexpected(stamps.error());
+  if (stamps->empty()) *stamps = stamps_of_names(images);
+  const double rate = camera.fps > 0 ? camera.fps : kDefaultRate;
+  for (size_t i = 0; i < images.size(); ++i) {
+    recording.frames.push_back(
+        {stamps->empty() ? from_seconds(static_cast<double>(i) / rate) : (*stamps)[i], images[i], {}, {}});
+  }
+  if (fs::exists(request.folder / "groundtruth.txt"))
+    recording.truth = Truth{request.folder / "groundtruth.txt", {}, {}};
+  return recording;
+}
+
+}  // namespace covis::io

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// Video files and cameras, through OpenCV's videoio. Monocular.
+#include <chrono>
+#include <cstring>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "covis/io/decode_ahead.h"
+#include "covis/io/sequence_sources.h"
+
+namespace covis::io {
+namespace {
+
+class CaptureSequence : public Sequence {
+ public:
+  CaptureSequence(cv::VideoCapture capture, std::string name, SequenceKind kind, const Camera& camera, double rate,
+                  int64_t frames, const SequenceOptions& options)
+      : capture_(std::move(capture)),
+        name_(std::move(name)),
+        kind_(kind),
+        camera_(camera),
+        rate_(rate),
+        frames_(frames),
+        options_(options),
+        // A camera goes on whether we keep up or not: only its latest frame is wanted.
+        ahead_([this](Frame memory) { return decode(std::move(memory)); },
+               kind == SequenceKind::camera ? 1 : options.decode_ahead) {}
+
+  SequenceKind kind() const override { return kind_; }
+  Sensor sensor() const override { return Sensor::monocular; }
+  const Camera& camera() const override { return camera_; }
+  int64_t size() const override { return frames_; }
+  double frame_rate() const override { return rate_; }
+  std::optional<Truth> truth() const override { return std::nullopt; }
+  std::string description() const override {
+    return (kind_ == SequenceKind::camera ? "camera " : "video ") + name_ + ", " + std::to_string(camera_.width) + "x" +
+           std::to_string(camera_.height) + ", " + std::to_string(rate_) + " Hz";
+  }
+  Result<std::optional<Frame>> next(Frame recycled) override { return ahead_.next(std::move(recycled)); }
+
+ private:
+  Result<std::optional<Frame>> decode(Frame frame) {
+    if (options_.count >= 0 && given_ >= options_.count) return std::optional<Frame>();
+    while (read_ < options_.first || (read_ - options_.first) % options_.stride != 0) {
+      if (!capture_.grab()) return std::optional<Frame>();
+      ++read_;
+    }
+    const int64_t index = read_++;
+    if (!capture_.grab()) return std::optional<Frame>();
+    const Timestamp now =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+            .count();
+    if (!capture_.retrieve(picture_) || picture_.empty())
+      return fail(name_ + ": frame " + std::to_string(index) + " can't be decoded");
+    ++given_;
+    if (picture_.cols != camera_.width || picture_.rows != camera_.height) {
+      return fail(name_ + ": frame " + std::to_string(index) + " is " + std::to_string(picture_.cols) + "x" +
+                  std::to_string(picture_.rows) + ", the camera " + std::to_string(camera_.width) + "x" +
+                  std::to_string(camera_.height));
+    }
+    if (picture_.channels() == 1) {
+      grey_ = picture_;
+    } else {
+      cv::cvtColor(picture_, grey_, picture_.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
+    }
+    frame.index = index;
+    frame.stamp = kind_ == SequenceKind::camera ? now : from_seconds(static_cast<double>(index) / rate_);
+    frame.image.resize(grey_.cols, grey_.rows);
+    for (int y = 0; y < grey_.rows; ++y) std::memcpy(frame.image.row(y), grey_.ptr(y), static_cast<size_t>(grey_.cols));
+    return std::optional<Frame>(std::move(frame));
+  }
+
+  cv::VideoCapture capture_;
+  const std::string name_;
+  const SequenceKind kind_;
+  const Camera camera_;
+  const double rate_;
+  const int64_t frames_;
+  const SequenceOptions options_;
+  int64_t read_ = 0, given_ = 0;
+  cv::Mat picture_, grey_;
+  DecodeAhead ahead_;  // last: its thread uses the rest
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Sequence>> open_capture(const std::string& path, SequenceKind kind, const Request& request,
+                                               const SequenceOptions& options) {
+  if (request.wanted && *request.wanted != Sensor::monocular)
+    return fail(path + ": a video or a camera serves --sensor mono only");
+  if (!request.given) return tl::unexpected(no_calibration(path, "--camera"));
+  cv::VideoCapture capture;
+  try {
+    if (kind == SequenceKind::camera) {
+      capture.open(std::atoi(path.c_str()));
+    } else {
+      capture.open(path);
+    }
+  } catch (const cv::Exception&) {
+    capture.release();
+  }
+  if (!capture.isOpened()) {
+    return fail(path + (kind == SequenceKind::camera ? ": the camera can't be opened"
+                                                     : ": it is not a video that can be read"));
+  }
+  Camera camera = request.given->camera;
+  camera.pinhole.bf = 0;
+  if (kind == SequenceKind::camera) {
+    capture.set(cv::CAP_PROP_FRAME_WIDTH, camera.width);
+    capture.set(cv::CAP_PROP_FRAME_HEIGHT, camera.height);
+    if (request.given->fps > 0) capture.set(cv::CAP_PROP_FPS, request.given->fps);
+  }
+  double rate = request.given->fps > 0 ? request.given->fps : capture.get(cv::CAP_PROP_FPS);
+  if (!(rate > 0.01 && rate < 10000)) rate = 30;
+  int64_t frames = -1;
+  if (kind == SequenceKind::video) {
+    const double all = capture.get(cv::CAP_PROP_FRAME_COUNT);
+    if (all > 0) {
+      frames = std::max<int64_t>(0, (static_cast<int64_t>(all) - options.first + options.stride - 1) / options.stride);
+      if (options.count >= 0) frames = std::min(frames, options.count);
+    }
+  }
+  return std::make_unique<CaptureSequence>(std::move(capture), path, kind, camera, rate, frames, options);
+}
+
+}  // namespace covis::io

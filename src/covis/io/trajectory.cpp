@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/io/trajectory.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <cstdio>
+
+#include "covis/io/files.h"
+
+namespace covis::io {
+namespace {
+
+std::string place(const std::filesystem::path& file, int line) { return file.string() + ":" + std::to_string(line); }
+
+// The numbers of a row from `first` on; nothing when one is not a finite number.
+std::optional<std::vector<double>> numbers(const std::vector<std::string_view>& parts, size_t first) {
+  std::vector<double> values;
+  for (size_t i = first; i < parts.size(); ++i) {
+    const auto value = parse_double(parts[i]);
+    if (!value) return std::nullopt;
+    values.push_back(*value);
+  }
+  return values;
+}
+
+std::optional<SE3> from_matrix_row(const std::vector<double>& v) {
+  Eigen::Matrix3d R;
+  R << v[0], v[1], v[2], v[4], v[5], v[6], v[8], v[9], v[10];
+  if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > 1e-2 || R.determinant() < 0) return std::nullopt;
+  return SE3(R, Eigen::Vector3d(v[3], v[7], v[11])).normalized();
+}
+
+// q as x y z w.
+std::optional<SE3> from_quaternion(double tx, double ty, double tz, double x, double y, double z, double w) {
+  const Eigen::Quaterniond q(w, x, y, z);
+  if (std::abs(q.norm() - 1) > 1e-2) return std::nullopt;
+  return SE3(q, Eigen::Vector3d(tx, ty, tz));
+}
+
+Result<std::vector<Timestamp>> read_stamps(const std::filesystem::path& file) {
+  const auto text = read_text(file);
+  if (!text) return tl::unexpected(text.error());
+  std::vector<Timestamp> stamps;
+  std::string problem;
+  for_each_line(*text, [&](std::string_view line, int number) {
+    const auto stamp = parse_stamp(split(line).front());
+    if (!stamp) {
+      problem = place(file, number) + ": '" + std::string(line) + "' is not a stamp in seconds";
+      return false;
+    }
+    stamps.push_back(*stamp);
+    return true;
+  });
+  if (!problem.empty()) return fail(problem);
+  return stamps;
+}
+
+void append(std::string& text, const char* format, double value) {
+  char buffer[64];
+  text.append(buffer, static_cast<size_t>(std::snprintf(buffer, sizeof buffer, format, value)));
+}
+
+}  // namespace
+
+Result<Trajectory> read_trajectory(const std::filesystem::path& file, TrajectoryFormat format,
+                                   const std::filesystem::path& stamps_file) {
+  const auto text = read_text(file);
+  if (!text) return tl::unexpected(text.error());
+  std::vector<Timestamp> stamps;
+  if (!stamps_file.empty()) {
+    auto read = read_stamps(stamps_file);
+    if (!read) return tl::unexpected(read.error());
+    stamps = std::move(*read);
+  }
+  Trajectory trajectory;
+  std::string problem;
+  for_each_line(*text, [&](std::string_view line, int number) {
+    const std::vector<std::string_view> parts = split(line);
+    TrajectoryFormat row = format;
+    if (row == TrajectoryFormat::automatic) {
+      row = parts.size() == 12                         ? TrajectoryFormat::kitti
+            : line.find(',') != std::string_view::npos ? TrajectoryFormat::euroc
+                                                       : TrajectoryFormat::tum;
+    }
+    const size_t least = row == TrajectoryFormat::kitti ? 12 : 8;
+    const bool sized = row == TrajectoryFormat::euroc ? parts.size() >= least : parts.size() == least;
+    if (!sized) {
+      problem =
+          place(file, number) + ": it has " + std::to_string(parts.size()) +
+          " columns; TUM has 8 (t tx ty tz qx qy qz qw), KITTI 12, EuRoC at least 8 (ns, x, y, z, qw, qx, qy, qz)";
+      return false;
+    }
+    const auto v = numbers(parts, row == TrajectoryFormat::kitti ? 0 : 1);
+    std::optional<Timestamp> stamp;
+    std::optional<SE3> pose;
+    if (row == TrajectoryFormat::kitti) {
+      const size_t index = trajectory.size();
+      stamp = stamps_file.empty()     ? static_cast<Timestamp>(index) * 1000000000
+              : index < stamps.size() ? std::optional(stamps[index])
+                                      : std::nullopt;
+      if (!stamp) {
+        problem = place(file, number) + ": " + stamps_file.string() + " has no stamp for this row";
+        return false;
+      }
+      if (v) pose = from_matrix_row(*v);
+    } else {
+      stamp = parse_stamp(parts[0]);
+      if (v && row == TrajectoryFormat::tum)
+        pose = from_quaternion((*v)[0], (*v)[1], (*v)[2], (*v)[3], (*v)[4], (*v)[5], (*v)[6]);
+      if (v && row == TrajectoryFormat::euroc)
+        pose = from_quaternion((*v)[0], (*v)[1], (*v)[2], (*v)[4], (*v)[5], (*v)[6], (*v)[3]);
+    }
+    if (!v || !stamp) {
+      problem = place(file, number) + ": a column is not a finite number";
+    } else if (!pose) {
+      problem =
+          place(file, number) + ": the rotation is not one (a unit quaternion or an orthonormal matrix is wanted)";
+    } else {
+      trajectory.push_back({*stamp, *pose});
+    }
+    return problem.empty();
+  });
+  if (!problem.empty()) return fail(problem);
+  if (trajectory.empty()) return fail(file.string() + ": there is no pose in it");
+  return trajectory;
+}
+
+Result<void> write_trajectory(const std::filesystem::path& file, const Trajectory& trajectory,
+                              TrajectoryFormat format) {
+  std::string text;
+  if (format == TrajectoryFormat::euroc) text = "#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []\n";
+  for (const StampedPose& pose : trajectory) {
+    const Eigen::Vector3d& t = pose.T_wc.t();
+    if (format == TrajectoryFormat::kitti) {
+      for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 4; ++c) {
+          if (r + c > 0) text += ' ';
+          append(text, "%.9e", c < 3 ? pose.T_wc.R()(r, c) : t(r));
+        }
+      }
+    } else {
+      const Eigen::Quaterniond q = pose.T_wc.q();
+      const bool euroc = format == TrajectoryFormat::euroc;
+      const char* number = euroc ? ",%.9f" : " %.9f";
+      text += euroc ? std::to_string(pose.stamp) : stamp_text(pose.stamp);
+      for (int k = 0; k < 3; ++k) append(text, number, t(k));
+      if (euroc) append(text, number, q.w());
+      for (const double value : {q.x(), q.y(), q.z()}) append(text, number, value);
+      if (!euroc) append(text, number, q.w());
+    }
+    text += '\n';
+  }
+  return write_text_atomically(file, text);
+}
+
+}  // namespace covis::io
