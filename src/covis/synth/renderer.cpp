@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
 namespace covis::synth {
@@ -14,17 +13,6 @@ constexpr uint32_t kNone = 0;   // no polygon; visible polygon k is number k + 1
 constexpr int kBandRows = 24;   // image rows shaded at a time, so that the z-buffer stays in the cache
 constexpr double kNear = 0.03;  // metres
 constexpr int kMaxCorners = 16;
-constexpr float kMaxTaps = 6;      // look-ups along the longer axis of a pixel's footprint
-constexpr int kSpan = 64;          // pixels shaded at a time
-constexpr float kDetailLod = 4.5;  // where the fine detail is gone
-constexpr float kLodBias = -0.2f;  // slightly sharper than the footprint: bilinear look-ups blur by themselves
-
-// Binary logarithm, exact at powers of two and at most 0.09 too small between.
-float fast_log2(float x) {
-  const uint32_t bits = std::bit_cast<uint32_t>(x);
-  const float mantissa = std::bit_cast<float>((bits & 0x007fffffu) | 0x3f800000u);
-  return static_cast<float>(static_cast<int>(bits >> 23) - 127) + mantissa - 1;
-}
 
 }  // namespace
 
@@ -36,8 +24,8 @@ Result<Renderer> Renderer::create(const Camera& camera) {
   r.pixel_x_ = static_cast<float>(1 / k.fx);
   r.pixel_y_ = static_cast<float>(1 / k.fy);
   const size_t pixels = static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height);
-  r.ray_x_.resize(pixels);
-  r.ray_y_.resize(pixels);
+  r.ray_x_.resize(pixels + kShadeOverrun);
+  r.ray_y_.resize(pixels + kShadeOverrun);
   const int sample_columns = 2 * camera.width + 1, sample_rows = 2 * camera.height + 1;
   const auto ray_of = [&](double u, double v) -> std::optional<Eigen::Vector2d> {
     if (!r.distorted_) return Eigen::Vector2d((u - k.cx) / k.fx, (v - k.cy) / k.fy);
@@ -56,7 +44,7 @@ Result<Renderer> Renderer::create(const Camera& camera) {
     }
   }
   if (!r.distorted_) {
-    r.stretch_.assign(kSpan, 1.0f);
+    r.stretch_.assign(static_cast<size_t>(camera.width + kShadeOverrun), 1.0f);
     r.columns_ = sample_columns;
     r.rows_ = sample_rows;
     r.origin_x_ = 2 * k.cx + 1;
@@ -71,6 +59,7 @@ Result<Renderer> Renderer::create(const Camera& camera) {
       r.stretch_.push_back(std::sqrt(area / (r.pixel_x_ * r.pixel_y_)));
     }
   }
+  r.stretch_.resize(pixels + kShadeOverrun);
   // The pinhole image that holds every ray of the distorted one.
   std::vector<Eigen::Vector2d> rays;
   Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
@@ -126,7 +115,6 @@ Eigen::Vector2f Renderer::to_pixels(int x, int y, float ray_dx, float ray_dy) co
 void Renderer::render(const Scene& scene, const SE3& T_wc, ImageF& tone, ImageF& depth) {
   tone.resize(camera_.width, camera_.height);
   depth.resize(camera_.width, camera_.height);
-  detail_ = &scene.textures[0];
   collect(scene, T_wc);
   const int sample_columns = 2 * camera_.width + 1;
   for (int begin = 0, band = 0; begin < camera_.height; begin += kBandRows, ++band) {
@@ -161,7 +149,7 @@ void Renderer::collect(const Scene& scene, const SE3& T_wc) {
     const double z = (T_cw.R().row(2) * polygon.centre)(0) + T_cw.t().z();
     if (z + polygon.radius < kNear) continue;
     if (add_visible(scene, polygon, T_cw))
-      order_.emplace_back(-visible_.back().w_max, static_cast<int>(visible_.size()) - 1);
+      order_.emplace_back(-visible_.back().surface.w_max, static_cast<int>(visible_.size()) - 1);
   }
   std::sort(order_.begin(), order_.end());
 }
@@ -202,17 +190,18 @@ bool Renderer::add_visible(const Scene& scene, const Polygon& polygon, const SE3
     y = static_cast<float>(from.y());
     one = static_cast<float>(from.z());
   };
-  set(w, v.w_x, v.w_y, v.w_1);
-  set(uw, v.u_x, v.u_y, v.u_1);
-  set(vw, v.v_x, v.v_y, v.v_1);
+  set(w, v.surface.w_x, v.surface.w_y, v.surface.w_1);
+  set(uw, v.surface.u_x, v.surface.u_y, v.surface.u_1);
+  set(vw, v.surface.v_x, v.surface.v_y, v.surface.v_1);
   v.plane_x = w.x() / (2 * camera_.pinhole.fx);
   v.plane_y = w.y() / (2 * camera_.pinhole.fy);
   v.plane_1 = w.z() - v.plane_x * origin_x_ - v.plane_y * origin_y_;
-  v.texture = &scene.textures[static_cast<size_t>(polygon.texture)];
-  v.gain = polygon.gain;
-  v.detail = polygon.detail / 128;
-  v.detail_u = polygon.detail_u;
-  v.detail_v = polygon.detail_v;
+  v.surface.texture = scene.textures[static_cast<size_t>(polygon.texture)].view();
+  v.surface.detail = scene.textures[0].view();
+  v.surface.gain = polygon.gain;
+  v.surface.detail_strength = polygon.detail / 128;
+  v.surface.detail_u = polygon.detail_u;
+  v.surface.detail_v = polygon.detail_v;
   v.sky = polygon.sky;
   visible_.push_back(v);
   return true;
@@ -254,8 +243,8 @@ bool Renderer::add_outline(const Vector3d* points, int count, Visible& visible) 
     }
     edges_.push_back(edge);
   }
-  visible.w_min = static_cast<float>(1 / z_max);
-  visible.w_max = static_cast<float>(1 / z_min);
+  visible.surface.w_min = static_cast<float>(1 / z_max);
+  visible.surface.w_max = static_cast<float>(1 / z_min);
   return true;
 }
 
@@ -280,16 +269,9 @@ void Renderer::rasterise(int row_begin, int row_end) {
       if (begin >= end) continue;
       const size_t base =
           static_cast<size_t>(row - row_begin) * static_cast<size_t>(columns_) + static_cast<size_t>(begin);
-      float* z = z_.data() + base;
-      uint32_t* id = id_.data() + base;
-      const float w_0 = static_cast<float>(v.plane_1 + v.plane_y * row + v.plane_x * begin);
-      const float w_x = static_cast<float>(v.plane_x);
-      for (int i = 0; i < end - begin; ++i) {
-        const float w = w_0 + w_x * static_cast<float>(i);
-        const bool nearer = w > z[i];
-        z[i] = nearer ? w : z[i];
-        id[i] = nearer ? number : id[i];
-      }
+      const double w_0 = v.plane_1 + v.plane_y * row + v.plane_x * begin;
+      fill_span(static_cast<float>(w_0), static_cast<float>(v.plane_x), number, end - begin, z_.data() + base,
+                id_.data() + base);
     }
   }
 }
@@ -319,15 +301,16 @@ void Renderer::shade_row(int y, const uint32_t* above, const uint32_t* middle, c
       continue;
     }
     int end = x + 1;
-    while (end < width && end - x < kSpan && middle[2 * end + 1] == id && inside(end)) ++end;
+    while (end < width && middle[2 * end + 1] == id && inside(end)) ++end;
     const Visible& v = visible_[id - 1];
-    shade(v, ray_x + x, ray_y + x, stretch + (distorted_ ? x : 0), end - x, tone + x);
+    shade_surface(v.surface, pixel_x_, pixel_y_, ray_x + x, ray_y + x, stretch + x, end - x, tone + x);
     for (; x < end; ++x) depth[x] = depth_of(v, ray_x[x], ray_y[x]);
   }
 }
 
 float Renderer::depth_of(const Visible& v, float x, float y) const {
-  return v.sky ? 0 : 1 / std::min(std::max(v.w_x * x + v.w_y * y + v.w_1, v.w_min), v.w_max);
+  const Surface& s = v.surface;
+  return v.sky ? 0 : 1 / std::min(std::max(s.w_x * x + s.w_y * y + s.w_1, s.w_min), s.w_max);
 }
 
 float Renderer::shade_edge(const uint32_t* const (&rows)[3], int x, int y) const {
@@ -359,52 +342,15 @@ float Renderer::shade_edge(const uint32_t* const (&rows)[3], int x, int y) const
   float sum = 0;
   for (size_t p = 0; p < count; ++p) {
     const Part& part = parts[p];
-    const float part_x = centre.x() + part.x / part.weight * scale * pixel_x_,
-                part_y = centre.y() + part.y / part.weight * scale * pixel_y_;
-    float tone;
-    shade(visible_[part.id - 1], &part_x, &part_y, &scale, 1, &tone);
-    sum += part.weight * tone;
+    std::array<float, 1 + kShadeOverrun> part_x, part_y, part_scale, tone;
+    part_x[0] = centre.x() + part.x / part.weight * scale * pixel_x_;
+    part_y[0] = centre.y() + part.y / part.weight * scale * pixel_y_;
+    part_scale[0] = scale;
+    shade_surface(visible_[part.id - 1].surface, pixel_x_, pixel_y_, part_x.data(), part_y.data(), part_scale.data(), 1,
+                  tone.data());
+    sum += part.weight * tone[0];
   }
   return sum / total;
-}
-
-void Renderer::shade(const Visible& v, const float* x, const float* y, const float* scale, int count,
-                     float* tone) const {
-  // First, for all pixels, in loops the compiler turns into SIMD: where their rays meet the plane, and their
-  // footprints.
-  float u[kSpan], t[kSpan], du[kSpan], dv[kSpan], lod[kSpan], taps[kSpan];
-  const float columns = v.texture->columns(), rows = v.texture->rows();
-  for (int i = 0; i < count; ++i) {
-    const float w = std::min(std::max(v.w_x * x[i] + v.w_y * y[i] + v.w_1, v.w_min), v.w_max);
-    const float z = 1 / w;
-    u[i] = (v.u_x * x[i] + v.u_y * y[i] + v.u_1) * z;
-    t[i] = (v.v_x * x[i] + v.v_y * y[i] + v.v_1) * z;
-    const float zx = z * scale[i] * pixel_x_, zy = z * scale[i] * pixel_y_;
-    const float ux = (v.u_x - u[i] * v.w_x) * zx, uy = (v.u_y - u[i] * v.w_y) * zy;
-    const float vx = (v.v_x - t[i] * v.w_x) * zx, vy = (v.v_y - t[i] * v.w_y) * zy;
-    // In texels of level 0.
-    const float along_x = ux * columns * (ux * columns) + vx * rows * (vx * rows);
-    const float along_y = uy * columns * (uy * columns) + vy * rows * (vy * rows);
-    const float area = std::abs(ux * vy - uy * vx) * columns * rows;
-    const bool x_longer = along_x > along_y;
-    const float longest2 = std::max(along_x, along_y) + 1e-12f;
-    // As many look-ups along the longer axis as it is longer than the other one.
-    const float wanted = std::min(longest2 / (area + 1e-12f), kMaxTaps) + 0.5f;
-    taps[i] = std::max(static_cast<float>(static_cast<int>(wanted)), 1.0f);
-    du[i] = (x_longer ? ux : uy) / taps[i];
-    dv[i] = (x_longer ? vx : vy) / taps[i];
-    lod[i] = 0.5f * fast_log2(longest2 / (taps[i] * taps[i])) + kLodBias;
-  }
-  for (int i = 0; i < count; ++i)
-    tone[i] = v.gain * v.texture->sample(u[i], t[i], du[i], dv[i], static_cast<int>(taps[i]), lod[i]);
-  if (v.detail <= 0) return;
-  const float finer = fast_log2(detail_->columns() * v.detail_u / columns);
-  for (int i = 0; i < count; ++i) {
-    // It fades out where a pixel covers much of it.
-    const float detail_lod = lod[i] + finer, strength = v.detail * std::min(kDetailLod - detail_lod, 1.0f);
-    if (strength <= 0) continue;
-    tone[i] *= 1 + strength * (detail_->sample(u[i] * v.detail_u, t[i] * v.detail_v, 0, 0, 1, detail_lod) - 128);
-  }
 }
 
 }  // namespace covis::synth

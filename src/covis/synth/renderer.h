@@ -17,6 +17,7 @@
 #include "covis/geometry/camera.h"
 #include "covis/geometry/se3.h"
 #include "covis/synth/scene.h"
+#include "covis/synth/shading.h"
 
 namespace covis::synth {
 
@@ -39,15 +40,9 @@ class Renderer {
   Eigen::Vector2f to_pixels(int x, int y, float ray_dx, float ray_dy) const;
 
  private:
-  // A polygon in the frame: its plane and texture map as functions linear in the ray r = (x, y, 1), and its outline in
-  // z-buffer samples.
+  // A polygon in the frame, and its outline in z-buffer samples.
   struct Visible {
-    float w_x, w_y, w_1;  // 1 / z
-    float u_x, u_y, u_1;  // u / z
-    float v_x, v_y, v_1;  // v / z
-    float w_min, w_max;   // over the visible part
-    const Texture* texture;
-    float gain, detail, detail_u, detail_v;
+    Surface surface;
     bool sky;
     int first_edge, edges;
     int row_begin, row_end;
@@ -68,7 +63,6 @@ class Renderer {
   void rasterise(int row_begin, int row_end);
   void shade_row(int y, const uint32_t* above, const uint32_t* middle, const uint32_t* below, float* tone,
                  float* depth);
-  void shade(const Visible& visible, const float* x, const float* y, const float* scale, int count, float* tone) const;
   float depth_of(const Visible& visible, float x, float y) const;
   float shade_edge(const uint32_t* const (&rows)[3], int x, int y) const;
 
@@ -79,11 +73,10 @@ class Renderer {
   double sample_scale_ = 2, origin_x_ = 0, origin_y_ = 0;  // sample = scale * f * ray + origin
   std::vector<float> ray_x_, ray_y_;                       // of each pixel
   std::vector<Eigen::Matrix2f> to_pixels_;                 // distorted: inverse of ray_jacobian() at each pixel
-  std::vector<float> stretch_;      // size of each pixel in ray units, times f; without distortion one span of ones
+  std::vector<float> stretch_;      // size of each pixel in ray units, times f; without distortion a row of ones
   std::vector<int32_t> sample_of_;  // distorted: z-buffer row * columns + column of each of the image's own samples
   std::vector<int> band_row_begin_, band_row_end_;  // distorted: z-buffer rows each band needs
 
-  const Texture* detail_ = nullptr;  // the scene's texture 0, while rendering
   std::vector<Visible> visible_;
   std::vector<Edge> edges_;
   std::vector<std::pair<float, int>> order_;  // nearest first

@@ -2,17 +2,17 @@
 #include "covis/synth/sequence_writer.h"
 
 #include <array>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <mutex>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <thread>
 #include <vector>
 
 #include "covis/core/blocking_queue.h"
+#include "covis/io/camera_file.h"
+#include "covis/io/files.h"
 #include "covis/io/trajectory.h"
 
 namespace covis {
@@ -27,22 +27,6 @@ std::string format(const char* pattern, auto... values) {
   std::array<char, 512> text;
   const int length = std::snprintf(text.data(), text.size(), pattern, values...);
   return {text.data(), static_cast<size_t>(length)};
-}
-
-Result<void> write_file(const fs::path& file, const void* data, size_t size) {
-  std::FILE* out = std::fopen(file.c_str(), "wb");
-  if (!out) return fail(file.string() + " can't be written: " + std::strerror(errno));
-  errno = 0;
-  const bool written = std::fwrite(data, 1, size, out) == size;
-  const int write_error = errno;
-  const bool closed = std::fclose(out) == 0;
-  if (!written || !closed)
-    return fail(file.string() + " can't be written: " + std::strerror(written ? errno : write_error));
-  return {};
-}
-
-Result<void> write_text(const fs::path& file, const std::string& text) {
-  return write_file(file, text.data(), text.size());
 }
 
 // Codes images as PNG and writes them, in a thread of its own. The first error stops it.
@@ -69,10 +53,14 @@ class ImageWriter {
   void run() {
     std::vector<uint8_t> coded;
     while (auto job = queue_.pop()) {
-      // Fast to write and to read; a tighter file would cost more time than the rendering.
-      if (!cv::imencode(".png", job->image, coded, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
-        error_ = Error{job->file.string() + " can't be coded as PNG"};
-      } else if (auto ok = write_file(job->file, coded.data(), coded.size()); !ok) {
+      // Fast to write and to read, and for grey images no larger than with a search for matches.
+      if (!cv::imencode(
+              ".png", job->image, coded,
+              {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY})) {
+        error_ = Error{job->file.string() + ": it can't be coded as PNG"};
+      } else if (auto ok =
+                     io::write_text_atomically(job->file, {reinterpret_cast<const char*>(coded.data()), coded.size()});
+                 !ok) {
         error_ = ok.error();
       }
       if (error_) {
@@ -129,26 +117,21 @@ Result<void> prepare_folder(const fs::path& folder, bool overwrite, const std::v
 }
 
 std::string camera_yaml(const Synth& synth) {
-  const Camera& c = synth.camera();
-  std::string text = format("# Rendered by covis synth %s.\n", synth.options().world.c_str());
-  text += format("width: %d\nheight: %d\nfx: %.17g\nfy: %.17g\ncx: %.17g\ncy: %.17g\n", c.width, c.height, c.pinhole.fx,
-                 c.pinhole.fy, c.pinhole.cx, c.pinhole.cy);
-  text += format("fps: %.17g\n", synth.options().fps);
-  if (c.distortion == Distortion::brown_conrady) {
-    const auto& k = c.coefficients;
-    text += format("distortion: brown_conrady\ncoefficients: [%.17g, %.17g, %.17g, %.17g, %.17g]  # k1 k2 p1 p2 k3\n",
-                   k[0], k[1], k[2], k[3], k[4]);
+  io::CameraFile file;
+  file.camera = synth.camera();
+  file.fps = synth.options().fps;
+  if (synth.sensor() == Sensor::rgbd) {
+    file.baseline = synth.camera().pinhole.baseline();
+    file.depth_scale = kDepthScale;
   }
-  if (synth.sensor() == Sensor::rgbd)
-    text += format("baseline: %.17g\ndepth_scale: %.17g\n", c.pinhole.baseline(), kDepthScale);
-  return text;
+  return io::camera_text(file);
 }
 
 // The files that describe the images.
 Result<void> write_description(const Synth& synth, const fs::path& folder, const Trajectory& truth) {
   std::string rgb = "# stamp file\n", depth = rgb, pairs = "# stamp image stamp depth\n", times;
   for (const StampedPose& pose : truth) {
-    const std::string stamp = format("%.6f", to_seconds(pose.stamp));
+    const std::string stamp = io::stamp_text(pose.stamp);
     rgb += stamp + " rgb/" + stamp + ".png\n";
     depth += stamp + " depth/" + stamp + ".png\n";
     pairs += stamp + " rgb/" + stamp + ".png " + stamp + " depth/" + stamp + ".png\n";
@@ -174,7 +157,7 @@ Result<void> write_description(const Synth& synth, const fs::path& folder, const
     }
   }
   for (const auto& [name, text] : files) {
-    if (auto ok = write_text(folder / name, text); !ok) return ok;
+    if (auto ok = io::write_text_atomically(folder / name, text); !ok) return ok;
   }
   if (synth.sensor() != Sensor::stereo)
     return io::write_trajectory(folder / "groundtruth.txt", truth, io::TrajectoryFormat::tum);
@@ -207,8 +190,7 @@ Result<SynthReport> write_sequence(Synth& synth, const fs::path& folder, bool ov
   ImageF depth;
   for (int i = 0; i < synth.frames(); ++i) {
     synth.render(i, left, sensor == Sensor::stereo ? &right : nullptr, sensor == Sensor::rgbd ? &depth : nullptr);
-    const std::string name =
-        sensor == Sensor::rgbd ? format("%.6f.png", to_seconds(synth.stamp(i))) : format("%06d.png", i);
+    const std::string name = sensor == Sensor::rgbd ? io::stamp_text(synth.stamp(i)) + ".png" : format("%06d.png", i);
     bool ok = writer.write(folder / subfolders[0] / name, copy(left));
     if (sensor == Sensor::stereo) ok = ok && writer.write(folder / subfolders[1] / name, copy(right));
     if (sensor == Sensor::rgbd) ok = ok && writer.write(folder / subfolders[1] / name, depth_units(depth));

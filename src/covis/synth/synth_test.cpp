@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hwy/highway.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -79,6 +80,23 @@ TEST_P(EveryWorld, SameSeedSameBytesInAnyOrder) {
   for (int y = 0; y < depth1.height(); ++y) {
     ASSERT_TRUE(std::equal(depth1.row(y), depth1.row(y) + depth1.width(), depth2.row(y))) << y;
   }
+}
+
+TEST(Synth, EverySimdTargetGivesTheSameBytes) {
+  Synth synth = make(small("street"));
+  ImageU8 image;
+  ImageF depth;
+  std::vector<uint64_t> hashes;
+  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    synth.render(11, image, nullptr, &depth);
+    hashes.push_back(hash(image));
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  EXPECT_GE(hashes.size(), 1u);
+  EXPECT_THAT(hashes, testing::Each(hashes[0]));
 }
 
 // What one frame sees, moved by the truth, is what the next frames see.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/synth/texture.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace covis::synth {
 namespace {
 
@@ -44,14 +47,17 @@ Texture::Texture(const Canvas& canvas) {
     rows = (rows + 1) / 2;
     append_level(values, columns, rows);
   }
-  max_lod_ = static_cast<float>(levels_.size() - 1);
+  texels_.resize(texels_.size() + 4);  // what a look-up of the last texel reads with it
 }
 
 void Texture::append_level(const std::vector<float>& values, int columns, int rows) {
   const int stride = columns + 3;  // one repeated texel before, two after: u = 1 rounds up to the last but one
-  levels_.push_back({static_cast<float>(columns), static_cast<float>(rows), stride, texels_.size()});
+  columns_.push_back(static_cast<float>(columns));
+  rows_.push_back(static_cast<float>(rows));
+  stride_.push_back(stride);
+  offset_.push_back(static_cast<int32_t>(texels_.size()));
   texels_.resize(texels_.size() + static_cast<size_t>(stride) * static_cast<size_t>(rows + 3));
-  uint8_t* to = texels_.data() + levels_.back().offset;
+  uint8_t* to = texels_.data() + offset_.back();
   for (int y = -1; y < rows + 2; ++y) {
     const float* row = values.data() + static_cast<size_t>(std::clamp(y, 0, rows - 1)) * static_cast<size_t>(columns);
     const auto texel = [](float v) { return static_cast<uint8_t>(std::min(std::max(v, 0.0f), 255.0f) + 0.5f); };
