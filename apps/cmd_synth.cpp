@@ -11,6 +11,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <variant>
 
 #include "commands.h"
 #include "covis/core/log.h"
@@ -111,9 +112,12 @@ void add_synth_command(CLI::App& app, int& exit_code) {
   for (const Field& field : fields(arguments->options)) {
     std::string& text = arguments->settings[field.name];
     if (field.name == "synth.world") {
-      command->add_option("WORLD", text, field.doc)->required();
+      command->add_option("WORLD", text, field.doc)->required()->type_name("NAME");
     } else {
-      command->add_option(flag_of(field.name), text, field.doc)->default_str(field_text(field));
+      const bool word = std::holds_alternative<std::string*>(field.value);
+      command->add_option(flag_of(field.name), text, field.doc)
+          ->default_str(field_text(field))
+          ->type_name(word ? "NAME" : "NUMBER");
     }
   }
   command->add_option("--out", arguments->out, "folder for the recording")->required();

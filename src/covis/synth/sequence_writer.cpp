@@ -159,8 +159,8 @@ Result<void> write_description(const Synth& synth, const fs::path& folder, const
   for (const auto& [name, text] : files) {
     if (auto ok = io::write_text_atomically(folder / name, text); !ok) return ok;
   }
-  if (synth.sensor() != Sensor::stereo)
-    return io::write_trajectory(folder / "groundtruth.txt", truth, io::TrajectoryFormat::tum);
+  if (auto ok = io::write_trajectory(folder / "groundtruth.txt", truth, io::TrajectoryFormat::tum); !ok) return ok;
+  if (synth.sensor() != Sensor::stereo) return {};
   // KITTI's poses are in the frame of the first camera.
   Trajectory relative = truth;
   for (StampedPose& pose : relative) pose.T_wc = truth.front().T_wc.inverse() * pose.T_wc;

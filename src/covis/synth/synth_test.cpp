@@ -12,6 +12,8 @@
 #include <numbers>
 #include <vector>
 
+#include "covis/features/extractor.h"
+
 namespace covis {
 namespace {
 
@@ -240,6 +242,64 @@ TEST_P(EveryWorld, IsClosedAndNotFlat) {
       EXPECT_GT(quantile(depths, 0), 0.15) << "the camera is inside something in frame " << i;
     }
   }
+}
+
+// What a tracker lives on: as many key points as it asks for, spread over the image, and found again in the next frames
+// where the truth says.
+TEST_P(EveryWorld, GivesKeyPointsThatAreFoundAgain) {
+  SynthOptions options = small(GetParam());
+  options.width = 640;
+  options.height = 480;
+  Synth synth = make(options);
+  OrbOptions orb;
+  orb.features = 1000;
+  OrbExtractor extractor1(orb), extractor2(orb);
+  const Camera& camera = synth.camera();
+  const int step = GetParam() == "street" ? 1 : 3;
+  ImageU8 image1, image2;
+  ImageF depth1;
+  int total = 0, found = 0, expected = 0;
+  std::vector<double> errors;
+  for (int i = 10; i < 400; i += 60) {
+    synth.render(i, image1, nullptr, &depth1);
+    synth.render(i + step, image2, nullptr, nullptr);
+    const SE3 T_21 = synth.T_wc(i + step).inverse() * synth.T_wc(i);
+    const KeyPoints& a = extractor1.extract(image1.view());
+    const KeyPoints& b = extractor2.extract(image2.view());
+    EXPECT_GE(a.size(), 950u) << i;
+    std::vector<int> cells(8 * 6, 0);
+    for (size_t k = 0; k < a.size(); ++k) {
+      ++cells[static_cast<size_t>(a.y[k] / 80) * 8 + static_cast<size_t>(a.x[k] / 80)];
+      const float z = depth1(static_cast<int>(std::lround(a.x[k])), static_cast<int>(std::lround(a.y[k])));
+      ++total;
+      if (!(z > 0)) continue;
+      const Eigen::Vector3d p = T_21 * (static_cast<double>(z) * camera.pinhole.unproject(a.x[k], a.y[k]));
+      if (p.z() < 0.1) continue;
+      const Eigen::Vector2d at = camera.pinhole.project(p);
+      if (at.x() < 25 || at.y() < 25 || at.x() > camera.width - 25 || at.y() > camera.height - 25) continue;
+      ++expected;
+      int best = 60;
+      double error = 0;
+      for (size_t m = 0; m < b.size(); ++m) {
+        const double distance = std::hypot(b.x[m] - at.x(), b.y[m] - at.y());
+        if (distance > 4 * std::pow(1.2, a.level[k])) continue;
+        const int bits = hamming(a.descriptor[k], b.descriptor[m]);
+        if (bits < best) {
+          best = bits;
+          error = distance / std::pow(1.2, a.level[k]);
+        }
+      }
+      if (best < 60) {
+        ++found;
+        errors.push_back(error);
+      }
+    }
+    EXPECT_GE(std::count_if(cells.begin(), cells.end(), [](int n) { return n > 0; }), 36) << i;
+  }
+  EXPECT_GT(expected, total / 2);
+  // Real recordings reach about 55 % at this distance.
+  EXPECT_GT(found, 0.45 * expected);
+  EXPECT_LT(quantile(errors, 0.5), 0.8);
 }
 
 TEST(Synth, DistortedImagesFollowTheCameraModel) {
