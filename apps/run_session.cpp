@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "covis/eval/evaluation.h"
-#include "covis/eval/report.h"
+#include "covis/io/files.h"
 #include "covis/io/outputs.h"
 
 namespace covis::app {
@@ -156,7 +156,50 @@ json summarise(const RunRecord& run, const System& system) {
           {"not_tracked", losses(run)}};
 }
 
+AlignMode alignment_of(Sensor sensor) { return sensor == Sensor::monocular ? AlignMode::sim3 : AlignMode::se3; }
+
+// Adds the errors of the final and the online trajectory where there is truth.
+void add_errors(const OutputOptions& options, Sensor sensor, const Trajectory& final, const Trajectory& online, json& summary) {
+  if (!options.truth) return;
+  const EvaluationOptions evaluation{.align = alignment_of(sensor)};
+  const auto of_final = evaluate(final, *options.truth, evaluation), of_online = evaluate(online, *options.truth, evaluation);
+  if (!of_final || !of_online) return;
+  summary["ate_m"] = of_final->ate.rmse;
+  summary["ate_online_m"] = of_online->ate.rmse;
+  summary["ate_alignment"] = sensor == Sensor::monocular ? "sim3" : "se3";
+  summary["truth_path_m"] = of_final->path_length;
+  if (const auto scaled = evaluate(final, *options.truth, {.align = AlignMode::sim3})) {
+    summary["ate_sim3_m"] = scaled->ate.rmse;
+    summary["scale"] = scaled->scale;
+  }
+}
+
 }  // namespace
+
+Result<json> write_outputs(const RunRecord& run, const System& system, const OutputOptions& options) {
+  const Trajectory final = to_trajectory(system.trajectory()), online = to_trajectory(system.online_trajectory());
+  const Trajectory key_frames = to_trajectory(system.key_frames());
+  std::vector<Eigen::Vector3d> points;
+  {
+    const auto map = system.map().read();
+    map->for_each_point([&](MapPointId, const MapPoint& point) { points.push_back(point.position_w); });
+  }
+  json summary = summarise(run, system);
+  add_errors(options, run.sensor, final, online, summary);
+  const std::filesystem::path& out = options.directory;
+  Result<void> problem;
+  const auto keep_first = [&](Result<void> written) {
+    if (!written && problem) problem = std::move(written);
+  };
+  keep_first(io::write_trajectory(out / "trajectory.txt", final, options.format));
+  keep_first(io::write_trajectory(out / "trajectory_online.txt", online, options.format));
+  keep_first(io::write_trajectory(out / "keyframes.txt", key_frames, options.format));
+  keep_first(io::write_ply(out / "map.ply", points));
+  keep_first(io::write_text_atomically(out / "stats.jsonl", stats_text(run)));
+  keep_first(io::write_text_atomically(out / "summary.json", summary.dump(2, ' ', false, json::error_handler_t::replace) + "\n"));
+  if (!problem) return tl::unexpected(problem.error());
+  return summary;
+}
 
 const char* sensor_name(Sensor sensor) {
   switch (sensor) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cstring>
+#include <limits>
 
 #include "covis/geometry/alignment.h"
 #include "covis/slam/system.h"
@@ -60,7 +61,8 @@ double error(const std::vector<PoseOfFrame>& poses, const Synth& synth, bool wit
     estimate.push_back(pose.T_wc.t());
     truth.push_back(synth.T_wc(static_cast<int>(pose.frame)).t());
   }
-  return alignment_rmse(estimate, truth, with_scale);
+  const auto alignment = align(estimate, truth, with_scale);
+  return alignment ? alignment->rmse : std::numeric_limits<double>::quiet_NaN();
 }
 
 // The bytes of a trajectory: equal only when every bit is.

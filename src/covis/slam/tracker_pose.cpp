@@ -274,7 +274,7 @@ bool Tracker::recover_from(const KeyFrameView& view, TrackResult& result, bool m
   if (!pose) return false;
   current_.T_cw = pose->T_cw;
   for (size_t k = 0; k < feature.size(); ++k) {
-    if (!pose->inlier[k]) set_match(feature[k], {}, {}, kNone);
+    if (!pose->inlier[k]) set_match(feature[k], {}, Eigen::Vector3d::Zero(), kNone);
   }
   if (optimize() < kMinPose) return false;
   // Twice: the second search starts from a better pose.

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// The picture `covis check` leaves: for stereo both images with rows across and matched key points joined (rows must meet the same
+// things), for RGB-D the depth laid over the image (edges must meet), for one camera its key points.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "covis/core/error.h"
+#include "covis/core/sensor.h"
+#include "covis/io/sequence.h"
+
+namespace covis::app {
+
+class CheckPicture {
+ public:
+  static constexpr int kFrames = 4;  // drawn, one below the other
+
+  CheckPicture(const Camera& camera, Sensor sensor);
+  ~CheckPicture();
+  void add(const io::Frame& frame);
+  Result<void> write(const std::filesystem::path& file) const;
+  std::string caption() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace covis::app

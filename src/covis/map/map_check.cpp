@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "covis/map/map.h"
+
+namespace covis {
+namespace {
+
+std::string name(KeyFrameId id) { return "key frame " + std::to_string(id.slot) + "." + std::to_string(id.generation); }
+std::string name(MapPointId id) { return "point " + std::to_string(id.slot) + "." + std::to_string(id.generation); }
+
+template <class List, class Less>
+bool strictly_sorted(const List& list, Less less) {
+  return std::adjacent_find(list.begin(), list.end(), [&](const auto& a, const auto& b) { return !less(a, b); }) == list.end();
+}
+
+std::string check_point(const Map& map, MapPointId id, const MapPoint& point) {
+  if (!point.position_w.allFinite() || !point.normal_w.allFinite()) return name(id) + " is not finite";
+  if (!(point.d_min >= 0 && point.d_min <= point.d_max)) return name(id) + " has no valid range of distances";
+  if (point.observations.empty()) return name(id) + " has no observation";
+  if (!strictly_sorted(point.observations, [](const Observation& a, const Observation& b) { return a.key_frame < b.key_frame; })) {
+    return name(id) + "'s observations are not sorted or not unique";
+  }
+  bool reference_observes = false;
+  for (const Observation& o : point.observations) {
+    const KeyFrame* key_frame = map.find(o.key_frame);
+    if (!key_frame) return name(id) + " is observed by an erased " + name(o.key_frame);
+    if (o.feature >= key_frame->points.size() || key_frame->points[o.feature] != id) return name(id) + " and " + name(o.key_frame) + " disagree on an observation";
+    reference_observes |= o.key_frame == point.reference;
+  }
+  if (!reference_observes) return name(id) + "'s reference does not observe it";
+  return {};
+}
+
+std::string check_key_frame(const Map& map, KeyFrameId id, const KeyFrame& key_frame) {
+  if (!key_frame.T_cw.all_finite()) return name(id) + " has a pose that is not finite";
+  if (key_frame.points.size() != static_cast<size_t>(key_frame.features->size())) return name(id) + " has not a place for each feature";
+  std::map<KeyFrameId, int> weights;
+  for (size_t i = 0; i < key_frame.points.size(); ++i) {
+    const MapPointId point_id = key_frame.points[i];
+    if (!point_id.valid()) continue;
+    const MapPoint* point = map.find(point_id);
+    if (!point) return name(id) + " observes an erased " + name(point_id);
+    bool mutual = false;
+    for (const Observation& o : point->observations) {
+      if (o.key_frame == id) {
+        mutual = o.feature == i;
+      } else {
+        ++weights[o.key_frame];
+      }
+    }
+    if (!mutual) return name(id) + " and " + name(point_id) + " disagree on an observation";
+  }
+  if (weights.size() != key_frame.shared.size()) return name(id) + " has a wrong number of covisible key frames";
+  auto expected = weights.begin();
+  for (const Neighbour& n : key_frame.shared) {
+    if (n.key_frame != expected->first || n.weight != expected->second) return name(id) + " has a wrong covisibility weight";
+    ++expected;
+  }
+  return {};
+}
+
+std::string check_links(const Map& map, KeyFrameId id, const KeyFrame& key_frame) {
+  const auto less = [](KeyFrameId a, KeyFrameId b) { return a < b; };
+  if (!strictly_sorted(key_frame.children, less) || !strictly_sorted(key_frame.loop_edges, less)) return name(id) + " has unsorted links";
+  for (const KeyFrameId& child : key_frame.children) {
+    if (!map.find(child) || map.at(child).parent != id) return name(id) + " has a child that is erased or has another parent";
+  }
+  for (const KeyFrameId& other : key_frame.loop_edges) {
+    if (!map.find(other)) return name(id) + " has a loop edge to an erased key frame";
+    const auto& back = map.at(other).loop_edges;
+    if (!std::binary_search(back.begin(), back.end(), id)) return name(id) + " has a loop edge that is not mutual";
+  }
+  if (id == map.root()) return key_frame.parent.valid() ? name(id) + " is the root and has a parent" : "";
+  if (!key_frame.parent.valid()) {
+    // Just added and not attached yet: the newest only.
+    return key_frame.serial + 1 == map.next_serial() && key_frame.children.empty() ? "" : name(id) + " has no parent";
+  }
+  const KeyFrame* parent = map.find(key_frame.parent);
+  if (!parent || !std::binary_search(parent->children.begin(), parent->children.end(), id)) return name(id) + "'s parent is erased or does not know it";
+  // Up the tree to the root, in no more steps than there are key frames.
+  KeyFrameId at = id;
+  for (size_t steps = 0; at != map.root(); ++steps) {
+    if (steps > map.key_frame_count()) return name(id) + " is on a cycle of the spanning tree";
+    at = map.at(at).parent;
+    if (!map.find(at)) return name(id) + " is not connected to the root";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string Map::check() const {
+  std::string problem;
+  std::set<uint32_t> serials;
+  for_each_key_frame([&](KeyFrameId id, const KeyFrame& key_frame) {
+    if (!serials.insert(key_frame.serial).second && problem.empty()) problem = name(id) + " has a serial used twice";
+    if (problem.empty()) problem = check_key_frame(*this, id, key_frame);
+    if (problem.empty()) problem = check_links(*this, id, key_frame);
+  });
+  for_each_point([&](MapPointId id, const MapPoint& point) {
+    if (problem.empty()) problem = check_point(*this, id, point);
+  });
+  if (problem.empty() && key_frame_count() > 0 && !find(root_)) problem = "the root is erased";
+  return problem;
+}
+
+}  // namespace covis
