@@ -7,6 +7,8 @@
 #include <numbers>
 #include <vector>
 
+#include "covis/synth/shading.h"
+
 namespace covis::synth {
 namespace {
 
@@ -26,15 +28,6 @@ const std::vector<float>& normal_table() {
 }
 
 uint8_t to_byte(float tone) { return static_cast<uint8_t>(std::min(std::max(tone + 0.5f, 0.0f), 255.0f)); }
-
-// (x, y) within the image's middle, one pixel away from its right and lower edges.
-float bilinear(const float* data, ptrdiff_t stride, float x, float y) {
-  const int ix = static_cast<int>(x), iy = static_cast<int>(y);
-  const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy);
-  const float *a = data + iy * stride + ix, *b = a + stride;
-  const float top = a[0] + fx * (a[1] - a[0]), bottom = b[0] + fx * (b[1] - b[0]);
-  return top + fy * (bottom - top);
-}
 
 }  // namespace
 
@@ -56,15 +49,14 @@ void blur_motion(const Renderer& renderer, const ImageF& depth, const SE3& T_mid
   const SE3 begin = T_middle_begin.inverse(), end = T_middle_end.inverse();
   const Eigen::Matrix3f R_b = begin.R().cast<float>(), R_e = end.R().cast<float>();
   const Eigen::Vector3f t_b = begin.t().cast<float>(), t_e = end.t().cast<float>();
-  const float limit_x = static_cast<float>(width) - 1.001f, limit_y = static_cast<float>(height) - 1.001f;
+  const size_t count = static_cast<size_t>(width + kShadeOverrun);
+  std::vector<float> step_x(count), step_y(count), steps(count);
   for (int y = 0; y < height; ++y) {
-    const float *z_row = depth.row(y), *from = tone.row(y);
-    float* to = scratch.row(y);
     for (int x = 0; x < width; ++x) {
       const Eigen::Vector2f ray = renderer.ray(x, y);
       const Eigen::Vector3f r(ray.x(), ray.y(), 1);
       // Points are taken with z = 1 and the translations by 1 / z, so that the sky needs no case of its own.
-      const float w = z_row[x] > 0 ? 1 / z_row[x] : 0;
+      const float w = depth(x, y) > 0 ? 1 / depth(x, y) : 0;
       const Eigen::Vector3f b = R_b * r + w * t_b, e = R_e * r + w * t_e;
       Eigen::Vector2f moved(0, 0);
       if (b.z() > 0.01f && e.z() > 0.01f) {
@@ -72,21 +64,14 @@ void blur_motion(const Renderer& renderer, const ImageF& depth, const SE3& T_mid
         moved = renderer.to_pixels(x, y, e.x() * ie - b.x() * ib, e.y() * ie - b.y() * ib);
       }
       const float length2 = moved.squaredNorm();
-      if (!(length2 > kLeastMotion * kLeastMotion)) {
-        to[x] = from[x];
-        continue;
-      }
-      const int steps = std::min(kMaxSteps, static_cast<int>(std::sqrt(length2)) + 2);
-      const Eigen::Vector2f step = moved / static_cast<float>(steps);
-      Eigen::Vector2f at =
-          Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)) - 0.5f * static_cast<float>(steps - 1) * step;
-      float sum = 0;
-      for (int i = 0; i < steps; ++i, at += step) {
-        sum += bilinear(tone.row(0), tone.stride(), std::min(std::max(at.x(), 0.0f), limit_x),
-                        std::min(std::max(at.y(), 0.0f), limit_y));
-      }
-      to[x] = sum / static_cast<float>(steps);
+      const int n =
+          length2 > kLeastMotion * kLeastMotion ? std::min(kMaxSteps, static_cast<int>(std::sqrt(length2)) + 2) : 1;
+      const size_t i = static_cast<size_t>(x);
+      steps[i] = static_cast<float>(n);
+      step_x[i] = moved.x() / steps[i];
+      step_y[i] = moved.y() / steps[i];
     }
+    mean_along_steps(tone.view(), y, step_x.data(), step_y.data(), steps.data(), width, scratch.row(y));
   }
   tone.swap(scratch);
 }

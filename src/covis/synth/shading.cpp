@@ -198,6 +198,40 @@ void FillSpan(float w_0, float w_x, uint32_t number, int count, float* z, uint32
   }
 }
 
+void MeanAlongSteps(ImageView<const float> image, int y, const float* step_x, const float* step_y,
+                    const float* steps_in, int count, float* mean) {
+  const hn::ScalableTag<float> f;
+  const IntTag<decltype(f)> i;
+  const auto limit_x = hn::Set(f, static_cast<float>(image.width) - 1.001f);
+  const auto limit_y = hn::Set(f, static_cast<float>(image.height) - 1.001f);
+  const auto zero = hn::Zero(f), one = hn::Set(f, 1.0f), half = hn::Set(f, 0.5f);
+  const auto stride = hn::Set(i, static_cast<int32_t>(image.stride));
+  const int lanes = static_cast<int>(hn::Lanes(f));
+  for (int first = 0; first < count; first += lanes) {
+    const auto valid = hn::FirstN(f, static_cast<size_t>(count - first));
+    const auto steps = hn::IfThenElse(valid, hn::LoadU(f, steps_in + first), one);
+    const auto dx = hn::IfThenElseZero(valid, hn::LoadU(f, step_x + first));
+    const auto dy = hn::IfThenElseZero(valid, hn::LoadU(f, step_y + first));
+    const auto before = hn::Mul(half, hn::Sub(steps, one));
+    auto x = hn::Sub(hn::Iota(f, static_cast<float>(first)), hn::Mul(before, dx));
+    auto v = hn::Sub(hn::Set(f, static_cast<float>(y)), hn::Mul(before, dy));
+    auto sum = zero;
+    const int most = static_cast<int>(hn::GetLane(hn::MaxOfLanes(f, steps)));
+    for (int k = 0; k < most; ++k, x = hn::Add(x, dx), v = hn::Add(v, dy)) {
+      const auto u_in = hn::Min(hn::Max(x, zero), limit_x), v_in = hn::Min(hn::Max(v, zero), limit_y);
+      const auto ui = hn::ConvertTo(i, u_in), vi = hn::ConvertTo(i, v_in);
+      const auto fu = hn::Sub(u_in, hn::ConvertTo(f, ui)), fv = hn::Sub(v_in, hn::ConvertTo(f, vi));
+      const auto at = hn::Add(hn::Mul(vi, stride), ui), below = hn::Add(at, stride), right = hn::Set(i, 1);
+      const auto a = hn::GatherIndex(f, image.data, at), b = hn::GatherIndex(f, image.data, hn::Add(at, right));
+      const auto c = hn::GatherIndex(f, image.data, below), d = hn::GatherIndex(f, image.data, hn::Add(below, right));
+      const auto top = hn::Add(a, hn::Mul(fu, hn::Sub(b, a))), bottom = hn::Add(c, hn::Mul(fu, hn::Sub(d, c)));
+      const auto value = hn::Add(top, hn::Mul(fv, hn::Sub(bottom, top)));
+      sum = hn::Add(sum, hn::IfThenElseZero(hn::Lt(hn::Set(f, static_cast<float>(k)), steps), value));
+    }
+    hn::StoreU(hn::Div(sum, steps), f, mean + first);
+  }
+}
+
 }  // namespace covis::synth::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -206,6 +240,7 @@ namespace covis::synth {
 
 HWY_EXPORT(ShadeSurface);
 HWY_EXPORT(FillSpan);
+HWY_EXPORT(MeanAlongSteps);
 
 void shade_surface(const Surface& surface, float pixel_x, float pixel_y, const float* x, const float* y,
                    const float* scale, int count, float* tone) {
@@ -214,6 +249,11 @@ void shade_surface(const Surface& surface, float pixel_x, float pixel_y, const f
 
 void fill_span(float w_0, float w_x, uint32_t number, int count, float* z, uint32_t* id) {
   HWY_DYNAMIC_DISPATCH(FillSpan)(w_0, w_x, number, count, z, id);
+}
+
+void mean_along_steps(ImageView<const float> image, int y, const float* step_x, const float* step_y, const float* steps,
+                      int count, float* mean) {
+  HWY_DYNAMIC_DISPATCH(MeanAlongSteps)(image, y, step_x, step_y, steps, count, mean);
 }
 
 }  // namespace covis::synth

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The renderer's two inner loops, in SIMD (Highway, chosen at run time; every target gives the same bits, for none
-// fuses multiplications with additions): filling the z-buffer, and looking up textures where rays meet a plane.
+// The inner loops, in SIMD (Highway, chosen at run time; every target gives the same bits, for none
+// fuses multiplications with additions): filling the z-buffer, looking up
+// textures where rays meet a plane, and motion blur.
 #pragma once
 
 #include <cstdint>
 
+#include "covis/core/image.h"
 #include "covis/synth/texture.h"
 
 namespace covis::synth {
@@ -21,7 +23,7 @@ struct Surface {
   float detail_u, detail_v;  // detail repeats in one repeat of the texture
 };
 
-// These many elements after the last are read and, in the output, written with numbers of no meaning.
+// Shading and means read these many elements after the last and write, in the output, numbers of no meaning there.
 inline constexpr int kShadeOverrun = 15;
 
 // Tones of `count` points: `x`, `y` are their rays, `scale` times pixel_x, pixel_y the size of their pixels in ray
@@ -31,5 +33,10 @@ void shade_surface(const Surface& surface, float pixel_x, float pixel_y, const f
 
 // Where 1 / z = w_0 + i w_x is greater than z[i], puts it there and `number` into id[i], for i below count.
 void fill_span(float w_0, float w_x, uint32_t number, int count, float* z, uint32_t* id);
+
+// For x below `count`: the mean of `steps[x]` bilinear look-ups in `image`, (step_x[x], step_y[x]) pixels apart, around
+// pixel (x, y). Look-ups outside the image take its edge.
+void mean_along_steps(ImageView<const float> image, int y, const float* step_x, const float* step_y, const float* steps,
+                      int count, float* mean);
 
 }  // namespace covis::synth
