@@ -58,6 +58,7 @@ OrbExtractor::OrbExtractor(const OrbOptions& options)
     : options_(options),
       pyramid_(std::make_shared<ScalePyramid>(options.levels, static_cast<float>(options.scale_factor))),
       levels_(static_cast<size_t>(options.levels)),
+      resizers_(levels_.size()),
       corners_(levels_.size()),
       kept_(levels_.size()) {}
 
@@ -70,7 +71,7 @@ const KeyPoints& OrbExtractor::extract(ImageView<const uint8_t> image) {
       const int width = static_cast<int>(std::lround(static_cast<float>(image.width) / pyramid_->scale[l]));
       const int height = static_cast<int>(std::lround(static_cast<float>(image.height) / pyramid_->scale[l]));
       levels_[l].resize(std::max(1, width), std::max(1, height));
-      resize_bilinear(level(static_cast<int>(l) - 1), levels_[l].view());
+      resizers_[l].resize(level(static_cast<int>(l) - 1), levels_[l].view());
     }
     detector_.detect(level(static_cast<int>(l)), kEdgeBorder, kCellSize, options_.fast_threshold, options_.fast_threshold_low,
                      corners_[l]);

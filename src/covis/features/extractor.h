@@ -38,6 +38,7 @@ class OrbExtractor {
   std::shared_ptr<const ScalePyramid> pyramid_;
   ImageView<const uint8_t> image_;
   std::vector<ImageU8> levels_;  // [0] unused
+  std::vector<BilinearResizer> resizers_;
   std::vector<std::vector<Corner>> corners_, kept_;
   ImageU8 blurred_;
   GaussianBlur blur_;

@@ -5,6 +5,8 @@
 #include <array>
 #include <cstring>
 
+#include "covis/features/simd.h"
+
 namespace covis {
 namespace {
 
@@ -50,8 +52,7 @@ void FastDetector::detect(ImageView<const uint8_t> image, int border, int cell_s
     uint8_t* out = scores_.row(y);
     std::memset(out, 0, static_cast<size_t>(image.width));
     if (y < sy0 || y >= sy1) continue;
-    const uint8_t* in = image.row(y);
-    for (int x = sx0; x < sx1; ++x) out[x] = static_cast<uint8_t>(fast_score(in + x, image.stride, low_threshold));
+    fast_score_row(image.row(y) + sx0, image.stride, sx1 - sx0, low_threshold, out + sx0);
   }
   const int columns = std::max(1, (x1 - x0) / cell_size), rows = std::max(1, (y1 - y0) / cell_size);
   const auto cell_of = [&](int x, int y) {
@@ -63,6 +64,14 @@ void FastDetector::detect(ImageView<const uint8_t> image, int border, int cell_s
     const uint8_t* row = scores_.row(y);
     const uint8_t* down = scores_.row(y + 1);
     for (int x = x0; x < x1; ++x) {
+      if (x + 8 <= x1) {  // most are 0: look at eight at once
+        uint64_t eight;
+        std::memcpy(&eight, row + x, 8);
+        if (eight == 0) {
+          x += 7;
+          continue;
+        }
+      }
       const uint8_t s = row[x];
       if (s == 0) continue;
       if (s <= row[x - 1] || s <= row[x + 1] || s <= up[x - 1] || s <= up[x] || s <= up[x + 1] || s <= down[x - 1] ||

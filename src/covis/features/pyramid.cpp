@@ -11,14 +11,8 @@ namespace {
 constexpr int kBits = 11;
 constexpr int kOne = 1 << kBits;
 
-struct Tap {
-  int index;       // of the first pixel
-  int next;        // of the second
-  int weight;      // of the second, kOne = all
-};
-
-std::vector<Tap> make_taps(int from, int to) {
-  std::vector<Tap> taps(static_cast<size_t>(to));
+std::vector<BilinearResizer::Tap> make_taps(int from, int to) {
+  std::vector<BilinearResizer::Tap> taps(static_cast<size_t>(to));
   const double factor = static_cast<double>(from) / to;
   for (int i = 0; i < to; ++i) {
     const double at = std::clamp((i + 0.5) * factor - 0.5, 0.0, static_cast<double>(from - 1));
@@ -54,20 +48,38 @@ void blur_row(const uint8_t* from, uint16_t* to, int width) {
 
 }  // namespace
 
-void resize_bilinear(ImageView<const uint8_t> from, ImageView<uint8_t> to) {
-  const std::vector<Tap> columns = make_taps(from.width, to.width), rows = make_taps(from.height, to.height);
+void BilinearResizer::resize(ImageView<const uint8_t> from, ImageView<uint8_t> to) {
+  if (from.width != from_width_ || from.height != from_height_ || to.width != to_width_ || to.height != to_height_) {
+    columns_ = make_taps(from.width, to.width);
+    rows_ = make_taps(from.height, to.height);
+    from_width_ = from.width;
+    from_height_ = from.height;
+    to_width_ = to.width;
+    to_height_ = to.height;
+    for (auto& line : lines_) line.resize(static_cast<size_t>(to.width));
+  }
+  held_ = {-1, -1};  // source rows already resized along x
+  const auto line = [&](int y) {
+    const auto slot = static_cast<size_t>(y & 1);
+    if (held_[slot] != y) {
+      held_[slot] = y;
+      const uint8_t* in = from.row(y);
+      uint32_t* out = lines_[slot].data();
+      for (size_t x = 0; x < columns_.size(); ++x) {
+        const Tap& c = columns_[x];
+        out[x] = static_cast<uint32_t>(in[c.index] * (kOne - c.weight) + in[c.next] * c.weight);
+      }
+    }
+    return lines_[slot].data();
+  };
   for (int y = 0; y < to.height; ++y) {
-    const Tap& r = rows[static_cast<size_t>(y)];
-    const uint8_t* above = from.row(r.index);
-    const uint8_t* below = from.row(r.next);
+    const Tap& r = rows_[static_cast<size_t>(y)];
+    const uint32_t* above = line(r.index);
+    const uint32_t* below = line(r.next);
+    const auto w1 = static_cast<uint32_t>(r.weight), w0 = static_cast<uint32_t>(kOne) - w1;
     uint8_t* out = to.row(y);
     for (int x = 0; x < to.width; ++x) {
-      const Tap& c = columns[static_cast<size_t>(x)];
-      const int top = above[c.index] * (kOne - c.weight) + above[c.next] * c.weight;
-      const int bottom = below[c.index] * (kOne - c.weight) + below[c.next] * c.weight;
-      out[x] = static_cast<uint8_t>((static_cast<int64_t>(top) * (kOne - r.weight) + static_cast<int64_t>(bottom) * r.weight +
-                                     (int64_t{1} << (2 * kBits - 1))) >>
-                                    (2 * kBits));
+      out[x] = static_cast<uint8_t>((above[x] * w0 + below[x] * w1 + (1u << (2 * kBits - 1))) >> (2 * kBits));
     }
   }
 }

@@ -2,6 +2,7 @@
 // The image pyramid and the blur that descriptors are read from.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "covis/core/image.h"
@@ -9,8 +10,23 @@
 
 namespace covis {
 
-// Bilinear, in fixed point: weights of 11 bits, pixel centres mapped as (x + 0.5) * factor - 0.5, borders clamped.
-void resize_bilinear(ImageView<const uint8_t> from, ImageView<uint8_t> to);
+// Bilinear, in fixed point: weights of 11 bits, pixel centres mapped as (x + 0.5) * factor - 0.5, borders clamped. For making images
+// smaller by less than 2. Keeps its tables for the next image of the same sizes.
+class BilinearResizer {
+ public:
+  struct Tap {
+    int index;   // of the first pixel
+    int next;    // of the second
+    int weight;  // of the second, 2^11 = all
+  };
+  void resize(ImageView<const uint8_t> from, ImageView<uint8_t> to);
+
+ private:
+  int from_width_ = 0, from_height_ = 0, to_width_ = 0, to_height_ = 0;
+  std::vector<Tap> columns_, rows_;
+  std::array<std::vector<uint32_t>, 2> lines_;  // the two source rows in use, resized along x
+  std::array<int, 2> held_{};
+};
 
 // Gaussian 7x7, sigma 2, borders reflected without repeating the edge; separable, 8-bit weights, rounded once at the end.
 class GaussianBlur {

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/features/simd.h"
+
+#include <array>
+
+#include "covis/features/fast.h"
+#include "covis/features/hamming.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "covis/features/simd.cpp"
+#include <hwy/foreach_target.h>
+// after foreach_target
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace covis::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Sixteen differences to the circle, all one sign; the greatest of the least of nine in a row, by doubling: runs of 2, 4, 8, then 9.
+template <class V>
+HWY_INLINE V best_run(const std::array<V, 16>& d) {
+  std::array<V, 16> two, four;
+  for (size_t k = 0; k < 16; ++k) two[k] = hn::Min(d[k], d[(k + 1) % 16]);
+  for (size_t k = 0; k < 16; ++k) four[k] = hn::Min(two[k], two[(k + 2) % 16]);
+  V best = hn::Min(hn::Min(four[0], four[4]), d[8]);
+  for (size_t k = 1; k < 16; ++k) best = hn::Max(best, hn::Min(hn::Min(four[k], four[(k + 4) % 16]), d[(k + 8) % 16]));
+  return best;
+}
+
+void FastScoreRow(const uint8_t* pixel, ptrdiff_t stride, int count, int threshold, uint8_t* out) {
+  // Wider vectors than 32 bytes gain nothing here and slow some machines down.
+  const hn::CappedTag<uint8_t, 32> tag;
+  using V = hn::Vec<decltype(tag)>;
+  const auto step = static_cast<int>(hn::Lanes(tag));
+  const V t = hn::Set(tag, static_cast<uint8_t>(threshold));
+  const V one = hn::Set(tag, 1);
+  const std::array<ptrdiff_t, 16> circle = {3 * stride,      3 * stride + 1,  2 * stride + 2,  stride + 3,  3,  -stride + 3, -2 * stride + 2, -3 * stride + 1,
+                                            -3 * stride,     -3 * stride - 1, -2 * stride - 2, -stride - 3, -3, stride - 3,  2 * stride - 2,  3 * stride - 1};
+  for (int x = 0; x < count; x += step) {
+    const uint8_t* p = pixel + x;
+    const V c = hn::LoadU(tag, p);
+    const V high = hn::SaturatedAdd(c, t), low = hn::SaturatedSub(c, t);
+    // Nine in a row hold one of each opposite pair.
+    const V p0 = hn::LoadU(tag, p + circle[0]), p8 = hn::LoadU(tag, p + circle[8]);
+    const V p4 = hn::LoadU(tag, p + circle[4]), p12 = hn::LoadU(tag, p + circle[12]);
+    const V bright = hn::Min(hn::SaturatedSub(hn::Max(p0, p8), high), hn::SaturatedSub(hn::Max(p4, p12), high));
+    const V dark = hn::Min(hn::SaturatedSub(low, hn::Min(p0, p8)), hn::SaturatedSub(low, hn::Min(p4, p12)));
+    V score = hn::Zero(tag);
+    if (!hn::AllTrue(tag, hn::Eq(hn::Or(bright, dark), score))) {
+      std::array<V, 16> up, down;
+      for (size_t k = 0; k < 16; ++k) {
+        const V q = hn::LoadU(tag, p + circle[k]);
+        up[k] = hn::SaturatedSub(q, c);
+        down[k] = hn::SaturatedSub(c, q);
+      }
+      const V best = hn::Max(best_run(up), best_run(down));
+      // best > t ? best - 1 : 0
+      const V above = hn::SaturatedSub(best, t);
+      score = hn::IfThenElse(hn::Eq(above, hn::Zero(tag)), hn::Zero(tag), hn::Sub(best, one));
+    }
+    if (x + step <= count) {
+      hn::StoreU(score, tag, out + x);
+    } else {
+      HWY_ALIGN uint8_t rest[64];
+      hn::StoreU(score, tag, rest);
+      for (int k = 0; x + k < count; ++k) out[x + k] = rest[k];
+    }
+  }
+}
+
+void HammingRow(const Descriptor& a, const Descriptor* b, int n, uint16_t* out) {
+  const hn::FixedTag<uint64_t, 2> two;
+  const auto a0 = hn::LoadU(two, a.bits.data()), a1 = hn::LoadU(two, a.bits.data() + 2);
+  for (int j = 0; j < n; ++j) {
+    const uint64_t* q = b[j].bits.data();
+    const auto c0 = hn::PopulationCount(hn::Xor(a0, hn::LoadU(two, q)));
+    const auto c1 = hn::PopulationCount(hn::Xor(a1, hn::LoadU(two, q + 2)));
+    const auto sum = hn::Add(c0, c1);
+    out[j] = static_cast<uint16_t>(hn::GetLane(sum) + hn::GetLane(hn::UpperHalf(hn::Half<decltype(two)>(), sum)));
+  }
+}
+
+}  // namespace covis::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace covis {
+namespace {
+
+bool enabled = true;
+
+HWY_EXPORT(FastScoreRow);
+HWY_EXPORT(HammingRow);
+
+}  // namespace
+
+void set_simd_enabled(bool on) { enabled = on; }
+bool simd_enabled() { return enabled; }
+
+void fast_score_row(const uint8_t* pixel, ptrdiff_t stride, int count, int threshold, uint8_t* out) {
+  if (enabled) {
+    HWY_DYNAMIC_DISPATCH(FastScoreRow)(pixel, stride, count, threshold, out);
+  } else {
+    for (int x = 0; x < count; ++x) out[x] = static_cast<uint8_t>(fast_score(pixel + x, stride, threshold));
+  }
+}
+
+void hamming_row(const Descriptor& a, const Descriptor* b, int n, uint16_t* out) {
+  if (enabled) {
+    HWY_DYNAMIC_DISPATCH(HammingRow)(a, b, n, out);
+  } else {
+    for (int j = 0; j < n; ++j) out[j] = static_cast<uint16_t>(hamming(a, b[j]));
+  }
+}
+
+}  // namespace covis
+#endif
