@@ -42,7 +42,9 @@ void LocalMap::update(const Map& map, const std::vector<MapPointId>& matched, Ke
   copy_points(map);
   if (!key_frames.empty()) {
     reference.copy(map, key_frames.front());
-    reference_points = map.tracked_points(reference.id, map.key_frame_count() <= 2 ? 2 : 3);
+    // A point seen by two key frames with depth is as sure as one seen by three without.
+    const bool young = map.key_frame_count() <= 2 || reference.features->camera.bf > 0;
+    reference_points = map.tracked_points(reference.id, young ? 2 : 3);
   }
 }
 

@@ -76,7 +76,15 @@ KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
 int Mapper::cull_recent_points(KeyFrameId current) {
   const auto map = map_.write();
   const uint32_t serial = map->at(current).serial;
-  const size_t least_observers = monocular() ? 2 : 3;
+  // A view with depth tells as much as two without.
+  const auto views = [&](const MapPoint& point) {
+    int count = 0;
+    for (const Observation& o : point.observations) {
+      count += map->at(o.key_frame).features->has_depth(static_cast<int>(o.feature)) ? 2 : 1;
+    }
+    return count;
+  };
+  const int least_views = monocular() ? 2 : 3;
   int culled = 0;
   std::erase_if(recent_, [&](Recent& recent) {
     recent.point = map->forwarded(recent.point);
@@ -84,7 +92,7 @@ int Mapper::cull_recent_points(KeyFrameId current) {
     if (!point) return true;
     const bool rarely_found = static_cast<double>(point->found) < options_.mapper.min_found_ratio * point->visible;
     const uint32_t age = serial - recent.serial;
-    if (rarely_found || (age >= 2 && point->observations.size() <= least_observers)) {
+    if (rarely_found || (age >= 2 && views(*point) <= least_views)) {
       map->erase_point(recent.point);
       ++culled;
       return true;
