@@ -78,8 +78,8 @@ std::string bytes(const std::vector<PoseOfFrame>& poses) {
 class EachSensor : public testing::TestWithParam<Sensor> {};
 
 INSTANTIATE_TEST_SUITE_P(Sensors, EachSensor, testing::Values(Sensor::monocular, Sensor::stereo, Sensor::rgbd),
-                         [](const auto& info) {
-                           return info.param == Sensor::monocular ? "mono" : info.param == Sensor::stereo ? "stereo" : "rgbd";
+                         [](const auto& instance) {
+                           return instance.param == Sensor::monocular ? "mono" : instance.param == Sensor::stereo ? "stereo" : "rgbd";
                          });
 
 TEST_P(EachSensor, TracksARoom) {
