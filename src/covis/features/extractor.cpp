@@ -87,8 +87,8 @@ const KeyPoints& OrbExtractor::extract(ImageView<const uint8_t> image) {
     const float scale = pyramid_->scale[l];
     for (const Corner& c : kept_[l]) {
       const float angle = orientation(from.row(c.y) + c.x, from.stride);
-      key_points_.x.push_back(static_cast<float>(c.x) * scale);
-      key_points_.y.push_back(static_cast<float>(c.y) * scale);
+      key_points_.x.push_back((static_cast<float>(c.x) + (options_.subpixel ? c.dx : 0)) * scale);
+      key_points_.y.push_back((static_cast<float>(c.y) + (options_.subpixel ? c.dy : 0)) * scale);
       key_points_.angle.push_back(angle);
       key_points_.level.push_back(static_cast<uint8_t>(l));
       key_points_.descriptor.push_back(describe(blurred_.row(c.y) + c.x, blurred_.stride(), angle));

@@ -13,6 +13,9 @@ namespace {
 constexpr std::array<std::array<int, 2>, 16> kCircle = {{{0, 3}, {1, 3}, {2, 2}, {3, 1}, {3, 0}, {3, -1}, {2, -2}, {1, -3},
                                                          {0, -3}, {-1, -3}, {-2, -2}, {-3, -1}, {-3, 0}, {-3, 1}, {-2, 2}, {-1, 3}}};
 
+// Where the parabola through three scores has its top, relative to the middle one, which is the greatest.
+float peak(int before, int at, int after) { return 0.5f * static_cast<float>(after - before) / static_cast<float>(2 * at - before - after); }
+
 }  // namespace
 
 int fast_score(const uint8_t* pixel, ptrdiff_t stride, int threshold) {
@@ -78,7 +81,7 @@ void FastDetector::detect(ImageView<const uint8_t> image, int border, int cell_s
           s <= down[x] || s <= down[x + 1]) {
         continue;
       }
-      all_.push_back({static_cast<int16_t>(x), static_cast<int16_t>(y), s});
+      all_.push_back({static_cast<int16_t>(x), static_cast<int16_t>(y), s, peak(row[x - 1], s, row[x + 1]), peak(up[x], s, down[x])});
       if (s >= threshold) cell_has_[cell_of(x, y)] = 1;
     }
   }

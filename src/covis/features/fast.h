@@ -12,6 +12,7 @@ namespace covis {
 struct Corner {
   int16_t x = 0, y = 0;
   uint8_t score = 0;
+  float dx = 0, dy = 0;  // pixels from (x, y) to the top of the parabola through the neighbours' scores, within half a pixel
 };
 
 // Finds corners at least `border` pixels from the edge of the image (border >= 3), after 3x3 non-maximum suppression, row by row. In each

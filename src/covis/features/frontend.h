@@ -18,6 +18,7 @@ struct OrbOptions {
   double scale_factor = 1.2; // between levels
   int fast_threshold = 20;   // FAST contrast, first try in a cell
   int fast_threshold_low = 7;  // second try where the first found nothing
+  bool subpixel = true;        // place key points at the top of the corner score's parabola, not at the pixel
 };
 Fields fields(OrbOptions& options);
 

@@ -91,8 +91,8 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     if (!(curvature > 0)) continue;
     const float offset = (s0 - s2) / (2 * curvature);
     if (std::abs(offset) > 1) continue;
-    const float column = (static_cast<float>(xr + at) + offset) * scale;
-    float disparity = l.x[i] - column;
+    // Between the patches, that is between whole pixels: the key points' own fractions do not enter.
+    float disparity = (static_cast<float>(xl - xr - at) - offset) * scale;
     if (disparity < 0 || disparity > max_disparity) continue;
     disparity = std::max(disparity, 0.01f);
     u_right[i] = l.x[i] - disparity;

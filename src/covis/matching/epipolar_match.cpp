@@ -2,9 +2,9 @@
 #include "covis/matching/epipolar_match.h"
 
 #include <cmath>
+#include <cstring>
 #include <optional>
 
-#include "covis/features/hamming.h"
 #include "covis/matching/descriptor_subset.h"
 
 namespace covis {
@@ -31,33 +31,50 @@ std::vector<FeatureMatch> match_epipolar(const Features& a, std::span<const uint
   std::optional<Eigen::Vector2d> epipole;
   if (T_ba.t().z() > 0) epipole = b.camera.project(T_ba.t());
 
+  // The line first: it rejects most, and costs less than comparing descriptors.
+  std::vector<float> bx(n), by(n), bound(n);
+  for (size_t j = 0; j < n; ++j) {
+    const auto jb = static_cast<size_t>(to.feature(j));
+    bx[j] = b.x[jb];
+    by[j] = b.y[jb];
+    bound[j] = static_cast<float>(options.max_chi2) * b.pyramid->sigma2[b.level[jb]];
+  }
+  const auto near_epipole = [&](size_t ia, size_t jb) {
+    if (!epipole || a.depth[ia] > 0 || b.depth[jb] > 0) return false;
+    const double margin = options.epipole_margin * b.pyramid->scale[b.level[jb]];
+    return (Eigen::Vector2d(b.x[jb], b.y[jb]) - *epipole).squaredNorm() < margin * margin;
+  };
+
   struct Owner {
     int32_t a = -1;
     int distance = 257;
   };
   std::vector<Owner> owner(n);
-  std::vector<uint16_t> row(n);
+  std::vector<uint8_t> on_line(n + 8, 0);  // read eight at a time
   for (int32_t i = 0; i < a.size(); ++i) {
     const auto ia = static_cast<size_t>(i);
     if (!use_a.empty() && !use_a[ia]) continue;
-    hamming_row(a.descriptor[ia], to.descriptors(), static_cast<int>(n), row.data());
     const Eigen::Vector3d line = F * Eigen::Vector3d(a.x[ia], a.y[ia], 1);
-    const double norm2 = line.head<2>().squaredNorm();
-    if (!(norm2 > 0)) continue;
+    const double norm = line.head<2>().norm();
+    if (!(norm > 0)) continue;
+    const Eigen::Vector3f l = (line / norm).cast<float>();
+    for (size_t j = 0; j < n; ++j) {
+      const float residual = l.x() * bx[j] + l.y() * by[j] + l.z();
+      on_line[j] = residual * residual <= bound[j];
+    }
     int best = options.max_distance + 1;
     size_t best_j = 0;
     for (size_t j = 0; j < n; ++j) {
-      if (row[j] >= best) continue;
-      const auto jb = static_cast<size_t>(to.feature(j));
-      const double x = b.x[jb], y = b.y[jb];
-      const double sigma2 = b.pyramid->sigma2[b.level[jb]];
-      const double residual = line.x() * x + line.y() * y + line.z();
-      if (residual * residual > options.max_chi2 * sigma2 * norm2) continue;
-      if (epipole && !(a.depth[ia] > 0) && !(b.depth[jb] > 0)) {
-        const double margin = options.epipole_margin * b.pyramid->scale[b.level[jb]];
-        if ((Eigen::Vector2d(x, y) - *epipole).squaredNorm() < margin * margin) continue;
+      uint64_t eight;
+      std::memcpy(&eight, on_line.data() + j, 8);
+      if (eight == 0) {
+        j += 7;
+        continue;
       }
-      best = row[j];
+      if (!on_line[j]) continue;
+      const int distance = hamming(a.descriptor[ia], to.descriptors()[j]);
+      if (distance >= best || near_epipole(ia, static_cast<size_t>(to.feature(j)))) continue;
+      best = distance;
       best_j = j;
     }
     if (best <= options.max_distance && best < owner[best_j].distance) owner[best_j] = {i, best};
