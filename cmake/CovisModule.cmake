@@ -25,7 +25,7 @@ endfunction()
 # covis_discover_tests(TARGET LABEL): one ctest entry for each GoogleTest case, labelled LABEL. Cases with "Long" in their
 # name are labelled long as well: the sanitizer runs leave them out.
 function(covis_discover_tests target label)
-  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 TEST_LIST ${target}_cases
+  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 NO_PRETTY_VALUES TEST_LIST ${target}_cases
     PROPERTIES LABELS ${label} TIMEOUT 900)
   # Lists don't survive gtest_discover_tests' PROPERTIES; they are set by a file that ctest reads after the cases are known.
   set(file ${CMAKE_CURRENT_BINARY_DIR}/${target}_properties.cmake)
