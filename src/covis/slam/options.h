@@ -28,7 +28,7 @@ struct TrackerOptions {
   int new_close_points = 70;   // untracked close points that make a key frame worth it
   double key_frame_ratio =
       0.75;  // tracked share of the reference key frame's points below which one is due (stereo, RGB-D)
-  double key_frame_ratio_mono = 0.9;  // the same, monocular
+  double key_frame_ratio_mono = 0.8;  // the same, monocular (published: 0.9; see docs/results.md)
   int key_frame_min_inliers = 15;     // with fewer no key frame is made
   double key_frame_interval = 1.0;    // seconds after which one may be made though mapping is busy
   int init_features = 500;            // features of a first frame (stereo, RGB-D)
