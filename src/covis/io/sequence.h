@@ -31,8 +31,8 @@ enum class SequenceKind { automatic, tum, kitti, euroc, images, video, camera };
 
 struct SequenceOptions {
   SequenceKind kind = SequenceKind::automatic;  // automatic: recognised from the folder
-  std::optional<Sensor> sensor;                 // nothing: the richest the recording allows
-  std::filesystem::path camera_file;            // YAML for what the folder does not say; empty: none
+  std::optional<Sensor> sensor = std::nullopt;  // nothing: the richest the recording allows
+  std::filesystem::path camera_file = {};       // YAML for what the folder does not say; empty: none
   int decode_ahead = 4;                         // frames decoded ahead, in a thread of their own
   int64_t first = 0;                            // index of the first frame
   int64_t count = -1;                           // frames at most; -1: all

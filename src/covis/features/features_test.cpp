@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/features/features.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "covis/core/random.h"
+#include "covis/features/extractor.h"
+#include "covis/features/hamming.h"
+#include "covis/features/orb.h"
+#include "covis/features/simd.h"
+#include "covis/features/stereo_matcher.h"
+
+namespace covis {
+namespace {
+
+// Patches of many sizes and grey levels, a little smoothed: corners at every scale.
+cv::Mat texture(int width, int height, uint64_t seed) {
+  Random random(seed);
+  cv::Mat image(height, width, CV_8U, cv::Scalar(128));
+  for (int k = 0; k < width * height / 400; ++k) {
+    const int w = 3 + static_cast<int>(random.below(40)), h = 3 + static_cast<int>(random.below(40));
+    const int x = static_cast<int>(random.below(static_cast<uint32_t>(width))), y = static_cast<int>(random.below(static_cast<uint32_t>(height)));
+    cv::rectangle(image, {x - w, y - h, w, h}, cv::Scalar(random.below(256)), cv::FILLED);
+  }
+  cv::GaussianBlur(image, image, {3, 3}, 0.8);
+  return image;
+}
+
+ImageU8 to_image(const cv::Mat& mat) {
+  ImageU8 image(mat.cols, mat.rows);
+  for (int y = 0; y < mat.rows; ++y) std::copy(mat.ptr(y), mat.ptr(y) + mat.cols, image.row(y));
+  return image;
+}
+
+using Scored = std::set<std::tuple<int, int, int>>;
+
+Scored by_opencv(const cv::Mat& image, int border, int threshold) {
+  std::vector<cv::KeyPoint> points;
+  cv::FAST(image, points, threshold, true, cv::FastFeatureDetector::TYPE_9_16);
+  Scored found;
+  for (const cv::KeyPoint& p : points) {
+    const int x = static_cast<int>(p.pt.x), y = static_cast<int>(p.pt.y);
+    if (x >= border && y >= border && x < image.cols - border && y < image.rows - border) found.emplace(y, x, static_cast<int>(p.response));
+  }
+  return found;
+}
+
+TEST(Fast, CornersAndScoresAreOpenCvs) {
+  for (uint64_t seed = 1; seed <= 6; ++seed) {
+    cv::Mat image = texture(200 + static_cast<int>(seed) * 13, 150, seed);
+    if (seed > 3) cv::randu(image, 0, 256);
+    const ImageU8 ours = to_image(image);
+    for (const int threshold : {1, 7, 20, 60}) {
+      FastDetector detector;
+      std::vector<Corner> corners;
+      detector.detect(ours.view(), 4, 30, threshold, threshold, corners);
+      Scored found;
+      for (const Corner& c : corners) found.emplace(c.y, c.x, c.score);
+      EXPECT_EQ(found, by_opencv(image, 4, threshold)) << "seed " << seed << " threshold " << threshold;
+    }
+  }
+}
+
+TEST(Fast, LowThresholdServesCellsWithoutCornersOnly) {
+  cv::Mat image(120, 240, CV_8U, cv::Scalar(100));
+  image(cv::Rect(20, 20, 40, 40)) = 200;   // strong corners left
+  image(cv::Rect(150, 40, 40, 40)) = 119;  // weak ones right
+  image(cv::Rect(45, 90, 20, 20)) = 119;   // weak ones in another cell
+  cv::GaussianBlur(image, image, {5, 5}, 1);  // perfect squares have two equal scores at a corner
+  FastDetector detector;
+  std::vector<Corner> corners;
+  detector.detect(to_image(image).view(), 4, 30, 20, 7, corners);
+  int strong = 0, weak = 0;
+  for (const Corner& c : corners) ++(c.score >= 20 ? strong : weak);
+  EXPECT_GE(strong, 4);
+  EXPECT_GE(weak, 6);
+  detector.detect(to_image(image).view(), 4, 240, 20, 7, corners);  // one cell: the strong ones silence the weak
+  for (const Corner& c : corners) EXPECT_GE(c.score, 20);
+}
+
+TEST(Simd, ScoresAndDistancesAreTheScalarOnes) {
+  Random random(3);
+  for (int trial = 0; trial < 40; ++trial) {
+    cv::Mat mat(7, 100 + trial, CV_8U);
+    cv::randu(mat, 0, trial % 2 ? 256 : 60);
+    const ImageU8 image = to_image(mat);
+    const int count = mat.cols - 6, threshold = static_cast<int>(random.below(50));
+    std::vector<uint8_t> fast(static_cast<size_t>(count)), slow(static_cast<size_t>(count));
+    fast_score_row(image.row(3) + 3, image.stride(), count, threshold, fast.data());
+    set_simd_enabled(false);
+    fast_score_row(image.row(3) + 3, image.stride(), count, threshold, slow.data());
+    set_simd_enabled(true);
+    EXPECT_EQ(fast, slow);
+  }
+  AlignedVector<Descriptor> many(57);
+  for (Descriptor& d : many) {
+    for (uint64_t& word : d.bits) word = random.next();
+  }
+  std::vector<uint16_t> row(many.size());
+  hamming_row(many[0], many.data(), static_cast<int>(many.size()), row.data());
+  for (size_t j = 0; j < many.size(); ++j) EXPECT_EQ(row[j], hamming(many[0], many[j]));
+  EXPECT_EQ(row[0], 0);
+}
+
+TEST(Pyramid, ResizeAndBlurAreOpenCvsWithinOneLevel) {
+  const cv::Mat image = texture(640, 480, 5);
+  const ImageU8 ours = to_image(image);
+  ImageU8 small(533, 400);
+  BilinearResizer resizer;
+  resizer.resize(ours.view(), small.view());
+  cv::Mat expected;
+  cv::resize(image, expected, {533, 400}, 0, 0, cv::INTER_LINEAR);
+  ImageU8 blurred;
+  GaussianBlur().apply(ours.view(), blurred);
+  cv::Mat expected_blur;
+  cv::GaussianBlur(image, expected_blur, {7, 7}, 2, 2, cv::BORDER_REFLECT_101);
+  for (int y = 0; y < 400; ++y) {
+    for (int x = 0; x < 533; ++x) ASSERT_NEAR(small(x, y), expected.at<uint8_t>(y, x), 1);
+  }
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 0; x < 640; ++x) ASSERT_NEAR(blurred(x, y), expected_blur.at<uint8_t>(y, x), 1);
+  }
+}
+
+// One level, so that both describe the same pixels.
+TEST(Orb, OrientationAndDescriptorsAreOpenCvs) {
+  int64_t bits = 0, different = 0;
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    const cv::Mat image = texture(640, 480, seed);
+    const ImageU8 ours = to_image(image);
+    std::vector<cv::KeyPoint> points;
+    cv::FAST(image, points, 20, true);
+    const auto orb = cv::ORB::create(100000, 1.2f, 1, 31, 0, 2, cv::ORB::FAST_SCORE, 31, 20);
+    cv::KeyPointsFilter::runByImageBorder(points, image.size(), 32);
+    for (cv::KeyPoint& p : points) {
+      p.octave = 0;
+      p.size = 31;
+      const float angle = orientation(ours.row(static_cast<int>(p.pt.y)) + static_cast<int>(p.pt.x), ours.stride());
+      p.angle = angle * 180 / static_cast<float>(CV_PI);
+    }
+    cv::Mat expected;
+    orb->compute(image, points, expected);
+    ASSERT_GT(points.size(), 200u);
+    ImageU8 blurred;
+    GaussianBlur().apply(ours.view(), blurred);
+    for (size_t i = 0; i < points.size(); ++i) {
+      const int x = static_cast<int>(points[i].pt.x), y = static_cast<int>(points[i].pt.y);
+      const Descriptor d = describe(blurred.row(y) + x, blurred.stride(), points[i].angle * static_cast<float>(CV_PI) / 180);
+      Descriptor e;
+      std::memcpy(e.bits.data(), expected.ptr(static_cast<int>(i)), 32);
+      different += hamming(d, e);
+      bits += 256;
+    }
+  }
+  EXPECT_LT(static_cast<double>(different), 1e-3 * static_cast<double>(bits)) << different << " of " << bits;
+}
+
+TEST(Orb, OrientationFollowsTheImage) {
+  cv::Mat image = texture(101, 101, 9);
+  const float before = orientation(to_image(image).row(50) + 50, 128);
+  cv::Mat turned;
+  cv::rotate(image, turned, cv::ROTATE_90_CLOCKWISE);
+  const ImageU8 ours = to_image(turned);
+  const float after = orientation(ours.row(50) + 50, ours.stride());
+  EXPECT_NEAR(std::remainder(after - before - CV_PI / 2, 2 * CV_PI), 0, 0.02);
+}
+
+std::vector<Corner> random_corners(Random& random, int count, int width, int height) {
+  std::set<std::pair<int, int>> places;
+  std::vector<Corner> corners;
+  while (static_cast<int>(corners.size()) < count) {
+    const int x = static_cast<int>(random.below(static_cast<uint32_t>(width))), y = static_cast<int>(random.below(static_cast<uint32_t>(height)));
+    if (places.emplace(x, y).second) corners.push_back({static_cast<int16_t>(x), static_cast<int16_t>(y), static_cast<uint8_t>(1 + random.below(255))});
+  }
+  return corners;
+}
+
+using Places = std::set<std::tuple<int, int, int>>;
+Places places(const std::vector<Corner>& corners) {
+  Places set;
+  for (const Corner& c : corners) set.emplace(c.x, c.y, c.score);
+  return set;
+}
+
+TEST(Quadtree, PropertiesHold) {
+  Random random(4);
+  Quadtree tree;
+  std::vector<Corner> kept, again;
+  for (int trial = 0; trial < 200; ++trial) {
+    const int width = 40 + static_cast<int>(random.below(600)), height = 40 + static_cast<int>(random.below(400));
+    const int count = static_cast<int>(random.below(900)), budget = static_cast<int>(random.below(300)) + 1;
+    std::vector<Corner> corners = random_corners(random, std::min(count, width * height / 4), width, height);
+    tree.distribute(corners, 0, 0, width, height, budget, kept);
+    const int roots = std::max(1, static_cast<int>(std::lround(static_cast<double>(width) / height)));
+    EXPECT_LE(static_cast<int>(kept.size()), std::max(budget + 3, roots));
+    EXPECT_GE(static_cast<int>(kept.size()), std::min(budget, static_cast<int>(corners.size())));  // the wanted number is reached
+    const Places input = places(corners), output = places(kept);
+    EXPECT_EQ(output.size(), kept.size());
+    EXPECT_TRUE(std::includes(input.begin(), input.end(), output.begin(), output.end()));
+    for (size_t k = corners.size(); k > 1; --k) std::swap(corners[k - 1], corners[random.below(static_cast<uint32_t>(k))]);
+    tree.distribute(corners, 0, 0, width, height, budget, again);
+    EXPECT_EQ(places(again), output);
+  }
+}
+
+TEST(Quadtree, ClusterEmptyAndBestOfANode) {
+  Random random(5);
+  Quadtree tree;
+  std::vector<Corner> kept;
+  tree.distribute({}, 0, 0, 640, 480, 100, kept);
+  EXPECT_TRUE(kept.empty());
+  std::vector<Corner> cluster = random_corners(random, 200, 20, 20);
+  tree.distribute(cluster, 0, 0, 640, 480, 50, kept);
+  EXPECT_GE(kept.size(), 50u);
+  EXPECT_LE(kept.size(), 53u);
+  tree.distribute(cluster, 0, 0, 640, 480, 1, kept);
+  ASSERT_EQ(kept.size(), 1u);
+  for (const Corner& c : cluster) EXPECT_GE(kept[0].score, c.score);
+  tree.distribute(cluster, 0, 0, 20, 300, 20, kept);  // higher than wide
+  EXPECT_GE(kept.size(), 20u);
+}
+
+TEST(Extractor, TheWantedNumberIsReached) {
+  for (const auto& [width, height] : {std::pair{640, 480}, std::pair{1241, 376}, std::pair{320, 240}}) {
+    const ImageU8 image = to_image(texture(width, height, 7));
+    for (const int wanted : {300, 1000, 2000}) {
+      OrbOptions options;
+      options.features = wanted;
+      OrbExtractor extractor(options);
+      const KeyPoints& found = extractor.extract(image.view());
+      size_t corners = 0;
+      FastDetector detector;
+      std::vector<Corner> all;
+      for (int l = 0; l < 8; ++l) {
+        detector.detect(extractor.level(l), kEdgeBorder, 30, 20, 7, all);
+        corners += all.size();
+      }
+      EXPECT_GE(found.size() + 8, std::min<size_t>(static_cast<size_t>(wanted), corners)) << width << " " << wanted;
+      EXPECT_LE(found.size(), static_cast<size_t>(wanted) + 3 * 8);
+    }
+  }
+}
+
+TEST(Extractor, ScalarAndSimdGiveTheSameFeatures) {
+  const ImageU8 image = to_image(texture(640, 480, 8));
+  OrbExtractor a{OrbOptions{}}, b{OrbOptions{}};
+  const KeyPoints& fast = a.extract(image.view());
+  set_simd_enabled(false);
+  const KeyPoints& slow = b.extract(image.view());
+  set_simd_enabled(true);
+  EXPECT_EQ(fast.x, slow.x);
+  EXPECT_EQ(fast.y, slow.y);
+  EXPECT_EQ(fast.angle, slow.angle);
+  EXPECT_EQ(fast.descriptor, slow.descriptor);
+}
+
+TEST(ScalePyramid, PredictsTheCeilingOfTheLogarithm) {
+  const ScalePyramid pyramid(8, 1.2f);
+  Random random(6);
+  for (int k = 0; k < 2000; ++k) {
+    const double ratio = std::exp(random.uniform(-1, 2.5));
+    const double exact = std::log(ratio) / std::log(1.2);
+    if (std::abs(exact - std::round(exact)) < 1e-4) continue;  // rounding decides there
+    EXPECT_EQ(pyramid.predict_level(static_cast<float>(ratio), 1), std::clamp(static_cast<int>(std::ceil(exact)), 0, 7));
+  }
+}
+
+TEST(FeatureGrid, WindowsFindWhatBruteForceFinds) {
+  Random random(7);
+  Features f;
+  for (int i = 0; i < 800; ++i) {
+    f.x.push_back(static_cast<float>(random.uniform(-10, 650)));
+    f.y.push_back(static_cast<float>(random.uniform(-10, 490)));
+    f.level.push_back(static_cast<uint8_t>(random.below(8)));
+  }
+  f.grid.build({-10, -10, 650, 490}, f.x, f.y);
+  for (int trial = 0; trial < 500; ++trial) {
+    const float x = static_cast<float>(random.uniform(-60, 700)), y = static_cast<float>(random.uniform(-60, 540));
+    const float radius = static_cast<float>(random.uniform(0.5, 80));
+    const int low = static_cast<int>(random.below(8)), high = low + static_cast<int>(random.below(4));
+    std::set<int> found, expected;
+    f.for_each_in_window(x, y, radius, low, high, [&](int i) { EXPECT_TRUE(found.insert(i).second); });
+    for (int i = 0; i < f.size(); ++i) {
+      const auto k = static_cast<size_t>(i);
+      if (f.level[k] >= low && f.level[k] <= high && std::abs(f.x[k] - x) <= radius && std::abs(f.y[k] - y) <= radius) expected.insert(i);
+    }
+    EXPECT_EQ(found, expected);
+  }
+}
+
+TEST(Frontend, StereoFindsTheDisparity) {
+  Camera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.pinhole = {500, 500, 320, 240, 50};
+  const cv::Mat left = texture(640, 480, 11);
+  for (const double disparity : {6.0, 17.5, 40.25}) {
+    cv::Mat right;
+    const cv::Mat shift = (cv::Mat_<double>(2, 3) << 1, 0, -disparity, 0, 1, 0);
+    cv::warpAffine(left, right, shift, left.size(), cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+    Frontend frontend(camera, {}, Sensor::stereo);
+    const FeaturesPtr f = frontend.stereo(to_image(left).view(), to_image(right).view());
+    int matched = 0, wrong = 0;
+    for (int i = 0; i < f->size(); ++i) {
+      if (!f->has_depth(i)) continue;
+      ++matched;
+      const auto k = static_cast<size_t>(i);
+      wrong += std::abs(f->x[k] - f->u_right[k] - disparity) > 0.5 * f->pyramid->scale[f->level[k]];
+      EXPECT_NEAR(f->depth[k], 50 / (f->x[k] - f->u_right[k]), 1e-2 * f->depth[k]);
+    }
+    EXPECT_GT(matched, f->size() / 3) << disparity;
+    EXPECT_LT(wrong, matched / 50) << disparity;
+  }
+}
+
+TEST(Frontend, DepthIsLookedUpAtTheKeyPoint) {
+  Camera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.pinhole = {500, 500, 320, 240, 40};
+  const ImageU8 image = to_image(texture(640, 480, 12));
+  ImageF depth(640, 480);
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 0; x < 640; ++x) depth(x, y) = x < 200 ? 0.0f : x < 400 ? std::numeric_limits<float>::quiet_NaN() : 1.0f + static_cast<float>(x) / 640;
+  }
+  Frontend frontend(camera, {}, Sensor::rgbd);
+  const FeaturesPtr f = frontend.rgbd(image.view(), depth.view());
+  int with = 0;
+  for (int i = 0; i < f->size(); ++i) {
+    const auto k = static_cast<size_t>(i);
+    const auto x = static_cast<int>(std::lround(f->raw_x[k]));
+    EXPECT_EQ(f->has_depth(i), x >= 400);
+    if (!f->has_depth(i)) continue;
+    ++with;
+    EXPECT_FLOAT_EQ(f->depth[k], 1.0f + static_cast<float>(x) / 640);
+    EXPECT_NEAR(f->u_right[k], f->x[k] - 40 / f->depth[k], 1e-3);
+  }
+  EXPECT_GT(with, 100);
+}
+
+TEST(Frontend, KeyPointsAreUndistorted) {
+  Camera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.pinhole = {458, 457, 320, 240, 0};
+  camera.distortion = Distortion::brown_conrady;
+  camera.coefficients = {-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05, 0};
+  Frontend frontend(camera, {}, Sensor::monocular);
+  const FeaturesPtr f = frontend.monocular(to_image(texture(640, 480, 13)).view());
+  ASSERT_GT(f->size(), 500);
+  double moved = 0;
+  for (size_t i = 0; i < f->x.size(); ++i) {
+    const auto back = camera.project(camera.pinhole.unproject(f->x[i], f->y[i]));
+    ASSERT_TRUE(back);
+    EXPECT_NEAR((*back - Eigen::Vector2d(f->raw_x[i], f->raw_y[i])).norm(), 0, 1e-2);
+    EXPECT_TRUE(f->grid.bounds.contains(f->x[i], f->y[i]));
+    moved = std::max<double>(moved, std::abs(f->x[i] - f->raw_x[i]));
+  }
+  EXPECT_GT(moved, 20);
+}
+
+}  // namespace
+}  // namespace covis
