@@ -2,7 +2,6 @@
 #include "check_picture.h"
 
 #include <cmath>
-
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -13,7 +12,8 @@ namespace covis::app {
 namespace {
 
 cv::Mat in_colour(const ImageU8& image) {
-  const cv::Mat grey(image.height(), image.width(), CV_8U, const_cast<uint8_t*>(image.row(0)), static_cast<size_t>(image.stride()));
+  const cv::Mat grey(image.height(), image.width(), CV_8U, const_cast<uint8_t*>(image.row(0)),
+                     static_cast<size_t>(image.stride()));
   cv::Mat colour;
   cv::cvtColor(grey, colour, cv::COLOR_GRAY2BGR);
   return colour;
@@ -50,7 +50,8 @@ cv::Mat CheckPicture::Impl::draw_stereo(const io::Frame& frame, const Features& 
     if (!f.has_depth(i)) continue;
     const cv::Scalar colour = depth_colour(f.depth[k], nearest, farthest);
     cv::circle(both, cv::Point2f(f.x[k], f.y[k]), 3, colour, 1, cv::LINE_AA);
-    cv::circle(both, cv::Point2f(f.u_right[k] + static_cast<float>(frame.image.width()), f.y[k]), 3, colour, 1, cv::LINE_AA);
+    cv::circle(both, cv::Point2f(f.u_right[k] + static_cast<float>(frame.image.width()), f.y[k]), 3, colour, 1,
+               cv::LINE_AA);
   }
   return both;
 }
@@ -65,7 +66,8 @@ cv::Mat CheckPicture::Impl::draw_depth(const io::Frame& frame) const {
   }
   if (depths.empty()) return image;
   std::sort(depths.begin(), depths.end());
-  const double nearest = depths[depths.size() / 50], farthest = std::max<double>(depths[depths.size() - 1 - depths.size() / 50], nearest * 1.01);
+  const double nearest = depths[depths.size() / 50],
+               farthest = std::max<double>(depths[depths.size() - 1 - depths.size() / 50], nearest * 1.01);
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {
       const float d = frame.depth(x, y);
@@ -89,7 +91,8 @@ cv::Mat CheckPicture::Impl::draw(const io::Frame& frame) {
   cv::Mat image = in_colour(frame.image);
   for (int i = 0; i < f->size(); ++i) {
     const auto k = static_cast<size_t>(i);
-    cv::circle(image, cv::Point2f(f->raw_x[k], f->raw_y[k]), static_cast<int>(2 * f->pyramid->scale[f->level[k]]), {0, 255, 0}, 1, cv::LINE_AA);
+    cv::circle(image, cv::Point2f(f->raw_x[k], f->raw_y[k]), static_cast<int>(2 * f->pyramid->scale[f->level[k]]),
+               {0, 255, 0}, 1, cv::LINE_AA);
   }
   return image;
 }
@@ -100,7 +103,8 @@ CheckPicture::~CheckPicture() = default;
 void CheckPicture::add(const io::Frame& frame) {
   if (static_cast<int>(impl_->rows.size()) >= kFrames) return;
   cv::Mat picture = impl_->draw(frame);
-  cv::putText(picture, "frame " + std::to_string(frame.index), {8, 22}, cv::FONT_HERSHEY_SIMPLEX, 0.6, {0, 255, 255}, 2, cv::LINE_AA);
+  cv::putText(picture, "frame " + std::to_string(frame.index), {8, 22}, cv::FONT_HERSHEY_SIMPLEX, 0.6, {0, 255, 255}, 2,
+              cv::LINE_AA);
   impl_->rows.push_back(std::move(picture));
 }
 
@@ -115,9 +119,12 @@ Result<void> CheckPicture::write(const std::filesystem::path& file) const {
 
 std::string CheckPicture::caption() const {
   switch (impl_->sensor) {
-    case Sensor::stereo: return "both images with rows across, matched points coloured by depth (red near)";
-    case Sensor::rgbd: return "images, and with the depth laid over them (red near)";
-    case Sensor::monocular: return "images with their key points";
+    case Sensor::stereo:
+      return "both images with rows across, matched points coloured by depth (red near)";
+    case Sensor::rgbd:
+      return "images, and with the depth laid over them (red near)";
+    case Sensor::monocular:
+      return "images with their key points";
   }
   return {};
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture `covis check` leaves: for stereo both images with rows across and matched key points joined (rows must meet the same
-// things), for RGB-D the depth laid over the image (edges must meet), for one camera its key points.
+// The picture `covis check` leaves: for stereo both images with rows across and matched key points joined (rows must
+// meet the same things), for RGB-D the depth laid over the image (edges must meet), for one camera its key points.
 #pragma once
 
 #include <filesystem>

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // covis eval: how far a trajectory is from the truth.
+#include <CLI/CLI.hpp>
 #include <iostream>
 #include <map>
 #include <memory>
-
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
@@ -15,13 +14,16 @@ namespace covis::app {
 namespace {
 
 struct EvalArguments {
-  std::string trajectory, truth, align = "se3", format = "auto", truth_format = "auto", stamps, truth_stamps, delta_unit = "frames";
+  std::string trajectory, truth, align = "se3", format = "auto", truth_format = "auto", stamps, truth_stamps,
+                                 delta_unit = "frames";
   double max_difference = 0.02, delta = 1;
   bool json = false;
 };
 
-const std::map<std::string, AlignMode> kAligns{{"se3", AlignMode::se3}, {"sim3", AlignMode::sim3}, {"none", AlignMode::none}};
-const std::map<std::string, DeltaUnit> kUnits{{"frames", DeltaUnit::frames}, {"s", DeltaUnit::seconds}, {"m", DeltaUnit::metres}};
+const std::map<std::string, AlignMode> kAligns{
+    {"se3", AlignMode::se3}, {"sim3", AlignMode::sim3}, {"none", AlignMode::none}};
+const std::map<std::string, DeltaUnit> kUnits{
+    {"frames", DeltaUnit::frames}, {"s", DeltaUnit::seconds}, {"m", DeltaUnit::metres}};
 const std::map<std::string, io::TrajectoryFormat> kFormats{{"auto", io::TrajectoryFormat::automatic},
                                                            {"tum", io::TrajectoryFormat::tum},
                                                            {"kitti", io::TrajectoryFormat::kitti},
@@ -65,16 +67,32 @@ std::vector<std::string> keys(const std::map<std::string, Value>& map) {
 void add_eval_command(CLI::App& app, int& exit_code) {
   using namespace covis::app;
   auto a = std::make_shared<EvalArguments>();
-  CLI::App* command = app.add_subcommand("eval", "Compare a trajectory with the truth: ATE, RPE, KITTI errors, coverage");
+  CLI::App* command =
+      app.add_subcommand("eval", "Compare a trajectory with the truth: ATE, RPE, KITTI errors, coverage");
   command->add_option("TRAJECTORY", a->trajectory, "the estimate: TUM, KITTI or EuRoC file")->required();
-  command->add_option("TRUTH", a->truth, "the truth: TUM, KITTI or EuRoC file (of the camera; EuRoC's own truth is of the body)")->required();
-  command->add_option("--align", a->align, "se3, sim3 (with scale: monocular) or none")->capture_default_str()->check(CLI::IsMember(keys(kAligns)));
+  command
+      ->add_option("TRUTH", a->truth,
+                   "the truth: TUM, KITTI or EuRoC file (of the camera; EuRoC's own truth is of the body)")
+      ->required();
+  command->add_option("--align", a->align, "se3, sim3 (with scale: monocular) or none")
+      ->capture_default_str()
+      ->check(CLI::IsMember(keys(kAligns)));
   command->add_flag("--json", a->json, "JSON on stdout");
-  command->add_option("--max-difference", a->max_difference, "seconds between a pose and its truth")->capture_default_str()->check(CLI::PositiveNumber);
-  command->add_option("--delta", a->delta, "of the relative pose error")->capture_default_str()->check(CLI::PositiveNumber);
-  command->add_option("--delta-unit", a->delta_unit, "frames, s or m")->capture_default_str()->check(CLI::IsMember(keys(kUnits)));
-  command->add_option("--format", a->format, "of the trajectory")->capture_default_str()->check(CLI::IsMember(keys(kFormats)));
-  command->add_option("--truth-format", a->truth_format, "of the truth")->capture_default_str()->check(CLI::IsMember(keys(kFormats)));
+  command->add_option("--max-difference", a->max_difference, "seconds between a pose and its truth")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command->add_option("--delta", a->delta, "of the relative pose error")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command->add_option("--delta-unit", a->delta_unit, "frames, s or m")
+      ->capture_default_str()
+      ->check(CLI::IsMember(keys(kUnits)));
+  command->add_option("--format", a->format, "of the trajectory")
+      ->capture_default_str()
+      ->check(CLI::IsMember(keys(kFormats)));
+  command->add_option("--truth-format", a->truth_format, "of the truth")
+      ->capture_default_str()
+      ->check(CLI::IsMember(keys(kFormats)));
   command->add_option("--stamps", a->stamps, "times.txt of a KITTI trajectory");
   command->add_option("--truth-stamps", a->truth_stamps, "times.txt of a KITTI truth");
   command->footer(

@@ -2,6 +2,7 @@
 // covis run: a recording or a camera in, a trajectory and a map out.
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -9,10 +10,8 @@
 #include <cstdio>
 #include <iostream>
 #include <mutex>
-#include <optional>
-
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.h"
 #include "covis/core/fields.h"
@@ -44,13 +43,13 @@ struct RunArguments {
   bool realtime = false, quiet = false, json = false, dump_config = false;
 };
 
-const std::map<std::string, Sensor> kSensors{{"mono", Sensor::monocular}, {"stereo", Sensor::stereo}, {"rgbd", Sensor::rgbd}};
-const std::map<std::string, io::SequenceKind> kKinds{{"tum", io::SequenceKind::tum},       {"kitti", io::SequenceKind::kitti},
-                                                     {"euroc", io::SequenceKind::euroc},   {"images", io::SequenceKind::images},
-                                                     {"video", io::SequenceKind::video},   {"camera", io::SequenceKind::camera}};
-const std::map<std::string, io::TrajectoryFormat> kFormats{{"tum", io::TrajectoryFormat::tum},
-                                                           {"kitti", io::TrajectoryFormat::kitti},
-                                                           {"euroc", io::TrajectoryFormat::euroc}};
+const std::map<std::string, Sensor> kSensors{
+    {"mono", Sensor::monocular}, {"stereo", Sensor::stereo}, {"rgbd", Sensor::rgbd}};
+const std::map<std::string, io::SequenceKind> kKinds{
+    {"tum", io::SequenceKind::tum},       {"kitti", io::SequenceKind::kitti}, {"euroc", io::SequenceKind::euroc},
+    {"images", io::SequenceKind::images}, {"video", io::SequenceKind::video}, {"camera", io::SequenceKind::camera}};
+const std::map<std::string, io::TrajectoryFormat> kFormats{
+    {"tum", io::TrajectoryFormat::tum}, {"kitti", io::TrajectoryFormat::kitti}, {"euroc", io::TrajectoryFormat::euroc}};
 
 template <class Value>
 std::vector<std::string> keys(const std::map<std::string, Value>& map) {
@@ -80,7 +79,9 @@ class Progress {
     std::fprintf(stderr, "\r\033[Kframe %zu", done);
     if (total_ > 0) std::fprintf(stderr, "/%lld", static_cast<long long>(total_));
     std::fprintf(stderr, "  %.1f fps  %s  %zu key frames  %zu points", rate, frame.state.c_str(), key_frames, points);
-    if (total_ > 0) std::fprintf(stderr, "  %.0f s left", static_cast<double>(total_ - static_cast<int64_t>(done)) / std::max(rate, 1e-3));
+    if (total_ > 0)
+      std::fprintf(stderr, "  %.0f s left",
+                   static_cast<double>(total_ - static_cast<int64_t>(done)) / std::max(rate, 1e-3));
     std::fflush(stderr);
   }
 
@@ -93,7 +94,8 @@ class Progress {
 // Lets recorded frames come at their own times.
 class Pace {
  public:
-  // Waits until the frame is due. True when it is late by more than the time to the next one: a camera would have gone on.
+  // Waits until the frame is due. True when it is late by more than the time to the next one: a camera would have gone
+  // on.
   bool wait_until_due(Timestamp stamp, double frame_seconds) {
     const auto now = Clock::now();
     if (!start_) {
@@ -104,7 +106,8 @@ class Pace {
     if (now > due + std::chrono::duration<double>(frame_seconds)) return true;
     std::unique_lock lock(mutex_);
     // Nobody notifies: a signal or the due time ends the wait.
-    while (!interrupted && Clock::now() < due) waiting_.wait_until(lock, std::min(due, Clock::now() + std::chrono::milliseconds(100)));
+    while (!interrupted && Clock::now() < due)
+      waiting_.wait_until(lock, std::min(due, Clock::now() + std::chrono::milliseconds(100)));
     return false;
   }
 
@@ -173,8 +176,11 @@ void track_all(io::Sequence& sequence, System& system, const RunArguments& argum
       run.frames.push_back(stats);
       continue;
     }
-    const FrameReport report = system.process(
-        {.frame = frame.index, .stamp = frame.stamp, .image = frame.image.view(), .right = frame.right.view(), .depth = frame.depth.view()});
+    const FrameReport report = system.process({.frame = frame.index,
+                                               .stamp = frame.stamp,
+                                               .image = frame.image.view(),
+                                               .right = frame.right.view(),
+                                               .depth = frame.depth.view()});
     run.mapping.insert(run.mapping.end(), report.mapping.begin(), report.mapping.end());
     FrameStats stats = to_stats(frame, report);
     stats.decode_ms = decode_ms;
@@ -200,7 +206,8 @@ Result<void> apply_settings(const RunArguments& arguments, const Fields& known) 
 
 void print_summary(const nlohmann::json& summary, const std::filesystem::path& out) {
   std::printf("%lld of %lld frames tracked, %lld key frames, %lld points\n", summary["frames_tracked"].get<long long>(),
-              summary["frames"].get<long long>(), summary["keyframes"].get<long long>(), summary["map_points"].get<long long>());
+              summary["frames"].get<long long>(), summary["keyframes"].get<long long>(),
+              summary["map_points"].get<long long>());
   std::printf("tracking %.2f ms a frame (median), %.2f ms (95 %%); %.1f frames/s in all; peak memory %.0f MB\n",
               summary["tracking_ms"]["median"].get<double>(), summary["tracking_ms"]["p95"].get<double>(),
               summary["frames_per_second"].get<double>(), summary["peak_rss_mb"].get<double>());
@@ -221,7 +228,8 @@ int run(const RunArguments& arguments) {
     std::cout << io::dump_settings(known);
     return 0;
   }
-  if (arguments.path.empty()) return fail_with("run: PATH is missing: a recording's folder, a video file or a camera's number");
+  if (arguments.path.empty())
+    return fail_with("run: PATH is missing: a recording's folder, a video file or a camera's number");
 
   io::SequenceOptions reading;
   if (!arguments.sensor.empty()) reading.sensor = kSensors.at(arguments.sensor);
@@ -237,7 +245,8 @@ int run(const RunArguments& arguments) {
   std::error_code error;
   std::filesystem::create_directories(arguments.out, error);
   if (error) return fail_with(arguments.out + ": the output folder can't be made: " + error.message());
-  if (access(arguments.out.c_str(), W_OK) != 0) return fail_with(arguments.out + ": the output folder can't be written to");
+  if (access(arguments.out.c_str(), W_OK) != 0)
+    return fail_with(arguments.out + ": the output folder can't be written to");
 
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
@@ -283,17 +292,22 @@ void add_run_command(CLI::App& app, int& exit_code) {
   using namespace covis::app;
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand("run", "Track a recording, a video or a camera, and make a map");
-  command->add_option("PATH", arguments->path, "folder (TUM RGB-D, KITTI, EuRoC, images), video file, or camera number");
+  command->add_option("PATH", arguments->path,
+                      "folder (TUM RGB-D, KITTI, EuRoC, images), video file, or camera number");
   command->add_option("--sensor", arguments->sensor, "mono, stereo or rgbd (default: the richest the recording allows)")
       ->check(CLI::IsMember(keys(kSensors)));
-  command->add_option("--camera", arguments->camera, "camera YAML, for what the recording does not say (docs/input.md)");
+  command->add_option("--camera", arguments->camera,
+                      "camera YAML, for what the recording does not say (docs/input.md)");
   command->add_option("--out", arguments->out, "folder for the results")->capture_default_str();
-  command->add_flag("--realtime", arguments->realtime, "frames come at their own times; late ones are dropped and counted");
-  command->add_option("--kind", arguments->kind, "kind of recording (default: recognised)")->check(CLI::IsMember(keys(kKinds)));
+  command->add_flag("--realtime", arguments->realtime,
+                    "frames come at their own times; late ones are dropped and counted");
+  command->add_option("--kind", arguments->kind, "kind of recording (default: recognised)")
+      ->check(CLI::IsMember(keys(kKinds)));
   command->add_option("--format", arguments->format, "trajectory format: tum, kitti or euroc")
       ->capture_default_str()
       ->check(CLI::IsMember(keys(kFormats)));
-  command->add_option("--features", arguments->features, "key points an image (short for --set orb.features=N)")->check(CLI::Range(50, 100000));
+  command->add_option("--features", arguments->features, "key points an image (short for --set orb.features=N)")
+      ->check(CLI::Range(50, 100000));
   command->add_option("--config", arguments->config, "settings YAML");
   command->add_option("--set", arguments->settings, "one setting, NAME=VALUE; may be repeated");
   command->add_flag("--dump-config", arguments->dump_config, "print all settings with their meaning, and end");

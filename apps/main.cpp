@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The covis command. Each subcommand registers itself (cmd_*.cpp) and only parses, calls and prints.
-#include <exception>
-#include <string>
-
-#include <CLI/CLI.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <string>
 
 #include "commands.h"
 #include "covis/core/log.h"
@@ -18,8 +18,8 @@ void connect_log() {
   auto logger = spdlog::stderr_color_mt("covis");
   logger->set_pattern("%^%l%$: %v");
   covis::set_log_sink([logger](covis::LogLevel level, std::string_view message) {
-    static constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::debug, spdlog::level::info, spdlog::level::warn,
-                                                            spdlog::level::err};
+    static constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::debug, spdlog::level::info,
+                                                            spdlog::level::warn, spdlog::level::err};
     logger->log(kLevels[static_cast<int>(level)], message);
   });
 }
@@ -31,7 +31,9 @@ int main(int argc, char** argv) {
   CLI::App app{"Covis: visual SLAM for monocular, stereo and RGB-D cameras"};
   app.set_version_flag("--version", std::string("covis ") + covis::version());
   app.require_subcommand(1);
-  app.footer("covis COMMAND --help tells more, with examples.\nExit codes: 0 done; 1 the input or the result is not right; 2 wrong usage.");
+  app.footer(
+      "covis COMMAND --help tells more, with examples.\nExit codes: 0 done; 1 the input or the result is not right; 2 "
+      "wrong usage.");
   int exit_code = 0;
   add_run_command(app, exit_code);
   add_eval_command(app, exit_code);

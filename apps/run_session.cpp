@@ -4,10 +4,11 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "covis/eval/evaluation.h"
+#include "covis/eval/report.h"
 #include "covis/io/files.h"
 #include "covis/io/outputs.h"
 
@@ -112,7 +113,8 @@ json losses(const RunRecord& run) {
   const FrameStats* start = nullptr;
   int64_t last = 0;
   const auto close = [&] {
-    if (start) list.push_back({{"first", start->frame}, {"last", last}, {"state", start->state}, {"reason", start->reason}});
+    if (start)
+      list.push_back({{"first", start->frame}, {"last", last}, {"state", start->state}, {"reason", start->reason}});
     start = nullptr;
   };
   for (const FrameStats& frame : run.frames) {
@@ -129,9 +131,12 @@ json summarise(const RunRecord& run, const System& system) {
   for (const FrameStats& f : run.frames) {
     if (processed(f)) done.push_back(f);
   }
-  const auto tracked = std::count_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.tracked; });
-  const auto online = std::count_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.online; });
-  const auto first_tracked = std::find_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.online; });
+  const auto tracked =
+      std::count_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.tracked; });
+  const auto online =
+      std::count_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.online; });
+  const auto first_tracked =
+      std::find_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.online; });
   const auto map = system.map().read();
   return {{"source", run.source},
           {"sensor", sensor_name(run.sensor)},
@@ -159,10 +164,12 @@ json summarise(const RunRecord& run, const System& system) {
 AlignMode alignment_of(Sensor sensor) { return sensor == Sensor::monocular ? AlignMode::sim3 : AlignMode::se3; }
 
 // Adds the errors of the final and the online trajectory where there is truth.
-void add_errors(const OutputOptions& options, Sensor sensor, const Trajectory& final, const Trajectory& online, json& summary) {
+void add_errors(const OutputOptions& options, Sensor sensor, const Trajectory& final, const Trajectory& online,
+                json& summary) {
   if (!options.truth) return;
   const EvaluationOptions evaluation{.align = alignment_of(sensor)};
-  const auto of_final = evaluate(final, *options.truth, evaluation), of_online = evaluate(online, *options.truth, evaluation);
+  const auto of_final = evaluate(final, *options.truth, evaluation),
+             of_online = evaluate(online, *options.truth, evaluation);
   if (!of_final || !of_online) return;
   summary["ate_m"] = of_final->ate.rmse;
   summary["ate_online_m"] = of_online->ate.rmse;
@@ -172,6 +179,41 @@ void add_errors(const OutputOptions& options, Sensor sensor, const Trajectory& f
     summary["ate_sim3_m"] = scaled->ate.rmse;
     summary["scale"] = scaled->scale;
   }
+}
+
+std::string fixed(double value, int digits, const char* unit) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f%s", digits, value, unit);
+  return text;
+}
+
+// The summary's main figures in words.
+std::vector<std::pair<std::string, std::string>> rows_of(const json& s) {
+  std::vector<std::pair<std::string, std::string>> rows{
+      {"recording", s["source"].get<std::string>()},
+      {"frames tracked",
+       std::to_string(s["frames_tracked"].get<int64_t>()) + " of " + std::to_string(s["frames"].get<int64_t>())},
+      {"key frames", std::to_string(s["keyframes"].get<int64_t>())},
+      {"map points", std::to_string(s["map_points"].get<int64_t>())},
+      {"tracking, median (95 %)", fixed(s["tracking_ms"]["median"].get<double>(), 2, " ms") + " (" +
+                                      fixed(s["tracking_ms"]["p95"].get<double>(), 2, " ms)")},
+      {"frames a second", fixed(s["frames_per_second"].get<double>(), 1, "")},
+      {"peak memory", fixed(s["peak_rss_mb"].get<double>(), 0, " MB")}};
+  if (s.contains("ate_m")) {
+    rows.emplace_back("error (ATE RMSE, " + s["ate_alignment"].get<std::string>() + ")",
+                      fixed(s["ate_m"].get<double>(), 4, " m"));
+    rows.emplace_back("as it was when tracked", fixed(s["ate_online_m"].get<double>(), 4, " m"));
+    rows.emplace_back("length of the path", fixed(s["truth_path_m"].get<double>(), 2, " m"));
+  }
+  return rows;
+}
+
+std::vector<ReportFrame> report_frames(const RunRecord& run) {
+  std::vector<ReportFrame> frames;
+  for (const FrameStats& f : run.frames) {
+    frames.push_back({f.frame, f.state, f.reason, processed(f) ? f.tracking_ms() : 0, f.inliers, f.key_frame});
+  }
+  return frames;
 }
 
 }  // namespace
@@ -196,16 +238,30 @@ Result<json> write_outputs(const RunRecord& run, const System& system, const Out
   keep_first(io::write_trajectory(out / "keyframes.txt", key_frames, options.format));
   keep_first(io::write_ply(out / "map.ply", points));
   keep_first(io::write_text_atomically(out / "stats.jsonl", stats_text(run)));
-  keep_first(io::write_text_atomically(out / "summary.json", summary.dump(2, ' ', false, json::error_handler_t::replace) + "\n"));
+  keep_first(io::write_text_atomically(out / "summary.json",
+                                       summary.dump(2, ' ', false, json::error_handler_t::replace) + "\n"));
+  ReportInput report;
+  report.title = options.title;
+  report.estimate = final;
+  report.key_frames = key_frames;
+  report.truth = options.truth;
+  report.align = alignment_of(run.sensor);
+  report.points = std::move(points);
+  report.frames = report_frames(run);
+  report.summary = rows_of(summary);
+  keep_first(write_report(out, report));
   if (!problem) return tl::unexpected(problem.error());
   return summary;
 }
 
 const char* sensor_name(Sensor sensor) {
   switch (sensor) {
-    case Sensor::monocular: return "mono";
-    case Sensor::stereo: return "stereo";
-    case Sensor::rgbd: return "rgbd";
+    case Sensor::monocular:
+      return "mono";
+    case Sensor::stereo:
+      return "stereo";
+    case Sensor::rgbd:
+      return "rgbd";
   }
   return "";
 }

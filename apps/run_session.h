@@ -5,10 +5,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json_fwd.hpp>
 
 #include "covis/core/error.h"
 #include "covis/io/sequence.h"
@@ -21,7 +20,7 @@ namespace covis::app {
 struct FrameStats {
   int64_t frame = 0;
   Timestamp stamp = 0;
-  std::string state;   // tracking, lost, not_initialised; late (dropped in real time); unreadable
+  std::string state;  // tracking, lost, not_initialised; late (dropped in real time); unreadable
   std::string reason;
   std::string method;
   int features = 0, matches = 0, local_points = 0, in_view = 0, inliers = 0;
@@ -34,7 +33,7 @@ struct FrameStats {
 };
 
 struct RunRecord {
-  std::string source;        // description of the recording
+  std::string source;  // description of the recording
   Sensor sensor = Sensor::monocular;
   std::vector<FrameStats> frames;
   std::vector<MappingReport> mapping;
@@ -51,9 +50,9 @@ struct OutputOptions {
   const Trajectory* truth = nullptr;  // of the camera; may be null
 };
 
-// Everything `covis run` leaves: trajectory.txt, trajectory_online.txt, keyframes.txt, map.ply, stats.jsonl, summary.json,
-// report.html and trajectory.png. Returns the summary. Each file is written whole or not at all; the first that fails is the error, the
-// others are written all the same.
+// Everything `covis run` leaves: trajectory.txt, trajectory_online.txt, keyframes.txt, map.ply, stats.jsonl,
+// summary.json, report.html and trajectory.png. Returns the summary. Each file is written whole or not at all; the
+// first that fails is the error, the others are written all the same.
 Result<nlohmann::json> write_outputs(const RunRecord& run, const System& system, const OutputOptions& options);
 
 const char* sensor_name(Sensor sensor);

@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
-
-#include <nlohmann/json.hpp>
 
 namespace covis {
 namespace {
@@ -35,15 +34,20 @@ ErrorStatistics statistics(std::vector<double> values) {
 }
 
 Trajectory sorted(Trajectory trajectory) {
-  std::stable_sort(trajectory.begin(), trajectory.end(), [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
-  const auto last = std::unique(trajectory.begin(), trajectory.end(), [](const StampedPose& a, const StampedPose& b) { return a.stamp == b.stamp; });
+  std::stable_sort(trajectory.begin(), trajectory.end(),
+                   [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+  const auto last = std::unique(trajectory.begin(), trajectory.end(),
+                                [](const StampedPose& a, const StampedPose& b) { return a.stamp == b.stamp; });
   trajectory.erase(last, trajectory.end());
   return trajectory;
 }
 
-// The truth at a stamp: the true pose itself when one is as near as a hundredth of a frame, else between two, else the nearest, if near enough.
-std::optional<SE3> truth_at(const Trajectory& truth, Timestamp stamp, const EvaluationOptions& options, size_t& nearest) {
-  const auto next = std::lower_bound(truth.begin(), truth.end(), stamp, [](const StampedPose& p, Timestamp t) { return p.stamp < t; });
+// The truth at a stamp: the true pose itself when one is as near as a hundredth of a frame, else between two, else the
+// nearest, if near enough.
+std::optional<SE3> truth_at(const Trajectory& truth, Timestamp stamp, const EvaluationOptions& options,
+                            size_t& nearest) {
+  const auto next = std::lower_bound(truth.begin(), truth.end(), stamp,
+                                     [](const StampedPose& p, Timestamp t) { return p.stamp < t; });
   const auto distance = [&](Trajectory::const_iterator p) { return std::abs(p->stamp - stamp); };
   Trajectory::const_iterator best = next;
   if (next == truth.end() || (next != truth.begin() && distance(next - 1) < distance(next))) best = next - 1;
@@ -65,7 +69,8 @@ std::optional<SE3> truth_at(const Trajectory& truth, Timestamp stamp, const Eval
 std::string span_text(const Trajectory& t) {
   if (t.empty()) return "no poses";
   char text[96];
-  std::snprintf(text, sizeof text, "%zu poses from %.3f to %.3f s", t.size(), to_seconds(t.front().stamp), to_seconds(t.back().stamp));
+  std::snprintf(text, sizeof text, "%zu poses from %.3f to %.3f s", t.size(), to_seconds(t.front().stamp),
+                to_seconds(t.back().stamp));
   return text;
 }
 
@@ -78,23 +83,27 @@ std::vector<double> travelled(const std::vector<ComparedPose>& poses) {
   return distance;
 }
 
-void relative_errors(const std::vector<ComparedPose>& poses, const std::vector<double>& distance, const EvaluationOptions& options,
-                     Evaluation& result) {
+void relative_errors(const std::vector<ComparedPose>& poses, const std::vector<double>& distance,
+                     const EvaluationOptions& options, Evaluation& result) {
   std::vector<double> translation, rotation;
   size_t j = 0;
   for (size_t i = 0; i < poses.size(); ++i) {
     const auto reached = [&](size_t k) {
       switch (options.delta_unit) {
-        case DeltaUnit::frames: return static_cast<double>(k - i) >= options.delta;
-        case DeltaUnit::seconds: return to_seconds(poses[k].stamp - poses[i].stamp) >= options.delta - 1e-9;
-        case DeltaUnit::metres: return distance[k] - distance[i] >= options.delta - 1e-9;
+        case DeltaUnit::frames:
+          return static_cast<double>(k - i) >= options.delta;
+        case DeltaUnit::seconds:
+          return to_seconds(poses[k].stamp - poses[i].stamp) >= options.delta - 1e-9;
+        case DeltaUnit::metres:
+          return distance[k] - distance[i] >= options.delta - 1e-9;
       }
       return false;
     };
     j = std::max(j, i + 1);
     while (j < poses.size() && !reached(j)) ++j;
     if (j >= poses.size()) break;
-    const SE3 error = (poses[i].truth.inverse() * poses[j].truth).inverse() * (poses[i].estimate.inverse() * poses[j].estimate);
+    const SE3 error =
+        (poses[i].truth.inverse() * poses[j].truth).inverse() * (poses[i].estimate.inverse() * poses[j].estimate);
     translation.push_back(error.t().norm());
     rotation.push_back(angle_deg(error));
   }
@@ -103,7 +112,8 @@ void relative_errors(const std::vector<ComparedPose>& poses, const std::vector<d
   result.rpe_rotation_deg = statistics(rotation);
 }
 
-// The benchmark's definition: from every 10th pose, segments of 100 … 800 m. Shorter paths: eighths of the path, and said so.
+// The benchmark's definition: from every 10th pose, segments of 100 … 800 m. Shorter paths: eighths of the path, and
+// said so.
 std::optional<KittiError> kitti_error(const std::vector<ComparedPose>& poses, const std::vector<double>& distance) {
   KittiError result;
   const double path = distance.back();
@@ -118,10 +128,12 @@ std::optional<KittiError> kitti_error(const std::vector<ComparedPose>& poses, co
   size_t count = 0;
   for (const double length : result.lengths) {
     for (size_t i = 0; i < poses.size(); i += step) {
-      const auto end = std::lower_bound(distance.begin() + static_cast<ptrdiff_t>(i), distance.end(), distance[i] + length);
+      const auto end =
+          std::lower_bound(distance.begin() + static_cast<ptrdiff_t>(i), distance.end(), distance[i] + length);
       if (end == distance.end()) break;
       const auto j = static_cast<size_t>(end - distance.begin());
-      const SE3 error = (poses[i].estimate.inverse() * poses[j].estimate).inverse() * (poses[i].truth.inverse() * poses[j].truth);
+      const SE3 error =
+          (poses[i].estimate.inverse() * poses[j].estimate).inverse() * (poses[i].truth.inverse() * poses[j].truth);
       translation += error.t().norm() / length;
       rotation += angle_deg(error) / length;
       ++count;
@@ -135,7 +147,8 @@ std::optional<KittiError> kitti_error(const std::vector<ComparedPose>& poses, co
 
 }  // namespace
 
-Result<Evaluation> evaluate(const Trajectory& estimate_in, const Trajectory& truth_in, const EvaluationOptions& options) {
+Result<Evaluation> evaluate(const Trajectory& estimate_in, const Trajectory& truth_in,
+                            const EvaluationOptions& options) {
   const Trajectory estimate = sorted(estimate_in), truth = sorted(truth_in);
   Evaluation result;
   result.poses = estimate.size();
@@ -155,7 +168,8 @@ Result<Evaluation> evaluate(const Trajectory& estimate_in, const Trajectory& tru
   }
   result.associated = result.compared.size();
   if (result.associated < 3) {
-    return fail("only " + std::to_string(result.associated) + " poses have truth at their time; at least 3 are needed. The trajectory: " + span_text(estimate) +
+    return fail("only " + std::to_string(result.associated) +
+                " poses have truth at their time; at least 3 are needed. The trajectory: " + span_text(estimate) +
                 "; the truth: " + span_text(truth));
   }
   result.coverage = static_cast<double>(covered.size()) / static_cast<double>(truth.size());
@@ -217,7 +231,8 @@ std::string to_text(const Evaluation& e) {
     std::snprintf(line, sizeof line, format, values...);
     text += line;
   };
-  add("poses           %zu, of them %zu with truth (%.1f %% of %zu true poses)\n", e.poses, e.associated, 100 * e.coverage, e.truth_poses);
+  add("poses           %zu, of them %zu with truth (%.1f %% of %zu true poses)\n", e.poses, e.associated,
+      100 * e.coverage, e.truth_poses);
   add("path            %.3f m\n", e.path_length);
   add("scale           %.5f\n", e.scale);
   add("%-15s %10s %10s %10s %10s\n", "", "RMSE", "mean", "median", "max");
@@ -230,8 +245,8 @@ std::string to_text(const Evaluation& e) {
   row("RPE rotation", e.rpe_rotation_deg, "deg");
   add("drift           %.4f %% of the path\n", e.drift_percent);
   if (e.kitti) {
-    add("KITTI           t_rel %.4f %%, r_rel %.4f deg/100 m, over segments of %.1f to %.1f m%s\n", e.kitti->t_rel_percent,
-        e.kitti->r_rel_deg_100m, e.kitti->lengths.front(), e.kitti->lengths.back(),
+    add("KITTI           t_rel %.4f %%, r_rel %.4f deg/100 m, over segments of %.1f to %.1f m%s\n",
+        e.kitti->t_rel_percent, e.kitti->r_rel_deg_100m, e.kitti->lengths.front(), e.kitti->lengths.back(),
         e.kitti->standard ? "" : " (the path is shorter than the benchmark's 100 m)");
   }
   if (!e.unique_alignment) text += "note: the path is a straight line; the rotation about it is arbitrary\n";

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far a trajectory is from the truth.
-// Sources: Sturm et al., "A benchmark for the evaluation of RGB-D SLAM systems", IROS 2012 (ATE, RPE); Geiger, Lenz, Urtasun, "Are we
-// ready for autonomous driving?", CVPR 2012 (t_rel, r_rel); Zhang and Scaramuzza, "A tutorial on quantitative trajectory evaluation",
-// IROS 2018 (alignment).
+// Sources: Sturm et al., "A benchmark for the evaluation of RGB-D SLAM systems", IROS 2012 (ATE, RPE); Geiger, Lenz,
+// Urtasun, "Are we ready for autonomous driving?", CVPR 2012 (t_rel, r_rel); Zhang and Scaramuzza, "A tutorial on
+// quantitative trajectory evaluation", IROS 2018 (alignment).
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json_fwd.hpp>
 
 #include "covis/core/error.h"
 #include "covis/geometry/alignment.h"
@@ -35,31 +34,31 @@ struct ErrorStatistics {
 // One pose beside its truth, both in the truth's world.
 struct ComparedPose {
   Timestamp stamp = 0;
-  SE3 estimate, truth;   // T_wc; the estimate aligned
-  double error = 0;      // metres between both
+  SE3 estimate, truth;  // T_wc; the estimate aligned
+  double error = 0;     // metres between both
 };
 
 struct KittiError {
-  double t_rel_percent = 0;        // translation error over segment length
-  double r_rel_deg_100m = 0;       // rotation error
-  std::vector<double> lengths;     // metres, of the segments used
-  bool standard = false;           // lengths are the benchmark's 100 … 800 m
+  double t_rel_percent = 0;     // translation error over segment length
+  double r_rel_deg_100m = 0;    // rotation error
+  std::vector<double> lengths;  // metres, of the segments used
+  bool standard = false;        // lengths are the benchmark's 100 … 800 m
 };
 
 struct Evaluation {
-  size_t poses = 0;        // of the estimate
-  size_t associated = 0;   // of them with truth
+  size_t poses = 0;       // of the estimate
+  size_t associated = 0;  // of them with truth
   size_t truth_poses = 0;
-  double coverage = 0;     // share of the true poses that an estimate was associated with
-  double scale = 1;        // the estimate times this fits the truth (sim3)
-  bool unique_alignment = true;  // false: a straight path; the rotation about it is arbitrary
-  ErrorStatistics ate;           // metres
-  ErrorStatistics rotation_deg;  // after alignment
+  double coverage = 0;               // share of the true poses that an estimate was associated with
+  double scale = 1;                  // the estimate times this fits the truth (sim3)
+  bool unique_alignment = true;      // false: a straight path; the rotation about it is arbitrary
+  ErrorStatistics ate;               // metres
+  ErrorStatistics rotation_deg;      // after alignment
   ErrorStatistics rpe_translation;   // metres over delta
   ErrorStatistics rpe_rotation_deg;  // over delta
   size_t rpe_pairs = 0;
-  double path_length = 0;  // of the truth along the associated poses, metres
-  double drift_percent = 0;  // ATE RMSE over path length
+  double path_length = 0;           // of the truth along the associated poses, metres
+  double drift_percent = 0;         // ATE RMSE over path length
   std::optional<KittiError> kitti;  // nothing when the path is too short
   std::vector<ComparedPose> compared;
 };

@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-
 #include <nlohmann/json.hpp>
 
 namespace covis {
@@ -16,14 +15,17 @@ constexpr Timestamp kStep = 100'000'000;
 Trajectory path(int count) {
   Trajectory trajectory;
   for (int i = 0; i < count; ++i) {
-    trajectory.push_back({i * kStep, SE3(so3_exp({0, 0.05 * i, 0.01 * i}), Eigen::Vector3d(10 * std::sin(0.1 * i), 0.02 * i, 10 * std::cos(0.1 * i)))});
+    trajectory.push_back({i * kStep, SE3(so3_exp({0, 0.05 * i, 0.01 * i}),
+                                         Eigen::Vector3d(10 * std::sin(0.1 * i), 0.02 * i, 10 * std::cos(0.1 * i)))});
   }
   return trajectory;
 }
 
 Trajectory moved(const Trajectory& t, const SE3& T, double scale = 1) {
   Trajectory result;
-  for (const StampedPose& p : t) result.push_back({p.stamp, SE3(Eigen::Matrix3d(T.R() * p.T_wc.R()), Eigen::Vector3d(scale * (T.R() * p.T_wc.t()) + T.t()))});
+  for (const StampedPose& p : t)
+    result.push_back(
+        {p.stamp, SE3(Eigen::Matrix3d(T.R() * p.T_wc.R()), Eigen::Vector3d(scale * (T.R() * p.T_wc.t()) + T.t()))});
   return result;
 }
 
@@ -51,7 +53,8 @@ TEST(Evaluation, ScaleIsFoundBySim3Only) {
 
 TEST(Evaluation, AKnownOffsetWithoutAlignment) {
   const Trajectory truth = path(50);
-  const auto e = evaluate(moved(truth, SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(3, 0, 4))), truth, {.align = AlignMode::none});
+  const auto e = evaluate(moved(truth, SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(3, 0, 4))), truth,
+                          {.align = AlignMode::none});
   EXPECT_NEAR(e->ate.rmse, 5, 1e-9);
   EXPECT_NEAR(e->ate.median, 5, 1e-9);
   EXPECT_NEAR(e->ate.max, 5, 1e-9);
@@ -73,8 +76,10 @@ TEST(Evaluation, RelativeAndKittiErrorsOfAStretchedPath) {
   EXPECT_NEAR(e->kitti->r_rel_deg_100m, 0, 1e-9);
   EXPECT_THAT(e->kitti->lengths, testing::ElementsAre(100, 200, 300));
   EXPECT_FALSE(e->unique_alignment);  // a straight line
-  EXPECT_NEAR(evaluate(estimate, truth, {.delta = 10, .delta_unit = DeltaUnit::metres})->rpe_translation.rmse, 0.1, 1e-9);
-  EXPECT_NEAR(evaluate(estimate, truth, {.delta = 2, .delta_unit = DeltaUnit::seconds})->rpe_translation.rmse, 0.2, 1e-9);
+  EXPECT_NEAR(evaluate(estimate, truth, {.delta = 10, .delta_unit = DeltaUnit::metres})->rpe_translation.rmse, 0.1,
+              1e-9);
+  EXPECT_NEAR(evaluate(estimate, truth, {.delta = 2, .delta_unit = DeltaUnit::seconds})->rpe_translation.rmse, 0.2,
+              1e-9);
 }
 
 TEST(Evaluation, AKnownTurnPerMetre) {
@@ -106,9 +111,13 @@ TEST(Evaluation, FramesWithoutTruthAreDropped) {
 
 TEST(Evaluation, TruthIsInterpolatedBetweenNearPoses) {
   Trajectory truth, estimate;
-  for (int i = 0; i < 50; ++i) truth.push_back({i * kStep, SE3(so3_exp({0, 0.02 * i, 0}), Eigen::Vector3d(i, 0.5 * i, std::sin(0.2 * i)))});
+  for (int i = 0; i < 50; ++i)
+    truth.push_back({i * kStep, SE3(so3_exp({0, 0.02 * i, 0}), Eigen::Vector3d(i, 0.5 * i, std::sin(0.2 * i)))});
   for (int i = 0; i < 49; ++i) {
-    estimate.push_back({i * kStep + kStep / 2, SE3(so3_exp({0, 0.02 * i + 0.01, 0}), Eigen::Vector3d(0.5 * (truth[static_cast<size_t>(i)].T_wc.t() + truth[static_cast<size_t>(i) + 1].T_wc.t())))});
+    estimate.push_back(
+        {i * kStep + kStep / 2,
+         SE3(so3_exp({0, 0.02 * i + 0.01, 0}), Eigen::Vector3d(0.5 * (truth[static_cast<size_t>(i)].T_wc.t() +
+                                                                      truth[static_cast<size_t>(i) + 1].T_wc.t())))});
   }
   const auto e = evaluate(estimate, truth, {.align = AlignMode::none});
   EXPECT_EQ(e->associated, 49u);

@@ -97,13 +97,14 @@ void develop(const ImageF& tone, double gain, double noise, uint64_t seed, Image
   }
 }
 
-void disturb_depth(const Renderer& renderer, double strength, uint64_t seed, ImageF& depth, ImageF& scratch) {
+void disturb_depth(const Renderer& renderer, double strength, double reach, double units, uint64_t seed, ImageF& depth,
+                   ImageF& scratch) {
   constexpr float kNearest = 0.4f, kFarthest = 8.0f, kSteepest = 6.0f;  // metres; tangent of the angle to the normal
-  constexpr float kUnits = 5000;                                        // a metre
   constexpr uint64_t kLost = 205;                                       // of 256 steep pixels
+  const float r = static_cast<float>(reach), quantum = static_cast<float>(units);
   const int width = depth.width(), height = depth.height();
   scratch.resize(width, height);
-  const float half_focal = 0.5f / renderer.pixel_size(), s = static_cast<float>(strength);
+  const float half_focal = 0.5f / renderer.pixel_size(), s = static_cast<float>(strength * reach);
   const std::vector<float>& normals = normal_table();
   for (int y = 0; y < height; ++y) {
     Random random(hash_seed(seed, static_cast<uint64_t>(y)));
@@ -116,9 +117,10 @@ void disturb_depth(const Renderer& renderer, double strength, uint64_t seed, Ima
       const float across =
           std::max(std::abs(row[std::min(x + 1, width - 1)] - row[std::max(x - 1, 0)]), std::abs(below[x] - above[x]));
       const bool steep = across * half_focal > kSteepest * z;
-      const float sigma = s * (0.0012f + 0.0019f * (z - 0.4f) * (z - 0.4f));
-      const float sensed = std::floor((z + sigma * normals[bits >> kNormalShift]) * kUnits + 0.5f) / kUnits;
-      to[x] = !(z >= kNearest) || z > kFarthest || (steep && (bits & 255) < kLost) ? 0 : sensed;
+      const float k = z / r;  // as a Kinect would see it
+      const float sigma = s * (0.0012f + 0.0019f * (k - 0.4f) * (k - 0.4f));
+      const float sensed = std::floor((z + sigma * normals[bits >> kNormalShift]) * quantum + 0.5f) / quantum;
+      to[x] = !(k >= kNearest) || k > kFarthest || (steep && (bits & 255) < kLost) ? 0 : sensed;
     }
   }
   depth.swap(scratch);

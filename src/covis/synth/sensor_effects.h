@@ -27,8 +27,10 @@ void blur_motion(const Renderer& renderer, const ImageF& depth, const SE3& T_mid
 // Tones to bytes, with a gain and noise that grows with the light: variance = noise^2 (0.3 + 0.7 tone / 128).
 void develop(const ImageF& tone, double gain, double noise, uint64_t seed, ImageU8& image);
 
-// Makes exact depth that of a sensor: noise of `strength` times the model, quantised to 1/5000 m, without what is
-// nearer than 0.4 m, farther than 8 m, seen at a grazing angle or across an edge.
-void disturb_depth(const Renderer& renderer, double strength, uint64_t seed, ImageF& depth, ImageF& scratch);
+// Makes exact depth that of a sensor whose range is `reach` times a Kinect's: noise of `strength` times the model,
+// quantised to 1/units m, without what is nearer than 0.4 m (times reach), farther than 8 m, seen at a grazing angle or
+// across an edge.
+void disturb_depth(const Renderer& renderer, double strength, double reach, double units, uint64_t seed, ImageF& depth,
+                   ImageF& scratch);
 
 }  // namespace covis::synth

@@ -20,8 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDepthScale = 5000;  // TUM: units a metre
-constexpr size_t kQueued = 6;         // images waiting to be coded
+constexpr size_t kQueued = 6;  // images waiting to be coded
 
 std::string format(const char* pattern, auto... values) {
   std::array<char, 512> text;
@@ -84,12 +83,12 @@ cv::Mat copy(const ImageU8& image) {
 }
 
 // What 16 bits can't hold is no depth.
-cv::Mat depth_units(const ImageF& depth) {
+cv::Mat depth_image(const ImageF& depth, double scale) {
   cv::Mat mat(depth.height(), depth.width(), CV_16U);
   for (int y = 0; y < depth.height(); ++y) {
     uint16_t* to = mat.ptr<uint16_t>(y);
     for (int x = 0; x < depth.width(); ++x) {
-      const double units = std::round(kDepthScale * static_cast<double>(depth(x, y)));
+      const double units = std::round(scale * static_cast<double>(depth(x, y)));
       to[x] = units > 0 && units < 65536 ? static_cast<uint16_t>(units) : uint16_t{0};
     }
   }
@@ -122,7 +121,7 @@ std::string camera_yaml(const Synth& synth) {
   file.fps = synth.options().fps;
   if (synth.sensor() == Sensor::rgbd) {
     file.baseline = synth.camera().pinhole.baseline();
-    file.depth_scale = kDepthScale;
+    file.depth_scale = synth.depth_units();
   }
   return io::camera_text(file);
 }
@@ -193,7 +192,8 @@ Result<SynthReport> write_sequence(Synth& synth, const fs::path& folder, bool ov
     const std::string name = sensor == Sensor::rgbd ? io::stamp_text(synth.stamp(i)) + ".png" : format("%06d.png", i);
     bool ok = writer.write(folder / subfolders[0] / name, copy(left));
     if (sensor == Sensor::stereo) ok = ok && writer.write(folder / subfolders[1] / name, copy(right));
-    if (sensor == Sensor::rgbd) ok = ok && writer.write(folder / subfolders[1] / name, depth_units(depth));
+    if (sensor == Sensor::rgbd)
+      ok = ok && writer.write(folder / subfolders[1] / name, depth_image(depth, synth.depth_units()));
     if (!ok) break;  // finish() says why
     report.frames = i + 1;
     if (progress && !progress(report.frames)) {

@@ -38,7 +38,9 @@ Fields fields(SynthOptions& o) {
       {"synth.width", &o.width, "image width, pixels", 64, 4096},
       {"synth.height", &o.height, "image height, pixels", 64, 4096},
       {"synth.focal", &o.focal, "focal length, pixels; 0: 0.625 of the image diagonal (500 for 640x480)", 0, 20000},
-      {"synth.baseline", &o.baseline, "distance of the stereo cameras, metres; 0: the world's own (0.11; street 0.54)",
+      {"synth.baseline", &o.baseline,
+       "distance of the stereo cameras, or the virtual one of an RGB-D camera, metres; 0: the world's own (0.11 and "
+       "0.08; street 0.54)",
        0, 10},
       {"synth.noise", &o.noise, "standard deviation of image noise at middle grey, grey levels", 0, 50},
       {"synth.depth_noise", &o.depth_noise, "strength of the depth sensor's errors; 0: exact, 1: like a Kinect", 0, 10},
@@ -55,8 +57,6 @@ const std::vector<std::string>& synth_worlds() {
 }
 
 namespace {
-
-constexpr double kVirtualBaseline = 0.08;  // metres, of RGB-D
 
 Result<Sensor> check(SynthOptions& options) {
   for (const Field& field : fields(options)) {  // setting a field to its own value checks its range
@@ -83,8 +83,7 @@ Camera make_camera(const SynthOptions& o, Sensor sensor) {
   camera.width = o.width;
   camera.height = o.height;
   camera.pinhole = {o.focal, o.focal, 0.5 * (o.width - 1), 0.5 * (o.height - 1), 0};
-  if (sensor == Sensor::stereo) camera.pinhole.bf = o.focal * o.baseline;
-  if (sensor == Sensor::rgbd) camera.pinhole.bf = o.focal * kVirtualBaseline;
+  if (sensor != Sensor::monocular) camera.pinhole.bf = o.focal * o.baseline;
   if (o.distortion > 0) {
     Random random(hash_seed(static_cast<uint64_t>(o.seed), kLens));
     const double s = o.distortion;
@@ -113,7 +112,9 @@ Result<Synth> Synth::create(const SynthOptions& given) {
   if (options.fps <= 0) options.fps = world.fps;
   if (options.frames <= 0) options.frames = static_cast<int>(std::lround(world.frames * options.fps / world.fps));
   if (options.focal <= 0) options.focal = 0.625 * std::hypot(options.width, options.height);
-  if (options.baseline <= 0) options.baseline = world.baseline;
+  if (options.baseline <= 0) {
+    options.baseline = *sensor == Sensor::rgbd ? world.depth_sensor.baseline : world.baseline;
+  }
   const Camera camera = make_camera(options, *sensor);
   auto renderer = synth::Renderer::create(camera);
   if (!renderer) {
@@ -131,6 +132,7 @@ Synth::~Synth() = default;
 
 const SynthOptions& Synth::options() const { return state_->options; }
 Sensor Synth::sensor() const { return state_->sensor; }
+double Synth::depth_units() const { return state_->world.depth_sensor.units; }
 int Synth::frames() const { return state_->options.frames; }
 const Camera& Synth::camera() const { return state_->camera; }
 SE3 Synth::T_wc(int i) const { return state_->world.path.at(to_seconds(stamp(i))).T_wc(); }
@@ -161,7 +163,8 @@ void Synth::render(int i, ImageU8& left, ImageU8* right, ImageF* depth) {
   for (int y = 0; y < s.camera.height; ++y) std::copy_n(s.depth.row(y), s.camera.width, depth->row(y));
   if (s.options.depth_noise > 0) {
     const uint64_t seed = hash_seed(static_cast<uint64_t>(s.options.seed), kDepthNoise, static_cast<uint64_t>(i));
-    synth::disturb_depth(s.renderer, s.options.depth_noise, seed, *depth, s.scratch);
+    const synth::DepthSensor& sensor = s.world.depth_sensor;
+    synth::disturb_depth(s.renderer, s.options.depth_noise, sensor.reach, sensor.units, seed, *depth, s.scratch);
   }
 }
 

@@ -33,12 +33,13 @@ struct SynthOptions {
   int width = 640;              // pixels
   int height = 480;             // pixels
   double focal = 0;             // pixels; 0: 0.625 of the image diagonal, which is 500 for 640x480
-  double baseline = 0;          // metres between the stereo cameras; 0: the world's own (0.11; street 0.54)
-  double noise = 0;             // standard deviation of image noise at middle grey, grey levels
-  double depth_noise = 0;       // strength of the depth sensor's errors: 0 exact, 1 like a Kinect
-  double exposure = 0;          // greatest relative change of brightness over time, 0.3 is lively
-  double blur = 0;              // time the shutter is open, milliseconds; motion blurs the image
-  double distortion = 0;        // strength of the lens distortion: 0 none, 1 like a wide-angle lens; not for stereo
+  double baseline = 0;     // metres between the stereo cameras, or a virtual one of RGB-D; 0: the world's own (0.11 and
+                           // 0.08; street 0.54)
+  double noise = 0;        // standard deviation of image noise at middle grey, grey levels
+  double depth_noise = 0;  // strength of the depth sensor's errors: 0 exact, 1 like a Kinect
+  double exposure = 0;     // greatest relative change of brightness over time, 0.3 is lively
+  double blur = 0;         // time the shutter is open, milliseconds; motion blurs the image
+  double distortion = 0;   // strength of the lens distortion: 0 none, 1 like a wide-angle lens; not for stereo
 };
 
 // The options by name ("synth.world", …), with their ranges.
@@ -56,8 +57,9 @@ class Synth {
   const SynthOptions& options() const;  // with the defaults filled in
   Sensor sensor() const;
   int frames() const;
-  // Of the left image; bf is set for stereo (the base line) and RGB-D (a virtual one of 0.08 m), 0 for monocular.
+  // Of the left image; bf is that of options().baseline, but 0 for monocular.
   const Camera& camera() const;
+  double depth_units() const;    // a metre in 16-bit depth images fit for this world: 5000; street 256
   SE3 T_wc(int i) const;         // camera to world, exact, at the middle of the exposure
   Timestamp stamp(int i) const;  // i / fps, in whole microseconds
   // The image; for `right`, if asked for, the image of the stereo pair's other camera; for `depth`, if asked for,

@@ -476,6 +476,7 @@ TEST(Synth, StampsAndDefaults) {
   EXPECT_EQ(street.options().fps, 10);
   EXPECT_NEAR(street.camera().pinhole.baseline(), 0.54, 1e-12);
   EXPECT_GT(street.frames(), 380);
+  EXPECT_NEAR(world("street").camera().pinhole.baseline(), 0.54, 1e-12);
 }
 
 TEST(Synth, SaysWhatIsWrongWithTheOptions) {

@@ -9,12 +9,20 @@
 
 namespace covis::synth {
 
+// An RGB-D camera fit for a world.
+struct DepthSensor {
+  double baseline = 0.08;  // metres, a virtual one
+  double units = 5000;     // a metre in its 16-bit images, which end at 65535 units
+  double reach = 1;        // its range and its errors, in those of a Kinect
+};
+
 struct World {
   Scene scene;
   CameraPath path;
   double fps;       // frames a second
   int frames;       // once around the path and a little more
   double baseline;  // metres, of a stereo camera fit for it
+  DepthSensor depth_sensor{};
 };
 
 World make_room(uint64_t seed);

@@ -157,7 +157,7 @@ World make_street(uint64_t seed) {
   loop.sway = {.metres = 0.008, .radians = 0.003};
   CameraPath path = make_loop(loop, hash_seed(seed, 2));
   const int frames = static_cast<int>(10 * (path.period() + 3));
-  return {std::move(scene), std::move(path), 10, frames, 0.54};
+  return {std::move(scene), std::move(path), 10, frames, 0.54, {.baseline = 0.54, .units = 256, .reach = 6}};
 }
 
 }  // namespace covis::synth
