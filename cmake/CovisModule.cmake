@@ -30,9 +30,11 @@ function(covis_discover_tests target label)
   # Lists don't survive gtest_discover_tests' PROPERTIES; they are set by a file that ctest reads after the cases are known.
   set(file ${CMAKE_CURRENT_BINARY_DIR}/${target}_properties.cmake)
   file(CONFIGURE OUTPUT ${file} @ONLY CONTENT [=[
+# Debian's Ceres frees what the standard library gave it by operator new.
+set(environment "ASAN_OPTIONS=alloc_dealloc_mismatch=0;UBSAN_OPTIONS=print_stacktrace=1")
+list(APPEND environment "TSAN_OPTIONS=suppressions=@PROJECT_SOURCE_DIR@/tools/tsan.supp")
 foreach(test IN LISTS @target@_cases)
-  set_tests_properties("${test}" PROPERTIES ENVIRONMENT
-    "UBSAN_OPTIONS=print_stacktrace=1;TSAN_OPTIONS=suppressions=@PROJECT_SOURCE_DIR@/tools/tsan.supp")
+  set_tests_properties("${test}" PROPERTIES ENVIRONMENT "${environment}")
   if(test MATCHES "Long")
     set_tests_properties("${test}" PROPERTIES LABELS "@label@;long")
   endif()
