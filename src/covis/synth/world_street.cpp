@@ -127,7 +127,7 @@ World make_street(uint64_t seed) {
   Scene scene(seed);
   scene.detail_metres = 3.2;
   Random& random = scene.random;
-  const double length = random.uniform(98, 108), width = random.uniform(62, 70);  // of the centre line
+  const double length = random.uniform(94, 104), width = random.uniform(60, 68);  // of the centre line
   const double ox = 0.5 * length + kHalf, oy = 0.5 * width + kHalf, ix = 0.5 * length - kHalf, iy = 0.5 * width - kHalf;
   add_sky(scene);
   add_ground(scene, ox, oy);
@@ -145,9 +145,9 @@ World make_street(uint64_t seed) {
   LoopOptions loop;
   loop.length = length;
   loop.width = width;
-  loop.corner = 10;
-  loop.fast = 9.5;
-  loop.slow = 5;
+  loop.corner = 11;
+  loop.fast = 8.5;
+  loop.slow = 4.8;
   loop.easing = 14;
   loop.height = 1.65;
   loop.pitch = -0.01;
