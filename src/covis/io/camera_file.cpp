@@ -95,6 +95,7 @@ Result<CameraFile> load_camera(const std::filesystem::path& file) {
                 "' is unknown; it must be pinhole, brown_conrady or kannala_brandt");
   }
   CameraFile result;
+  result.file = file;
   result.baseline = given.contains("bf") ? values.bf / values.fx : values.baseline;
   result.fps = values.fps;
   result.depth_scale = values.depth_scale;

@@ -3,7 +3,7 @@
 #include "covis/io/sequence.h"
 
 #include <algorithm>
-#include <charconv>
+#include <tuple>
 
 #include "covis/io/recording.h"
 #include "covis/io/sequence_sources.h"
@@ -12,6 +12,17 @@ namespace covis::io {
 namespace {
 
 namespace fs = std::filesystem;
+
+Result<void> check_options(const SequenceOptions& options) {
+  for (const auto& [name, value, least] : {std::tuple{"first", options.first, 0},
+                                           {"stride", options.stride, 1},
+                                           {"decode_ahead", options.decode_ahead, 1}}) {
+    if (value < least)
+      return fail(std::string(name) + ": " + std::to_string(value) + " is too small; the least is " +
+                  std::to_string(least));
+  }
+  return {};
+}
 
 bool is_number(const std::string& text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
@@ -67,6 +78,7 @@ void choose_frames(Recording& recording, const SequenceOptions& options) {
 }  // namespace
 
 Result<std::unique_ptr<Sequence>> open_sequence(const std::string& path, const SequenceOptions& options) {
+  if (auto checked = check_options(options); !checked) return tl::unexpected(checked.error());
   SequenceKind kind = options.kind;
   if (kind == SequenceKind::automatic) {
     const auto found = recognise(path);

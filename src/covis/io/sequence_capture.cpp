@@ -24,7 +24,8 @@ class CaptureSequence : public Sequence {
         options_(options),
         // A camera goes on whether we keep up or not: only its latest frame is wanted.
         ahead_([this](Frame memory) { return decode(std::move(memory)); },
-               kind == SequenceKind::camera ? 1 : options.decode_ahead) {}
+               kind == SequenceKind::camera ? 1 : options.decode_ahead,
+               kind == SequenceKind::camera ? DecodeAhead::WhenFull::drop_old : DecodeAhead::WhenFull::wait) {}
 
   SequenceKind kind() const override { return kind_; }
   Sensor sensor() const override { return Sensor::monocular; }
@@ -32,6 +33,7 @@ class CaptureSequence : public Sequence {
   int64_t size() const override { return frames_; }
   double frame_rate() const override { return rate_; }
   std::optional<Truth> truth() const override { return std::nullopt; }
+  std::vector<std::string> notes() const override { return {}; }
   std::string description() const override {
     return (kind_ == SequenceKind::camera ? "camera " : "video ") + name_ + ", " + std::to_string(camera_.width) + "x" +
            std::to_string(camera_.height) + ", " + std::to_string(rate_) + " Hz";
