@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <fstream>
+
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -26,8 +27,7 @@ constexpr int kWidth = 64, kHeight = 48;
 class Io : public testing::Test {
  protected:
   void SetUp() override {
-    folder = fs::path(testing::TempDir()) /
-             ("covis_io_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder = fs::path(testing::TempDir()) / ("covis_io_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     fs::create_directories(folder);
   }
@@ -45,9 +45,7 @@ class Io : public testing::Test {
     fs::create_directories((folder / name).parent_path());
     cv::imwrite((folder / name).string(), cv::Mat(kHeight, kWidth, CV_16U, cv::Scalar(value)));
   }
-  void camera_yaml(const std::string& more = "") const {
-    write("camera.yaml", "width: 64\nheight: 48\nfx: 50\nfy: 50\ncx: 32\ncy: 24\n" + more);
-  }
+  void camera_yaml(const std::string& more = "") const { write("camera.yaml", "width: 64\nheight: 48\nfx: 50\nfy: 50\ncx: 32\ncy: 24\n" + more); }
   void tum(int frames = 3) const {
     std::string rgb = "# colour\n", depths;
     for (int i = 0; i < frames; ++i) {
@@ -74,9 +72,7 @@ class Io : public testing::Test {
     write("times.txt", times);
   }
 
-  Result<std::unique_ptr<Sequence>> open(SequenceOptions options = {}) const {
-    return open_sequence(folder.string(), options);
-  }
+  Result<std::unique_ptr<Sequence>> open(SequenceOptions options = {}) const { return open_sequence(folder.string(), options); }
   std::string open_error(SequenceOptions options = {}) const {
     const auto opened = open(options);
     EXPECT_FALSE(opened);
@@ -143,16 +139,11 @@ TEST_F(Io, ReadsKitti) {
 }
 
 TEST_F(Io, ReadsEurocAndRectifies) {
-  const std::string sensor =
-      "resolution: [64, 48]\nintrinsics: [50, 50, 32, 24]\ndistortion_model: "
-      "radial-tangential\ndistortion_coefficients: [-0.1, 0.01, 0, 0]\n";
+  const std::string sensor = "resolution: [64, 48]\nintrinsics: [50, 50, 32, 24]\ndistortion_model: radial-tangential\ndistortion_coefficients: [-0.1, 0.01, 0, 0]\n";
   for (const int cam : {0, 1}) {
     const std::string base = "mav0/cam" + std::to_string(cam);
-    write(base + "/sensor.yaml", "%YAML:1.0\nT_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, " +
-                                     std::to_string(0.1 * cam) + ", 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n" + sensor);
-    write(base + "/data.csv",
-          "#timestamp "
-          "[ns],filename\n1403715273262142976,1403715273262142976.png\n1403715273312143104,1403715273312143104.png\n");
+    write(base + "/sensor.yaml", "%YAML:1.0\nT_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, " + std::to_string(0.1 * cam) + ", 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n" + sensor);
+    write(base + "/data.csv", "#timestamp [ns],filename\n1403715273262142976,1403715273262142976.png\n1403715273312143104,1403715273312143104.png\n");
     image(base + "/data/1403715273262142976.png", 50 + cam);
     image(base + "/data/1403715273312143104.png", 60 + cam);
   }
@@ -187,8 +178,7 @@ TEST_F(Io, ReadsAnImageFolderInNaturalOrder) {
 
 TEST_F(Io, ReadsAVideo) {
   camera_yaml();
-  cv::VideoWriter writer((folder / "video.avi").string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25,
-                         {kWidth, kHeight});
+  cv::VideoWriter writer((folder / "video.avi").string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25, {kWidth, kHeight});
   ASSERT_TRUE(writer.isOpened());
   for (int i = 0; i < 5; ++i) writer.write(cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(40 * i)));
   writer.release();
@@ -214,13 +204,11 @@ TEST_F(Io, StopsDecodingAtAnyTime) {
 // ---- Bad input ----
 
 TEST_F(Io, MissingFolder) {
-  EXPECT_THAT(open_sequence((folder / "none").string(), {}).error().message,
-              AllOf(HasSubstr("none"), HasSubstr("does not exist")));
+  EXPECT_THAT(open_sequence((folder / "none").string(), {}).error().message, AllOf(HasSubstr("none"), HasSubstr("does not exist")));
 }
 
 TEST_F(Io, NoImages) {
-  EXPECT_THAT(open_error(),
-              AllOf(HasSubstr(folder.string()), HasSubstr("rgb.txt"), HasSubstr("image_0"), HasSubstr("mav0")));
+  EXPECT_THAT(open_error(), AllOf(HasSubstr(folder.string()), HasSubstr("rgb.txt"), HasSubstr("image_0"), HasSubstr("mav0")));
   fs::create_directories(folder / "image_0");
   EXPECT_THAT(open_error(), AllOf(HasSubstr("image_0"), HasSubstr("no image")));
 }
@@ -264,8 +252,7 @@ TEST_F(Io, UnreadableCalibration) {
   tum();
   write("camera.yaml", "width: [64\n");
   EXPECT_THAT(open_error(), AllOf(HasSubstr("camera.yaml:"), HasSubstr("not YAML")));
-  EXPECT_THAT(open_error({.camera_file = folder / "gone.yaml"}),
-              AllOf(HasSubstr("gone.yaml"), HasSubstr("can't be opened")));
+  EXPECT_THAT(open_error({.camera_file = folder / "gone.yaml"}), AllOf(HasSubstr("gone.yaml"), HasSubstr("can't be opened")));
   kitti();
   write("calib.txt", "P0: 1 2 3\n");
   EXPECT_THAT(open_error({.kind = SequenceKind::kitti}), AllOf(HasSubstr("calib.txt:1"), HasSubstr("12")));
@@ -350,11 +337,9 @@ TEST_F(Io, SettingsRoundTripAndComplain) {
   ASSERT_TRUE(load_settings(folder / "s.yaml", fields));
   EXPECT_EQ(count, 7);
   write("s.yaml", "a:\n  count: 2\n  rtaio: 0.1\n");
-  EXPECT_THAT(load_settings(folder / "s.yaml", fields).error().message,
-              AllOf(HasSubstr("s.yaml:3"), HasSubstr("a.rtaio"), HasSubstr("'a.ratio'")));
+  EXPECT_THAT(load_settings(folder / "s.yaml", fields).error().message, AllOf(HasSubstr("s.yaml:3"), HasSubstr("a.rtaio"), HasSubstr("'a.ratio'")));
   write("s.yaml", "a.count: 99\n");
-  EXPECT_THAT(load_settings(folder / "s.yaml", fields).error().message,
-              AllOf(HasSubstr("s.yaml:1"), HasSubstr("'99'"), HasSubstr("from 1 to 10")));
+  EXPECT_THAT(load_settings(folder / "s.yaml", fields).error().message, AllOf(HasSubstr("s.yaml:1"), HasSubstr("'99'"), HasSubstr("from 1 to 10")));
 }
 
 TEST_F(Io, CamerasRoundTrip) {
