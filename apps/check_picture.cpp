@@ -30,7 +30,7 @@ cv::Scalar depth_colour(double depth, double nearest, double farthest) {
 struct CheckPicture::Impl {
   Impl(const Camera& c, Sensor s) : sensor(s), frontend(c, OrbOptions{}, s), camera(c) {}
 
-  cv::Mat draw(const io::Frame& frame);
+  cv::Mat draw(const io::Frame& frame, std::optional<double>& matched);
   cv::Mat draw_stereo(const io::Frame& frame, const Features& features) const;
   cv::Mat draw_depth(const io::Frame& frame) const;
 
@@ -80,13 +80,19 @@ cv::Mat CheckPicture::Impl::draw_depth(const io::Frame& frame) const {
   return image;
 }
 
-cv::Mat CheckPicture::Impl::draw(const io::Frame& frame) {
+cv::Mat CheckPicture::Impl::draw(const io::Frame& frame, std::optional<double>& matched) {
   if (sensor == Sensor::rgbd) {
     cv::Mat both;
     cv::hconcat(in_colour(frame.image), draw_depth(frame), both);
     return both;
   }
-  if (sensor == Sensor::stereo) return draw_stereo(frame, *frontend.stereo(frame.image.view(), frame.right.view()));
+  if (sensor == Sensor::stereo) {
+    const FeaturesPtr f = frontend.stereo(frame.image.view(), frame.right.view());
+    int count = 0;
+    for (int i = 0; i < f->size(); ++i) count += f->has_depth(i);
+    if (f->size() > 0) matched = static_cast<double>(count) / f->size();
+    return draw_stereo(frame, *f);
+  }
   const FeaturesPtr f = frontend.monocular(frame.image.view());
   cv::Mat image = in_colour(frame.image);
   for (int i = 0; i < f->size(); ++i) {
@@ -100,12 +106,14 @@ cv::Mat CheckPicture::Impl::draw(const io::Frame& frame) {
 CheckPicture::CheckPicture(const Camera& camera, Sensor sensor) : impl_(std::make_unique<Impl>(camera, sensor)) {}
 CheckPicture::~CheckPicture() = default;
 
-void CheckPicture::add(const io::Frame& frame) {
-  if (static_cast<int>(impl_->rows.size()) >= kFrames) return;
-  cv::Mat picture = impl_->draw(frame);
+std::optional<double> CheckPicture::add(const io::Frame& frame) {
+  std::optional<double> matched;
+  if (static_cast<int>(impl_->rows.size()) >= kFrames) return matched;
+  cv::Mat picture = impl_->draw(frame, matched);
   cv::putText(picture, "frame " + std::to_string(frame.index), {8, 22}, cv::FONT_HERSHEY_SIMPLEX, 0.6, {0, 255, 255}, 2,
               cv::LINE_AA);
   impl_->rows.push_back(std::move(picture));
+  return matched;
 }
 
 Result<void> CheckPicture::write(const std::filesystem::path& file) const {

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "covis/core/error.h"
@@ -19,7 +20,8 @@ class CheckPicture {
 
   CheckPicture(const Camera& camera, Sensor sensor);
   ~CheckPicture();
-  void add(const io::Frame& frame);
+  // Of a stereo pair: the share of the left key points that have a match on the same row of the right image.
+  std::optional<double> add(const io::Frame& frame);
   Result<void> write(const std::filesystem::path& file) const;
   std::string caption() const;
 

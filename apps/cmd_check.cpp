@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -17,7 +18,7 @@ namespace covis::app {
 namespace {
 
 struct CheckArguments {
-  std::string path, sensor, camera, out = "check.png";
+  std::string path, kind, sensor, camera, out = "check.png";
   int64_t count = -1;
   bool json = false;
 };
@@ -29,6 +30,25 @@ struct Problem {
 
 const std::map<std::string, Sensor> kSensors{
     {"mono", Sensor::monocular}, {"stereo", Sensor::stereo}, {"rgbd", Sensor::rgbd}};
+
+const std::map<std::string, io::SequenceKind> kKinds{
+    {"tum", io::SequenceKind::tum},       {"kitti", io::SequenceKind::kitti}, {"euroc", io::SequenceKind::euroc},
+    {"images", io::SequenceKind::images}, {"video", io::SequenceKind::video}, {"camera", io::SequenceKind::camera}};
+
+template <class Value>
+std::vector<std::string> keys(const std::map<std::string, Value>& map) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : map) names.push_back(name);
+  return names;
+}
+
+template <class Value>
+std::string name_of(const std::map<std::string, Value>& map, Value wanted) {
+  for (const auto& [name, value] : map) {
+    if (value == wanted) return name;
+  }
+  return {};
+}
 
 double mean_grey(const ImageU8& image) {
   int64_t sum = 0;
@@ -87,15 +107,77 @@ void print(const nlohmann::json& found) {
   std::printf("rate            %.2f Hz, %.2f s in all\n", found["rate_hz"].get<double>(),
               found["seconds"].get<double>());
   std::cout << "camera          " << found["camera"].dump() << "\n";
-  std::cout << "truth           " << (found["truth"].get<bool>() ? "yes" : "no") << "\n";
+  std::cout << "truth           " << (found["truth"].is_null() ? "none" : found["truth"].get<std::string>()) << "\n";
+  for (const auto& note : found["notes"]) std::cout << "note            " << note.get<std::string>() << "\n";
   for (const auto& problem : found["problems"]) {
     std::printf("frame %-9lld %s\n", problem["frame"].get<long long>(), problem["problem"].get<std::string>().c_str());
   }
-  std::printf("%zu problems\n", found["problems"].size());
+  std::printf("%zu problem%s\n", found["problems"].size(), found["problems"].size() == 1 ? "" : "s");
+}
+
+// What reading all frames shows.
+struct Findings {
+  std::vector<Problem> problems;
+  std::vector<Timestamp> stamps;  // of the frames that could be read
+  std::vector<int64_t> frames;    // their indices
+  int64_t unreadable = 0;
+};
+
+Findings read_all(io::Sequence& sequence, CheckPicture& picture) {
+  constexpr double kFewMatches = 0.08;
+  Findings f;
+  int64_t expected = 0;
+  const int64_t size = sequence.size() > 0 ? sequence.size() : 300;
+  const int64_t step = std::max<int64_t>(1, size / CheckPicture::kFrames);
+  io::Frame frame;
+  while (true) {
+    auto next = sequence.next(std::move(frame));
+    frame = {};
+    if (!next) {
+      ++f.unreadable;
+      f.problems.push_back({expected++, next.error().message});
+      continue;
+    }
+    if (!*next) break;
+    frame = std::move(**next);
+    expected = frame.index + 1;
+    f.stamps.push_back(frame.stamp);
+    f.frames.push_back(frame.index);
+    look_at(frame, f.problems);
+    if (frame.index % step != 0) continue;
+    const std::optional<double> matched = picture.add(frame);
+    if (matched && *matched < kFewMatches) {
+      f.problems.push_back({frame.index, "only " + std::to_string(static_cast<int>(100 * *matched)) +
+                                             " % of the left key points have a match on the same row of the right "
+                                             "image; is the pair rectified, and the left image the left one?"});
+    }
+  }
+  look_for_gaps(f.stamps, sequence.frame_rate(), f.problems, f.frames);
+  return f;
+}
+
+nlohmann::json to_json(const io::Sequence& sequence, const Findings& f) {
+  nlohmann::json found{{"recording", sequence.description()},
+                       {"kind", name_of(kKinds, sequence.kind())},
+                       {"sensor", name_of(kSensors, sequence.sensor())},
+                       {"frames", sequence.size()},
+                       {"frames_read", f.stamps.size()},
+                       {"frames_unreadable", f.unreadable},
+                       {"rate_hz", sequence.frame_rate()},
+                       {"seconds", f.stamps.empty() ? 0 : to_seconds(f.stamps.back() - f.stamps.front())},
+                       {"camera", camera_json(sequence.camera())},
+                       {"truth", nullptr},
+                       {"notes", sequence.notes()}};
+  if (const auto truth = sequence.truth()) found["truth"] = truth->file.string();
+  found["problems"] = nlohmann::json::array();
+  for (const Problem& problem : f.problems)
+    found["problems"].push_back({{"frame", problem.frame}, {"problem", problem.text}});
+  return found;
 }
 
 int run(const CheckArguments& a) {
   io::SequenceOptions options;
+  if (!a.kind.empty()) options.kind = kKinds.at(a.kind);
   if (!a.sensor.empty()) options.sensor = kSensors.at(a.sensor);
   options.camera_file = a.camera;
   options.count = a.count;
@@ -104,55 +186,20 @@ int run(const CheckArguments& a) {
     log(LogLevel::error, opened.error().message);
     return 1;
   }
-  io::Sequence& sequence = **opened;
-  CheckPicture picture(sequence.camera(), sequence.sensor());
-  std::vector<Problem> problems;
-  std::vector<Timestamp> stamps;
-  std::vector<int64_t> frames;
-  int64_t unreadable = 0, expected = 0;
-  io::Frame frame;
-  while (true) {
-    auto next = sequence.next(std::move(frame));
-    frame = {};
-    if (!next) {
-      ++unreadable;
-      problems.push_back({expected++, next.error().message});
-      continue;
-    }
-    if (!*next) break;
-    frame = std::move(**next);
-    expected = frame.index + 1;
-    stamps.push_back(frame.stamp);
-    frames.push_back(frame.index);
-    look_at(frame, problems);
-    const int64_t size = sequence.size() > 0 ? sequence.size() : 300;
-    if (frame.index % std::max<int64_t>(1, size / CheckPicture::kFrames) == 0) picture.add(frame);
-  }
-  look_for_gaps(stamps, sequence.frame_rate(), problems, frames);
-  nlohmann::json found{{"recording", sequence.description()},
-                       {"frames_read", stamps.size()},
-                       {"frames_unreadable", unreadable},
-                       {"rate_hz", sequence.frame_rate()},
-                       {"seconds", stamps.empty() ? 0 : to_seconds(stamps.back() - stamps.front())},
-                       {"camera", camera_json(sequence.camera())},
-                       {"truth", sequence.truth().has_value()},
-                       {"picture", a.out}};
-  found["problems"] = nlohmann::json::array();
-  for (const Problem& problem : problems)
-    found["problems"].push_back({{"frame", problem.frame}, {"problem", problem.text}});
+  CheckPicture picture((*opened)->camera(), (*opened)->sensor());
+  const Findings f = read_all(**opened, picture);
+  nlohmann::json found = to_json(**opened, f);
+  Result<void> written;
+  if (!f.stamps.empty()) written = picture.write(a.out);
+  if (written && !f.stamps.empty()) found["picture"] = a.out;
   if (a.json) {
     std::cout << found.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
   } else {
     print(found);
+    if (found.contains("picture")) std::cout << picture.caption() << ": " << a.out << "\n";
   }
-  if (!stamps.empty()) {
-    if (auto written = picture.write(a.out); !written) {
-      log(LogLevel::error, written.error().message);
-      return 1;
-    }
-    if (!a.json) std::cout << picture.caption() << ": " << a.out << "\n";
-  }
-  return problems.empty() && !stamps.empty() ? 0 : 1;
+  if (!written) log(LogLevel::error, written.error().message);
+  return f.problems.empty() && written && !f.stamps.empty() ? 0 : 1;
 }
 
 }  // namespace
@@ -165,7 +212,8 @@ void add_check_command(CLI::App& app, int& exit_code) {
   command->add_option("PATH", a->path, "folder (TUM RGB-D, KITTI, EuRoC, images), video file, or camera number")
       ->required();
   command->add_option("--sensor", a->sensor, "mono, stereo or rgbd (default: the richest the recording allows)")
-      ->check(CLI::IsMember(std::vector<std::string>{"mono", "stereo", "rgbd"}));
+      ->check(CLI::IsMember(keys(kSensors)));
+  command->add_option("--kind", a->kind, "kind of recording (default: recognised)")->check(CLI::IsMember(keys(kKinds)));
   command->add_option("--camera", a->camera, "camera YAML, for what the recording does not say");
   command->add_option("--count", a->count, "frames at most");
   command->add_option("--out", a->out, "the picture: stereo rows, depth overlay, or key points")->capture_default_str();

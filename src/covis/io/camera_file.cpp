@@ -3,6 +3,7 @@
 
 #include <map>
 #include <sstream>
+#include <tuple>
 
 #include "covis/core/fields.h"
 #include "covis/io/files.h"
@@ -94,7 +95,15 @@ Result<CameraFile> load_camera(const std::filesystem::path& file) {
     return fail(yaml_place(file, given["model"]) + ": model '" + values.model +
                 "' is unknown; it must be pinhole, brown_conrady or kannala_brandt");
   }
+  for (const auto& [key, value, size] : {std::tuple{"cx", values.cx, values.width}, {"cy", values.cy, values.height}}) {
+    if (!(value > 0 && value < size)) {
+      return fail(yaml_place(file, given[key]) + ": " + key + ": '" + given[key].Scalar() +
+                  "' is not right; the principal point must lie inside the image of " + std::to_string(values.width) +
+                  "x" + std::to_string(values.height));
+    }
+  }
   CameraFile result;
+  result.file = file;
   result.baseline = given.contains("bf") ? values.bf / values.fx : values.baseline;
   result.fps = values.fps;
   result.depth_scale = values.depth_scale;

@@ -11,10 +11,11 @@
 namespace covis::io {
 
 struct CameraFile {
-  Camera camera;           // pinhole.bf is fx * baseline when a base line is given, else 0
-  double baseline = 0;     // metres; 0: not given
-  double fps = 0;          // Hz; 0: not given
-  double depth_scale = 0;  // units of a depth image a metre; 0: not given
+  std::filesystem::path file;  // where it was read from
+  Camera camera;               // pinhole.bf is fx * baseline when a base line is given, else 0
+  double baseline = 0;         // metres; 0: not given
+  double fps = 0;              // Hz; 0: not given
+  double depth_scale = 0;      // units of a depth image a metre; 0: not given
 };
 
 // Errors name the file, the line, the key and what would be right; an unknown key gets the nearest known one.

@@ -25,6 +25,15 @@ Result<void> load_map(const std::filesystem::path& file, const YAML::Node& node,
   return {};
 }
 
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    result += c;
+  }
+  return result + "\"";
+}
+
 }  // namespace
 
 Result<void> load_settings(const std::filesystem::path& file, const Fields& fields) {
@@ -48,7 +57,7 @@ std::string dump_settings(const Fields& fields) {
     text += head.empty() ? "" : "  ";
     text += field.name.substr(dot == std::string::npos ? 0 : dot + 1) + ": ";
     const bool is_text = std::holds_alternative<std::string*>(field.value);
-    text += (is_text ? "\"" + field_text(field) + "\"" : field_text(field)) + "  # " + field.doc;
+    text += (is_text ? quoted(field_text(field)) : field_text(field)) + "  # " + field.doc;
     if (const std::string range = field_range(field); !range.empty()) text += "; " + range;
     text += "\n";
   }

@@ -8,27 +8,48 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <sstream>
+#include <limits>
 
 namespace covis::io {
 
 Result<std::string> read_text(const std::filesystem::path& file) {
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error)) return fail(file.string() + ": it is a folder, a file is wanted");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return fail(file.string() + ": it can't be opened: " + std::strerror(errno));
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (in.bad()) return fail(file.string() + ": it can't be read");
-  return std::move(text).str();
+  std::string text;
+  if (auto read = read_bytes(file, text); !read) return tl::unexpected(read.error());
+  return text;
 }
 
-Result<void> write_text_atomically(const std::filesystem::path& file, std::string_view text) {
-  std::filesystem::path temporary = file;
-  temporary += ".tmp" + std::to_string(getpid());
-  const int handle = open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (handle < 0) return fail(file.string() + ": it can't be written: " + std::strerror(errno));
+Result<void> read_bytes(const std::filesystem::path& file, std::string& bytes) {
+  std::error_code none;
+  if (std::filesystem::is_directory(file, none)) return fail(file.string() + ": it is a folder, a file is wanted");
+  const int handle = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (handle < 0) return fail(file.string() + ": it can't be opened: " + std::strerror(errno));
+  // The size is a guess only: files of /proc and pipes have none.
+  const auto guess = std::filesystem::file_size(file, none);
+  bytes.resize(none ? 0 : static_cast<size_t>(guess) + 1);
+  size_t done = 0;
+  while (true) {
+    if (done == bytes.size()) bytes.resize(std::max<size_t>(4096, 2 * done));
+    const ssize_t n = read(handle, bytes.data() + done, bytes.size() - done);
+    if (n == 0) break;
+    if (n > 0) {
+      done += static_cast<size_t>(n);
+    } else if (errno != EINTR) {
+      const int problem = errno;
+      close(handle);
+      return fail(file.string() + ": it can't be read: " + std::strerror(problem));
+    }
+  }
+  close(handle);
+  bytes.resize(done);
+  return {};
+}
+
+namespace {
+
+// All of the text into a file that is made or cut to nothing first; 0 or errno.
+int write_all(const std::filesystem::path& file, std::string_view text) {
+  const int handle = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (handle < 0) return errno;
   int problem = 0;
   for (size_t done = 0; done < text.size() && problem == 0;) {
     const ssize_t n = write(handle, text.data() + done, text.size() - done);
@@ -39,9 +60,33 @@ Result<void> write_text_atomically(const std::filesystem::path& file, std::strin
     }
   }
   if (close(handle) != 0 && problem == 0) problem = errno;
+  return problem;
+}
+
+int write_and_rename(const std::filesystem::path& file, std::string_view text) {
+  std::filesystem::path temporary = file;
+  temporary += ".tmp" + std::to_string(getpid());
+  int problem = write_all(temporary, text);
   if (problem == 0 && rename(temporary.c_str(), file.c_str()) != 0) problem = errno;
+  if (problem != 0) unlink(temporary.c_str());
+  return problem;
+}
+
+}  // namespace
+
+Result<void> write_text_atomically(const std::filesystem::path& file, std::string_view text) {
+  std::error_code none;
+  const auto status = std::filesystem::status(file, none);
+  int problem = 0;
+  if (std::filesystem::is_directory(status)) {
+    problem = EISDIR;
+  } else if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    problem = write_all(file, text);  // renaming over it would put a file in place of the device
+  } else {
+    const std::filesystem::path target = std::filesystem::weakly_canonical(file, none);
+    problem = write_and_rename(none ? file : target, text);
+  }
   if (problem == 0) return {};
-  unlink(temporary.c_str());
   return fail(file.string() + ": it can't be written: " + std::strerror(problem));
 }
 
@@ -65,26 +110,78 @@ std::optional<double> parse_double(std::string_view text) {
   return value;
 }
 
-std::optional<Timestamp> parse_stamp(std::string_view text) {
-  const auto value = parse_double(text);
-  if (!value) return std::nullopt;
-  if (text.find_first_of("eE") != std::string_view::npos) return from_seconds(*value);
-  const bool negative = text.front() == '-';
-  if (negative || text.front() == '+') text.remove_prefix(1);
-  const size_t dot = text.find('.');
-  const std::string_view whole = text.substr(0, dot);
-  std::string digits(whole);
-  if (dot == std::string_view::npos && whole.size() >= 16) {
-    // nanoseconds already
-  } else {
-    std::string fraction(dot == std::string_view::npos ? "" : text.substr(dot + 1));
-    fraction.resize(9, '0');
-    digits += fraction;
+namespace {
+
+// A decimal number as digits, with the number of them before the point: "-1.25e1" is negative, "125", 2.
+struct Decimal {
+  bool negative = false;
+  std::string digits;
+  int64_t point = 0;
+};
+
+std::optional<Decimal> parse_decimal(std::string_view text) {
+  if (!parse_double(text)) return std::nullopt;  // from here on it is known to be a finite number
+  Decimal decimal;
+  if (text.front() == '-' || text.front() == '+') {
+    decimal.negative = text.front() == '-';
+    text.remove_prefix(1);
   }
+  int64_t exponent = 0;
+  if (const size_t e = text.find_first_of("eE"); e != std::string_view::npos) {
+    std::string_view power = text.substr(e + 1);
+    if (power.front() == '+') power.remove_prefix(1);
+    std::from_chars(power.data(), power.data() + power.size(), exponent);
+    text = text.substr(0, e);
+  }
+  const size_t dot = text.find('.');
+  decimal.digits = text.substr(0, dot);
+  decimal.point = static_cast<int64_t>(decimal.digits.size()) + exponent;
+  if (dot != std::string_view::npos) decimal.digits += text.substr(dot + 1);
+  const size_t zeros = std::min(decimal.digits.find_first_not_of('0'), decimal.digits.size());
+  decimal.digits.erase(0, zeros);
+  decimal.point -= static_cast<int64_t>(zeros);
+  return decimal;
+}
+
+}  // namespace
+
+std::optional<Timestamp> parse_stamp(std::string_view text, WholeStamp whole) {
+  auto decimal = parse_decimal(text);
+  if (!decimal) return std::nullopt;
+  const bool plain = text.find_first_of(".eE") == std::string_view::npos;
+  const bool nanoseconds = decimal->point >= 16 || (plain && whole == WholeStamp::nanoseconds);
+  const int64_t wanted = decimal->point + (nanoseconds ? 0 : 9);  // digits of the whole nanoseconds
+  if (decimal->digits.empty() || wanted < 0) return 0;
+  if (wanted > 19) return std::nullopt;  // beyond 64 bits
+  std::string& digits = decimal->digits;
+  const auto kept = static_cast<size_t>(wanted);
+  const bool up = digits.size() > kept && digits[kept] >= '5';
+  digits.resize(kept, '0');
   int64_t stamp = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), stamp);
-  if (error != std::errc() || end != digits.data() + digits.size()) return std::nullopt;
-  return negative ? -stamp : stamp;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + kept, stamp);
+  if (kept > 0 && error != std::errc()) return std::nullopt;
+  if (up && stamp < std::numeric_limits<int64_t>::max()) ++stamp;
+  return decimal->negative ? -stamp : stamp;
+}
+
+Result<std::vector<Timestamp>> read_stamps(const std::filesystem::path& file) {
+  const auto text = read_text(file);
+  if (!text) return tl::unexpected(text.error());
+  std::vector<Timestamp> stamps;
+  std::string problem;
+  for_each_line(*text, [&](std::string_view line, int number) {
+    const auto parts = split(line);
+    const auto stamp = parts.empty() ? std::nullopt : parse_stamp(parts.front());
+    if (!stamp) {
+      problem =
+          file.string() + ":" + std::to_string(number) + ": '" + std::string(line) + "' is not a stamp in seconds";
+      return false;
+    }
+    stamps.push_back(*stamp);
+    return true;
+  });
+  if (!problem.empty()) return fail(problem);
+  return stamps;
 }
 
 std::string stamp_text(Timestamp stamp) {

@@ -14,17 +14,25 @@
 namespace covis::io {
 
 Result<std::string> read_text(const std::filesystem::path& file);
+// The same into memory that is used again.
+Result<void> read_bytes(const std::filesystem::path& file, std::string& bytes);
 
 // Writes to a temporary name in the same folder and renames: the file is there whole or, on an error (a full disk, no
-// right to write), as it was before.
+// right to write), as it was before. A link stays a link, its target is replaced. What is no regular file (a pipe, a
+// device) is written to directly.
 Result<void> write_text_atomically(const std::filesystem::path& file, std::string_view text);
 
 // The parts of a line between blanks, tabs or commas.
 std::vector<std::string_view> split(std::string_view line);
 // A finite number and nothing else.
 std::optional<double> parse_double(std::string_view text);
-// A stamp, exactly: seconds with a decimal point or exponent or fewer than 16 digits, else whole nanoseconds.
-std::optional<Timestamp> parse_stamp(std::string_view text);
+// A stamp, to the nanosecond, however it is written: "1305031102.175304", "1.036e-01", "1403715273262142976". Seconds,
+// unless there are 16 digits or more before the point: no clock counts so many seconds, those are nanoseconds. `whole`
+// says what a plain whole number of fewer digits means.
+enum class WholeStamp { seconds, nanoseconds };
+std::optional<Timestamp> parse_stamp(std::string_view text, WholeStamp whole = WholeStamp::seconds);
+// A list of stamps, one a row in its first column, in seconds.
+Result<std::vector<Timestamp>> read_stamps(const std::filesystem::path& file);
 // Seconds with 9 decimals.
 std::string stamp_text(Timestamp stamp);
 

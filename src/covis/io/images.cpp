@@ -1,65 +1,92 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/io/images.h"
 
-#include <cstring>
+#include <cmath>
 #include <opencv2/imgcodecs.hpp>
+#include <string_view>
 
 #include "covis/io/files.h"
 
 namespace covis::io {
 namespace {
 
-// OpenCV decodes a file that was cut short and fills up with grey: look for the end mark of PNG and JPEG files first.
+// Where the compressed data of a JPEG begins: behind the headers, which may hold a whole JPEG of their own (a preview).
+size_t jpeg_data(std::string_view bytes) {
+  const auto byte = [&](size_t i) { return static_cast<size_t>(static_cast<unsigned char>(bytes[i])); };
+  size_t i = 2;
+  while (i + 4 <= bytes.size() && byte(i) == 0xff && byte(i + 1) != 0xda) {
+    i += byte(i + 1) == 0xff ? 1 : 2 + byte(i + 2) * 256 + byte(i + 3);  // a fill byte, or a segment with its length
+  }
+  return i;
+}
+
+// Decoders fill up with grey what is missing of a file that was cut short: look for the end mark of PNG and JPEG files
+// first.
 bool cut_short(std::string_view bytes) {
-  if (bytes.starts_with("\x89PNG"))
-    return bytes.size() < 20 ||
-           bytes.substr(bytes.size() - std::min<size_t>(bytes.size(), 64)).find("IEND") == std::string_view::npos;
-  if (bytes.starts_with("\xff\xd8")) return bytes.rfind("\xff\xd9") == std::string_view::npos;
+  if (bytes.starts_with("\x89PNG")) {
+    const size_t end = bytes.rfind("IEND");  // and four bytes of its checksum
+    return end == std::string_view::npos || end + 8 > bytes.size();
+  }
+  if (bytes.starts_with("\xff\xd8")) {
+    const size_t end = bytes.rfind("\xff\xd9");
+    return end == std::string_view::npos || end < jpeg_data(bytes);
+  }
   return false;
 }
 
-Result<cv::Mat> decode(const std::filesystem::path& file, int flags) {
-  const auto bytes = read_text(file);
-  if (!bytes) return tl::unexpected(bytes.error());
-  if (bytes->empty()) return fail(file.string() + ": the image file is empty");
-  if (cut_short(*bytes))
-    return fail(file.string() + ": the image file is cut short (" + std::to_string(bytes->size()) + " bytes)");
-  const cv::Mat buffer(1, static_cast<int>(bytes->size()), CV_8U, const_cast<char*>(bytes->data()));
-  cv::Mat image;
+template <class T>
+cv::Mat as_mat(Image<T>& image, int type) {
+  if (image.empty()) return {};
+  return {image.height(), image.width(), type, image.row(0), static_cast<size_t>(image.stride()) * sizeof(T)};
+}
+
+// Decodes into `to`'s memory when size and type fit it, else into memory of its own.
+Result<cv::Mat> decode(const std::filesystem::path& file, std::string& bytes, int flags, cv::Mat to) {
+  if (auto read = read_bytes(file, bytes); !read) return tl::unexpected(read.error());
+  if (bytes.empty()) return fail(file.string() + ": the image file is empty");
+  if (cut_short(bytes))
+    return fail(file.string() + ": the image file is cut short (" + std::to_string(bytes.size()) + " bytes)");
+  // A file of no known kind would leave in `to` what was there before, and look decoded.
+  const std::string_view view = bytes;
+  if (!view.starts_with("\x89PNG\r\n\x1a\n") && !view.starts_with("\xff\xd8\xff")) to = cv::Mat();
+  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, bytes.data());
+  bool decoded = false;
   try {
-    image = cv::imdecode(buffer, flags);
+    decoded = !cv::imdecode(buffer, flags, &to).empty();
   } catch (const cv::Exception&) {
-    image.release();
   }
-  if (image.empty()) return fail(file.string() + ": it is not an image that can be read (PNG, JPEG, TIFF, BMP, PGM …)");
-  return image;
+  if (!decoded) return fail(file.string() + ": it is not an image that can be read (PNG, JPEG, TIFF, BMP, PGM …)");
+  return to;
 }
 
 }  // namespace
 
-Result<void> read_grey(const std::filesystem::path& file, ImageU8& image) {
-  const auto decoded = decode(file, cv::IMREAD_GRAYSCALE);
+Result<void> ImageReader::grey(const std::filesystem::path& file, ImageU8& image) {
+  const auto decoded = decode(file, bytes_, cv::IMREAD_GRAYSCALE, as_mat(image, CV_8UC1));
   if (!decoded) return tl::unexpected(decoded.error());
+  if (!image.empty() && decoded->data == image.row(0)) return {};
   image.resize(decoded->cols, decoded->rows);
-  for (int y = 0; y < decoded->rows; ++y)
-    std::memcpy(image.row(y), decoded->ptr(y), static_cast<size_t>(decoded->cols));
+  decoded->copyTo(as_mat(image, CV_8UC1));
   return {};
 }
 
-Result<void> read_depth(const std::filesystem::path& file, double scale, ImageF& depth) {
-  const auto decoded = decode(file, cv::IMREAD_UNCHANGED);
+Result<void> ImageReader::depth(const std::filesystem::path& file, double scale, ImageF& depth) {
+  const auto decoded = decode(file, bytes_, cv::IMREAD_UNCHANGED, as_mat(raw_, CV_16UC1));
   if (!decoded) return tl::unexpected(decoded.error());
+  if (decoded->type() != CV_16UC1 && decoded->type() != CV_32FC1) {
+    return fail(file.string() + ": a depth image must have one channel of 16 bits or of 32-bit float");
+  }
   depth.resize(decoded->cols, decoded->rows);
+  raw_.resize(decoded->type() == CV_16UC1 ? decoded->cols : 0, decoded->rows);  // for the next one
   const auto inverse = static_cast<float>(1 / scale);
   for (int y = 0; y < decoded->rows; ++y) {
     float* out = depth.row(y);
     if (decoded->type() == CV_16UC1) {
       const auto* in = decoded->ptr<uint16_t>(y);
       for (int x = 0; x < decoded->cols; ++x) out[x] = static_cast<float>(in[x]) * inverse;
-    } else if (decoded->type() == CV_32FC1) {
-      std::memcpy(out, decoded->ptr(y), static_cast<size_t>(decoded->cols) * sizeof(float));
     } else {
-      return fail(file.string() + ": a depth image must have one channel of 16 bits or of 32-bit float");
+      const auto* in = decoded->ptr<float>(y);
+      for (int x = 0; x < decoded->cols; ++x) out[x] = in[x] > 0 && std::isfinite(in[x]) ? in[x] : 0.0f;
     }
   }
   return {};

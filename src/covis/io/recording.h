@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,11 +22,13 @@ struct Recording {
   SequenceKind kind = SequenceKind::images;
   Sensor sensor = Sensor::monocular;
   std::vector<FrameFiles> frames;
-  Camera camera;           // width and height 0: not known yet, taken from the first image
-  double depth_scale = 1;  // units a metre
+  Camera camera;            // width and height 0: not known yet, taken from the first image
+  std::string calibration;  // where the camera's figures are from, for messages: a file's name
+  double depth_scale = 1;   // units a metre
   std::optional<StereoRectification> rectification;
   std::optional<Truth> truth;
-  std::string name;  // "TUM RGB-D folder"
+  std::string name;                // "TUM RGB-D folder"
+  std::vector<std::string> notes;  // what was passed over: see Sequence::notes()
 };
 
 // Readers of one layout; `wanted`: the sensor asked for, if any; `given`: the camera file given on the command line, if

@@ -73,39 +73,108 @@ Result<Sensored> read_sensor(const fs::path& file) {
   return sensor;
 }
 
-// Stamp to image, from data.csv or, without one, from the files' names.
-Result<std::map<Timestamp, fs::path>> read_list(const fs::path& camera) {
-  std::map<Timestamp, fs::path> images;
-  const fs::path csv = camera / "data.csv";
-  if (!fs::exists(csv)) {
-    for (const fs::path& image : list_images(camera / "data")) {
-      if (const auto stamp = parse_stamp(image.stem().string())) images[*stamp] = image;
-    }
-    if (images.empty()) return fail(camera.string() + ": there is neither data.csv nor an image in data/");
-    return images;
-  }
+using Images = std::map<Timestamp, fs::path>;
+
+// Rows "stamp in nanoseconds, file name".
+Result<Images> read_csv(const fs::path& csv) {
   const auto text = read_text(csv);
   if (!text) return tl::unexpected(text.error());
+  Images images;
   std::string problem;
-  Timestamp last = std::numeric_limits<Timestamp>::min();
   for_each_line(*text, [&](std::string_view line, int number) {
     const auto parts = split(line);
-    const auto stamp = parts.size() >= 2 ? parse_stamp(parts[0]) : std::nullopt;
+    const auto stamp = parts.size() >= 2 ? parse_stamp(parts[0], WholeStamp::nanoseconds) : std::nullopt;
     const std::string where = csv.string() + ":" + std::to_string(number);
     if (!stamp) {
       problem = where + ": it must hold a stamp in nanoseconds and a file name";
-    } else if (*stamp <= last) {
+    } else if (!images.empty() && *stamp <= images.rbegin()->first) {
       problem =
           where + ": the stamp " + std::string(parts[0]) + " is not later than the one before it; stamps must rise";
     } else {
-      last = *stamp;
-      images[*stamp] = camera / "data" / parts[1];
+      images[*stamp] = csv.parent_path() / "data" / parts[1];
     }
     return problem.empty();
   });
   if (!problem.empty()) return fail(problem);
   if (images.empty()) return fail(csv.string() + ": no image is listed in it");
   return images;
+}
+
+// Stamp to image, from data.csv or, without one, from the files' names.
+Result<Images> read_list(const fs::path& camera) {
+  const fs::path csv = camera / "data.csv";
+  if (fs::exists(csv)) return read_csv(csv);
+  Images images;
+  for (const fs::path& image : list_images(camera / "data")) {
+    if (const auto stamp = parse_stamp(image.stem().string(), WholeStamp::nanoseconds)) images[*stamp] = image;
+  }
+  if (images.empty()) {
+    return fail(camera.string() +
+                ": there is neither data.csv nor an image in data/ with its stamp in nanoseconds as its name");
+  }
+  return images;
+}
+
+// Pairs of equal stamps, or the left images alone. Lists may name images that a copy leaves out: these frames are
+// passed over. A right image that is listed must be there when the left one is.
+Result<void> list_frames(const fs::path& base, Recording& recording) {
+  const bool stereo = recording.sensor == Sensor::stereo;
+  const auto left = read_list(base / "cam0");
+  if (!left) return tl::unexpected(left.error());
+  Images right;
+  if (stereo) {
+    auto read = read_list(base / "cam1");
+    if (!read) return tl::unexpected(read.error());
+    right = std::move(*read);
+  }
+  size_t missing = 0, single = 0;
+  for (const auto& [stamp, image] : *left) {
+    const auto pair = right.find(stamp);
+    if (!fs::exists(image)) {
+      ++missing;
+    } else if (stereo && pair == right.end()) {
+      ++single;
+    } else {
+      recording.frames.push_back({stamp, image, stereo ? pair->second : fs::path(), {}});
+    }
+  }
+  const std::string of_all = std::to_string(left->size()) + " images of " + (base / "cam0").string();
+  if (recording.frames.empty() && missing < left->size())
+    return fail(base.string() + ": no left image has a right one of the same stamp");
+  if (recording.frames.empty()) return fail((base / "cam0").string() + ": none of the images in data.csv is there");
+  if (missing > 0)
+    recording.notes.push_back(std::to_string(missing) + " of " + of_all + " are listed but missing, and left out");
+  if (single > 0)
+    recording.notes.push_back(std::to_string(single) + " of " + of_all +
+                              " have no right image of the same stamp, and are left out");
+  return {};
+}
+
+// The camera (rectified, when stereo); returns T_bc, which takes it to the body. A camera file given stands for images
+// that are rectified already.
+Result<SE3> find_camera(const Request& request, const fs::path& base, Recording& recording) {
+  const fs::path left_file = base / "cam0" / "sensor.yaml", right_file = base / "cam1" / "sensor.yaml";
+  if (request.given) {
+    recording.camera = request.given->camera;
+    recording.calibration = request.given->file.string();
+    if (!fs::exists(left_file)) return SE3();
+  } else if (!fs::exists(left_file)) {
+    return tl::unexpected(no_calibration(request.folder, left_file.string()));
+  }
+  const auto left = read_sensor(left_file);
+  if (!left) return tl::unexpected(left.error());
+  if (request.given) return left->T_bs;
+  recording.camera = left->camera;
+  recording.calibration = left_file.string();
+  if (recording.sensor != Sensor::stereo) return left->T_bs;
+  const auto right = read_sensor(right_file);
+  if (!right) return tl::unexpected(right.error());
+  auto rectification = StereoRectification::create(left->camera, right->camera, right->T_bs.inverse() * left->T_bs);
+  if (!rectification)
+    return fail(left_file.string() + ", " + right_file.string() + ": " + rectification.error().message);
+  recording.rectification = std::move(*rectification);
+  recording.camera = recording.rectification->camera();
+  return left->T_bs * recording.rectification->T_left_rectified();
 }
 
 }  // namespace
@@ -121,33 +190,13 @@ Result<Recording> read_euroc(const Request& request) {
     return fail(request.folder.string() + ": a EuRoC sequence has no depth images; --sensor must be stereo or mono");
   if (recording.sensor == Sensor::stereo && !has_right)
     return fail((base / "cam1").string() + ": the right camera is missing; without it use --sensor mono");
-  const auto left = read_sensor(base / "cam0" / "sensor.yaml");
-  if (!left) return tl::unexpected(left.error());
-  const auto images = read_list(base / "cam0");
-  if (!images) return tl::unexpected(images.error());
-  recording.camera = request.given ? request.given->camera : left->camera;
-  SE3 T_bc = left->T_bs;
-  if (recording.sensor == Sensor::stereo) {
-    const auto right = read_sensor(base / "cam1" / "sensor.yaml");
-    if (!right) return tl::unexpected(right.error());
-    auto rectification = StereoRectification::create(left->camera, right->camera, right->T_bs.inverse() * left->T_bs);
-    if (!rectification) return fail(request.folder.string() + ": " + rectification.error().message);
-    recording.rectification = std::move(*rectification);
-    recording.camera = recording.rectification->camera();
-    T_bc = T_bc * recording.rectification->T_left_rectified();
-    const auto rights = read_list(base / "cam1");
-    if (!rights) return tl::unexpected(rights.error());
-    for (const auto& [stamp, image] : *images) {
-      const auto pair = rights->find(stamp);
-      if (pair != rights->end()) recording.frames.push_back({stamp, image, pair->second, {}});
-    }
-    if (recording.frames.empty())
-      return fail(request.folder.string() + ": no left image has a right one of the same stamp");
-  } else {
-    for (const auto& [stamp, image] : *images) recording.frames.push_back({stamp, image, {}, {}});
+  const auto T_bc = find_camera(request, base, recording);
+  if (!T_bc) return tl::unexpected(T_bc.error());
+  if (auto listed = list_frames(base, recording); !listed) return tl::unexpected(listed.error());
+  for (const char* source : {"state_groundtruth_estimate0", "mocap0"}) {  // mocap0: TUM VI, of the body as well
+    const fs::path truth = base / source / "data.csv";
+    if (!recording.truth && fs::exists(truth)) recording.truth = Truth{truth, {}, *T_bc};
   }
-  const fs::path truth = base / "state_groundtruth_estimate0" / "data.csv";
-  if (fs::exists(truth)) recording.truth = Truth{truth, {}, T_bc};
   return recording;
 }
 

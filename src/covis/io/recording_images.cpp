@@ -12,6 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_image(const fs::path& file) {
+  if (file.filename().string().starts_with('.')) return false;  // "._1.png": what some systems leave beside files
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
@@ -52,21 +53,9 @@ Result<std::vector<Timestamp>> find_stamps(const fs::path& folder, const fs::pat
     for (const char* name : {"times.txt", "timestamps.txt", "stamps.txt"}) {
       const fs::path file = base / name;
       if (!fs::exists(file)) continue;
-      const auto text = read_text(file);
-      if (!text) return tl::unexpected(text.error());
-      std::vector<Timestamp> stamps;
-      std::string problem;
-      for_each_line(*text, [&](std::string_view line, int number) {
-        const auto stamp = parse_stamp(split(line).front());
-        if (!stamp)
-          problem =
-              file.string() + ":" + std::to_string(number) + ": '" + std::string(line) + "' is not a stamp in seconds";
-        stamps.push_back(stamp.value_or(0));
-        return problem.empty();
-      });
-      if (!problem.empty()) return fail(problem);
-      if (stamps.size() != count) {
-        return fail(file.string() + ": it has " + std::to_string(stamps.size()) + " stamps for " +
+      auto stamps = read_stamps(file);
+      if (stamps && stamps->size() != count) {
+        return fail(file.string() + ": it has " + std::to_string(stamps->size()) + " stamps for " +
                     std::to_string(count) + " images");
       }
       return stamps;
@@ -133,7 +122,7 @@ Result<Recording> read_images(const Request& request) {
     return tl::unexpected(no_calibration(request.folder, "camera.yaml"));
   }
   recording.camera = camera.camera;
-  recording.camera.pinhole.bf = 0;
+  recording.calibration = camera.file.string();
   auto stamps = find_stamps(request.folder, folder, images.size());
   if (!stamps) return tl::unexpected(stamps.error());
   if (stamps->empty()) *stamps = stamps_of_names(images);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // KITTI odometry sequences (Geiger et al., CVPR 2012): image_0/1 grey or image_2/3 colour, calib.txt, times.txt.
+#include <charconv>
 #include <map>
 
 #include "covis/io/files.h"
@@ -19,7 +20,7 @@ Result<std::map<std::string, Projection>> read_calibration(const fs::path& file)
   std::string problem;
   for_each_line(*text, [&](std::string_view line, int number) {
     const auto parts = split(line);
-    std::string name(parts[0]);
+    std::string name(parts.empty() ? "" : parts[0]);
     if (name.empty() || name.back() != ':' || name.front() != 'P') return true;  // Tr: and others are not needed
     name.pop_back();
     const std::string where = file.string() + ":" + std::to_string(number) + ": " + name;
@@ -47,29 +48,78 @@ Result<std::map<std::string, Projection>> read_calibration(const fs::path& file)
   return projections;
 }
 
-// The camera of P_left; bf from the offset between both.
-Result<Camera> find_camera(const Request& request, const std::string& left, const std::string& right, Sensor sensor) {
-  if (request.given) {
-    Camera camera = request.given->camera;
-    if (sensor == Sensor::stereo && !(camera.pinhole.bf > 0))
-      return fail("the camera file needs 'baseline' for a stereo pair");
-    return camera;
-  }
+struct Calibration {
+  std::string source;
+  Camera camera;
+  SE3 T_0c;  // takes the (left) camera of the images to camera 0, which the poses are of
+};
+
+// `left`, `right`: "P0", "P1" or "P2", "P3". bf is from the offset between both.
+Result<Calibration> find_calibration(const Request& request, const std::string& left, const std::string& right,
+                                     Sensor sensor) {
+  if (request.given) return Calibration{request.given->file.string(), request.given->camera, {}};
   const fs::path file = request.folder / "calib.txt";
-  if (!fs::exists(file)) return tl::unexpected(no_calibration(request.folder, "calib.txt"));
+  if (!fs::exists(file)) {
+    if (!fs::exists(request.folder / "camera.yaml"))
+      return tl::unexpected(no_calibration(request.folder, "calib.txt, camera.yaml"));
+    const auto loaded = load_camera(request.folder / "camera.yaml");
+    if (!loaded) return tl::unexpected(loaded.error());
+    return Calibration{loaded->file.string(), loaded->camera, {}};
+  }
   const auto projections = read_calibration(file);
   if (!projections) return tl::unexpected(projections.error());
-  const auto p = projections->find(left);
-  if (p == projections->end()) return fail(file.string() + ": '" + left + ":' is missing");
-  Camera camera;
-  camera.pinhole = {p->second[0], p->second[5], p->second[2], p->second[6], 0};
-  if (sensor != Sensor::stereo) return camera;
+  const auto found = projections->find(left);
+  if (found == projections->end()) return fail(file.string() + ": '" + left + ":' is missing");
+  const Projection& p = found->second;
+  Calibration result{file.string(), {}, {}};
+  result.camera.pinhole = {p[0], p[5], p[2], p[6], 0};
+  // P = K [I | t]: a point of camera 0 moves by t.
+  const Eigen::Vector3d t((p[3] - p[2] * p[11]) / p[0], (p[7] - p[6] * p[11]) / p[5], p[11]);
+  result.T_0c = SE3(Eigen::Matrix3d::Identity(), -t);
+  if (sensor != Sensor::stereo) return result;
   const auto q = projections->find(right);
   if (q == projections->end()) return fail(file.string() + ": '" + right + ":' is missing");
-  camera.pinhole.bf = p->second[3] - q->second[3];
-  if (!(camera.pinhole.bf > 0))
+  result.camera.pinhole.bf = p[3] - q->second[3];
+  if (!(result.camera.pinhole.bf > 0))
     return fail(file.string() + ": " + right + " is not to the right of " + left + " (their fourth numbers tell)");
-  return camera;
+  return result;
+}
+
+// Row of times.txt and of the poses that an image belongs to: its place among the images or, when there are fewer
+// images than rows (a part of a sequence), the number that is its name.
+std::optional<size_t> row_of(const fs::path& image, size_t place, size_t images, size_t rows) {
+  if (images == rows) return place;
+  const std::string name = image.stem().string();
+  size_t row = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), row);
+  if (error != std::errc() || end != name.data() + name.size() || row >= rows) return std::nullopt;
+  return row;
+}
+
+Result<void> set_stamps(const fs::path& times, std::vector<FrameFiles>& frames) {
+  const auto stamps = read_stamps(times);
+  if (!stamps) return tl::unexpected(stamps.error());
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const auto row = row_of(frames[i].image, i, frames.size(), stamps->size());
+    if (!row) {
+      return fail(times.string() + ": it has " + std::to_string(stamps->size()) + " stamps for " +
+                  std::to_string(frames.size()) + " images; none for " + frames[i].image.string());
+    }
+    frames[i].stamp = (*stamps)[*row];
+  }
+  return {};
+}
+
+// Beside the images, or where the data set has it: dataset/poses/06.txt for dataset/sequences/06.
+std::optional<Truth> find_truth(const fs::path& folder, const fs::path& times, const SE3& T_0c) {
+  std::error_code none;
+  const fs::path whole = fs::weakly_canonical(folder, none);
+  for (const fs::path& poses :
+       {folder / "poses.txt", whole.parent_path().parent_path() / "poses" / (whole.filename().string() + ".txt")}) {
+    if (fs::exists(poses) && fs::exists(times)) return Truth{poses, times, T_0c};
+  }
+  if (fs::exists(folder / "groundtruth_tum.txt")) return Truth{folder / "groundtruth_tum.txt", {}, T_0c};
+  return std::nullopt;
 }
 
 }  // namespace
@@ -103,38 +153,16 @@ Result<Recording> read_kitti(const Request& request) {
   }
   const fs::path times = folder / "times.txt";
   if (fs::exists(times)) {
-    const auto text = read_text(times);
-    if (!text) return tl::unexpected(text.error());
-    size_t next = 0;
-    std::string problem;
-    for_each_line(*text, [&](std::string_view line, int number) {
-      const auto stamp = parse_stamp(split(line).front());
-      if (!stamp) {
-        problem =
-            times.string() + ":" + std::to_string(number) + ": '" + std::string(line) + "' is not a stamp in seconds";
-        return false;
-      }
-      if (next < recording.frames.size()) recording.frames[next].stamp = *stamp;
-      ++next;
-      return true;
-    });
-    if (!problem.empty()) return fail(problem);
-    if (next < recording.frames.size()) {
-      return fail(times.string() + ": it has " + std::to_string(next) + " stamps for " +
-                  std::to_string(recording.frames.size()) + " images");
-    }
+    if (auto set = set_stamps(times, recording.frames); !set) return tl::unexpected(set.error());
   } else {
     for (size_t i = 0; i < recording.frames.size(); ++i)
       recording.frames[i].stamp = static_cast<Timestamp>(i) * 100'000'000;  // 10 Hz
   }
-  const auto camera = find_camera(request, grey ? "P0" : "P2", grey ? "P1" : "P3", recording.sensor);
-  if (!camera) return tl::unexpected(camera.error());
-  recording.camera = *camera;
-  if (fs::exists(folder / "poses.txt") && fs::exists(times)) {
-    recording.truth = Truth{folder / "poses.txt", times, {}};
-  } else if (fs::exists(folder / "groundtruth_tum.txt")) {
-    recording.truth = Truth{folder / "groundtruth_tum.txt", {}, {}};
-  }
+  const auto calibration = find_calibration(request, grey ? "P0" : "P2", grey ? "P1" : "P3", recording.sensor);
+  if (!calibration) return tl::unexpected(calibration.error());
+  recording.camera = calibration->camera;
+  recording.calibration = calibration->source;
+  recording.truth = find_truth(folder, times, calibration->T_0c);
   return recording;
 }
 

@@ -14,6 +14,7 @@ constexpr Timestamp kMaxDifference = 20'000'000;  // ns between an image and its
 
 struct Listed {
   Timestamp stamp;
+  std::string name;  // as it is written
   std::filesystem::path file;
 };
 
@@ -38,7 +39,7 @@ Result<std::vector<std::vector<Listed>>> read_list(const std::filesystem::path& 
         problem = place(list, number) + ": '" + std::string(parts[2 * p]) + "' is not a stamp in seconds";
         return false;
       }
-      row.push_back({*stamp, list.parent_path() / parts[2 * p + 1]});
+      row.push_back({*stamp, std::string(parts[2 * p + 1]), list.parent_path() / parts[2 * p + 1]});
     }
     rows.push_back(std::move(row));
     return true;
@@ -135,13 +136,15 @@ Result<CameraFile> find_camera(const Request& request) {
   if (request.given) return *request.given;
   if (std::filesystem::exists(request.folder / "camera.yaml")) return load_camera(request.folder / "camera.yaml");
   CameraFile file;
-  if (std::filesystem::exists(request.folder / "calibration.txt")) {
-    auto camera = read_calibration(request.folder / "calibration.txt");
+  file.file = request.folder / "calibration.txt";
+  if (std::filesystem::exists(file.file)) {
+    auto camera = read_calibration(file.file);
     if (!camera) return tl::unexpected(camera.error());
     file.camera = *camera;
     return file;
   }
   if (const auto camera = published_camera(std::filesystem::absolute(request.folder).string())) {
+    file.file = "freiburg1, 2 or 3, as published";
     file.camera = *camera;
     return file;
   }
@@ -166,12 +169,14 @@ Result<Recording> read_tum(const Request& request) {
   if (recording.sensor == Sensor::rgbd && !has_depth) {
     return fail(folder.string() + ": there is neither depth.txt nor associations.txt; without depth use --sensor mono");
   }
-  if (!associations.empty()) {
+  // Associations leave out images without depth: one camera alone takes all.
+  const bool all_images = recording.sensor == Sensor::monocular && std::filesystem::exists(folder / "rgb.txt");
+  if (!associations.empty() && !all_images) {
     const auto rows = read_list(associations, 2);
     if (!rows) return tl::unexpected(rows.error());
     for (const auto& row : *rows) {
-      const bool depth_first = row[0].file.string().find("depth") != std::string::npos &&
-                               row[1].file.string().find("depth") == std::string::npos;
+      const bool depth_first =
+          row[0].name.find("depth") != std::string::npos && row[1].name.find("depth") == std::string::npos;
       const Listed& image = row[depth_first ? 1 : 0];
       recording.frames.push_back({image.stamp, image.file, {}, row[depth_first ? 0 : 1].file});
     }
@@ -186,6 +191,11 @@ Result<Recording> read_tum(const Request& request) {
         return fail(folder.string() +
                     ": no image of rgb.txt has a depth image of depth.txt within 20 ms; are the stamps in seconds?");
       }
+      if (recording.frames.size() < images->size()) {
+        recording.notes.push_back(std::to_string(images->size() - recording.frames.size()) + " of " +
+                                  std::to_string(images->size()) +
+                                  " images have no depth image within 20 ms and are left out");
+      }
     } else {
       for (const auto& row : *images) recording.frames.push_back({row[0].stamp, row[0].file, {}, {}});
     }
@@ -197,9 +207,7 @@ Result<Recording> read_tum(const Request& request) {
   if (!camera) return tl::unexpected(camera.error());
   recording.camera = camera->camera;
   recording.depth_scale = camera->depth_scale > 0 ? camera->depth_scale : 5000;
-  if (recording.sensor == Sensor::rgbd && !(recording.camera.pinhole.bf > 0)) {
-    recording.camera.pinhole.bf = recording.camera.pinhole.fx * kVirtualBaseline;
-  }
+  recording.calibration = camera->file.string();
   if (std::filesystem::exists(folder / "groundtruth.txt")) recording.truth = Truth{folder / "groundtruth.txt", {}, {}};
   return recording;
 }

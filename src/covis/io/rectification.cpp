@@ -33,6 +33,11 @@ std::shared_ptr<const Maps> make_maps(const Camera& rectified, const Camera& fro
 }  // namespace
 
 Result<StereoRectification> StereoRectification::create(const Camera& left, const Camera& right, const SE3& T_rl) {
+  if (left.width != right.width || left.height != right.height) {
+    return fail("both images must have one size; the left is " + std::to_string(left.width) + "x" +
+                std::to_string(left.height) + ", the right " + std::to_string(right.width) + "x" +
+                std::to_string(right.height));
+  }
   const Eigen::Vector3d right_in_left = T_rl.centre();
   const double baseline = right_in_left.norm();
   if (!(baseline > 1e-4) || right_in_left.x() < 0.5 * baseline) {
@@ -74,12 +79,12 @@ Result<StereoRectification> StereoRectification::create(const Camera& left, cons
   return result;
 }
 
-void StereoRectification::apply(const Maps& maps, ImageU8& image) {
+void StereoRectification::apply(const Maps& maps, ImageU8& image, ImageU8& scratch) {
   const cv::Mat from(image.height(), image.width(), CV_8U, image.row(0), static_cast<size_t>(image.stride()));
-  ImageU8 rectified(maps.fixed.cols, maps.fixed.rows);
-  cv::Mat to(rectified.height(), rectified.width(), CV_8U, rectified.row(0), static_cast<size_t>(rectified.stride()));
+  scratch.resize(maps.fixed.cols, maps.fixed.rows);
+  const cv::Mat to(scratch.height(), scratch.width(), CV_8U, scratch.row(0), static_cast<size_t>(scratch.stride()));
   cv::remap(from, to, maps.fixed, maps.fraction, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
-  image = std::move(rectified);
+  image.swap(scratch);
 }
 
 }  // namespace covis::io

@@ -21,13 +21,13 @@ class StereoRectification {
   const SE3& T_left_rectified() const {
     return T_left_rectified_;
   }  // rectified left camera to left camera (a rotation)
-  // In place of the image as it came.
-  void left(ImageU8& image) const { apply(*maps_[0], image); }
-  void right(ImageU8& image) const { apply(*maps_[1], image); }
+  // In place of the image as it came; `scratch` is memory that is used again.
+  void left(ImageU8& image, ImageU8& scratch) const { apply(*maps_[0], image, scratch); }
+  void right(ImageU8& image, ImageU8& scratch) const { apply(*maps_[1], image, scratch); }
 
  private:
   struct Maps;
-  static void apply(const Maps& maps, ImageU8& image);
+  static void apply(const Maps& maps, ImageU8& image, ImageU8& scratch);
 
   Camera camera_;
   SE3 T_left_rectified_;

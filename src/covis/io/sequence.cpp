@@ -3,8 +3,9 @@
 #include "covis/io/sequence.h"
 
 #include <algorithm>
-#include <charconv>
+#include <tuple>
 
+#include "covis/io/files.h"
 #include "covis/io/recording.h"
 #include "covis/io/sequence_sources.h"
 
@@ -13,26 +14,61 @@ namespace {
 
 namespace fs = std::filesystem;
 
+Result<void> check_options(const SequenceOptions& options) {
+  for (const auto& [name, value, least] : {std::tuple{"first", options.first, 0},
+                                           {"stride", options.stride, 1},
+                                           {"decode_ahead", options.decode_ahead, 1}}) {
+    if (value < least)
+      return fail(std::string(name) + ": " + std::to_string(value) + " is too small; the least is " +
+                  std::to_string(least));
+  }
+  return {};
+}
+
 bool is_number(const std::string& text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-Result<SequenceKind> recognise(const std::string& path) {
-  if (is_number(path) && !fs::exists(path)) return SequenceKind::camera;
-  if (!fs::exists(path))
-    return fail(path + ": it does not exist; a folder, a video file or a camera's number is wanted");
-  const fs::path folder(path);
-  if (!fs::is_directory(folder)) return SequenceKind::video;
+std::optional<SequenceKind> kind_of_folder(const fs::path& folder) {
   if (fs::is_directory(folder / "mav0") || fs::is_directory(folder / "cam0")) return SequenceKind::euroc;
   if (fs::is_directory(folder / "image_0") || fs::is_directory(folder / "image_2")) return SequenceKind::kitti;
   if (fs::exists(folder / "rgb.txt") || fs::exists(folder / "associations.txt")) return SequenceKind::tum;
   for (const char* inner : {"", "images", "image", "rgb", "data"}) {
     if (!list_images(folder / inner).empty()) return SequenceKind::images;
   }
+  return std::nullopt;
+}
+
+// What a folder that is no recording holds, and which of its folders is one.
+std::string contents(const fs::path& folder) {
+  constexpr size_t kMost = 6;
+  std::vector<fs::path> entries;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) entries.push_back(entry.path());
+  std::sort(entries.begin(), entries.end());
+  if (entries.empty()) return "It is empty.";
+  std::string text = "It holds";
+  for (size_t i = 0; i < std::min(kMost, entries.size()); ++i) {
+    text += (i > 0 ? ", " : " ") + entries[i].filename().string() + (fs::is_directory(entries[i]) ? "/" : "");
+  }
+  text += entries.size() > kMost ? ", … (" + std::to_string(entries.size()) + " entries)." : ".";
+  for (const fs::path& entry : entries) {
+    if (fs::is_directory(entry) && kind_of_folder(entry))
+      return text + " " + entry.string() + " looks like a recording.";
+  }
+  return text;
+}
+
+Result<SequenceKind> recognise(const std::string& path) {
+  if (is_number(path) && !fs::exists(path)) return SequenceKind::camera;
+  if (!fs::exists(path))
+    return fail(path + ": it does not exist; a folder, a video file or a camera's number is wanted");
+  if (!fs::is_directory(path)) return SequenceKind::video;
+  if (const auto kind = kind_of_folder(path)) return *kind;
   return fail(path +
               ": it is no recording that can be read. A TUM RGB-D folder has rgb.txt (and depth.txt) or "
-              "associations.txt, a KITTI sequence has "
-              "image_0 (and image_1) and calib.txt, a EuRoC sequence has mav0/cam0, an image folder has images");
+              "associations.txt, a KITTI sequence has image_0 (and image_1) and calib.txt, a EuRoC sequence has "
+              "mav0/cam0, an image folder has images. " +
+              contents(path));
 }
 
 // Stamps must rise; every file must be there.
@@ -40,9 +76,8 @@ Result<void> check_frames(const Recording& recording) {
   const FrameFiles* last = nullptr;
   for (const FrameFiles& frame : recording.frames) {
     if (last && frame.stamp <= last->stamp) {
-      return fail(frame.image.string() + ": its stamp " + std::to_string(to_seconds(frame.stamp)) +
-                  " s is not later than " + std::to_string(to_seconds(last->stamp)) +
-                  " s of the frame before it; stamps must rise");
+      return fail(frame.image.string() + ": its stamp " + stamp_text(frame.stamp) + " s is not later than " +
+                  stamp_text(last->stamp) + " s of the frame before it; stamps must rise");
     }
     last = &frame;
   }
@@ -64,9 +99,8 @@ void choose_frames(Recording& recording, const SequenceOptions& options) {
   frames = std::move(chosen);
 }
 
-}  // namespace
-
-Result<std::unique_ptr<Sequence>> open_sequence(const std::string& path, const SequenceOptions& options) {
+Result<std::unique_ptr<Sequence>> open(const std::string& path, const SequenceOptions& options) {
+  if (auto checked = check_options(options); !checked) return tl::unexpected(checked.error());
   SequenceKind kind = options.kind;
   if (kind == SequenceKind::automatic) {
     const auto found = recognise(path);
@@ -94,6 +128,16 @@ Result<std::unique_ptr<Sequence>> open_sequence(const std::string& path, const S
                 std::to_string(options.first) + " on");
   }
   return open_folder(std::move(*recording), options);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Sequence>> open_sequence(const std::string& path, const SequenceOptions& options) {
+  try {
+    return open(path, options);
+  } catch (const fs::filesystem_error& error) {  // a folder that may not be entered, a name too long
+    return fail((error.path1().empty() ? path : error.path1().string()) + ": " + error.code().message());
+  }
 }
 
 Result<Trajectory> load_truth(const Sequence& sequence) {

@@ -29,6 +29,7 @@ struct Frame {
 
 enum class SequenceKind { automatic, tum, kitti, euroc, images, video, camera };
 
+// What to open of a recording, and how. first < 0, stride < 1, decode_ahead < 1 are errors.
 struct SequenceOptions {
   SequenceKind kind = SequenceKind::automatic;  // automatic: recognised from the folder
   std::optional<Sensor> sensor = std::nullopt;  // nothing: the richest the recording allows
@@ -43,8 +44,9 @@ struct SequenceOptions {
 struct Truth {
   std::filesystem::path file;
   std::filesystem::path stamps;  // KITTI: times.txt beside poses.txt; else empty
-  std::optional<SE3>
-      T_bc;  // EuRoC: the truth is of a body b; takes the camera of the images (rectified, when stereo) to it
+  // When the truth is of a body b (EuRoC) or another camera (KITTI colour): takes the camera of the images (rectified,
+  // when stereo) to it.
+  std::optional<SE3> T_bc;
 };
 
 class Sequence {
@@ -60,6 +62,8 @@ class Sequence {
   virtual std::optional<Truth> truth() const = 0;
   // A one-line description: "TUM RGB-D folder, 1000 frames, 640x480".
   virtual std::string description() const = 0;
+  // What was passed over on opening: "2 images are listed but missing".
+  virtual std::vector<std::string> notes() const = 0;
   // The next frame; nothing at the end; an error for an unreadable frame, after which next() may be called again for
   // the one after it. `recycled` frames' memory is used again.
   virtual Result<std::optional<Frame>> next(Frame recycled = {}) = 0;

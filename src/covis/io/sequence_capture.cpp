@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Video files and cameras, through OpenCV's videoio. Monocular.
+#include <charconv>
 #include <chrono>
 #include <cstring>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -24,7 +26,8 @@ class CaptureSequence : public Sequence {
         options_(options),
         // A camera goes on whether we keep up or not: only its latest frame is wanted.
         ahead_([this](Frame memory) { return decode(std::move(memory)); },
-               kind == SequenceKind::camera ? 1 : options.decode_ahead) {}
+               kind == SequenceKind::camera ? 1 : options.decode_ahead,
+               kind == SequenceKind::camera ? DecodeAhead::WhenFull::drop_old : DecodeAhead::WhenFull::wait) {}
 
   SequenceKind kind() const override { return kind_; }
   Sensor sensor() const override { return Sensor::monocular; }
@@ -32,6 +35,7 @@ class CaptureSequence : public Sequence {
   int64_t size() const override { return frames_; }
   double frame_rate() const override { return rate_; }
   std::optional<Truth> truth() const override { return std::nullopt; }
+  std::vector<std::string> notes() const override { return {}; }
   std::string description() const override {
     return (kind_ == SequenceKind::camera ? "camera " : "video ") + name_ + ", " + std::to_string(camera_.width) + "x" +
            std::to_string(camera_.height) + ", " + std::to_string(rate_) + " Hz";
@@ -82,44 +86,70 @@ class CaptureSequence : public Sequence {
   DecodeAhead ahead_;  // last: its thread uses the rest
 };
 
-}  // namespace
-
-Result<std::unique_ptr<Sequence>> open_capture(const std::string& path, SequenceKind kind, const Request& request,
-                                               const SequenceOptions& options) {
-  if (request.wanted && *request.wanted != Sensor::monocular)
-    return fail(path + ": a video or a camera serves --sensor mono only");
-  if (!request.given) return tl::unexpected(no_calibration(path, "--camera"));
+// OpenCV's own warnings about what it tried first say less than our message.
+cv::VideoCapture open_quietly(const std::string& path, std::optional<int> number) {
+  namespace logging = cv::utils::logging;
+  const logging::LogLevel before = logging::setLogLevel(logging::LOG_LEVEL_SILENT);
   cv::VideoCapture capture;
   try {
-    if (kind == SequenceKind::camera) {
-      capture.open(std::atoi(path.c_str()));
+    if (number) {
+      capture.open(*number);
     } else {
       capture.open(path);
     }
   } catch (const cv::Exception&) {
     capture.release();
   }
-  if (!capture.isOpened()) {
-    return fail(path + (kind == SequenceKind::camera ? ": the camera can't be opened"
-                                                     : ": it is not a video that can be read"));
-  }
+  logging::setLogLevel(before);
+  return capture;
+}
+
+// Frames that will come; -1 when the file does not tell.
+int64_t count_frames(const cv::VideoCapture& capture, const SequenceOptions& options) {
+  const double all = capture.get(cv::CAP_PROP_FRAME_COUNT);
+  if (!(all > 0 && all < 1e12)) return -1;
+  const int64_t frames =
+      std::max<int64_t>(0, (static_cast<int64_t>(all) - options.first + options.stride - 1) / options.stride);
+  return options.count >= 0 ? std::min(frames, options.count) : frames;
+}
+
+std::optional<int> camera_number(const std::string& path) {
+  int number = 0;
+  const auto [end, error] = std::from_chars(path.data(), path.data() + path.size(), number);
+  if (error != std::errc() || end != path.data() + path.size() || number < 0) return std::nullopt;
+  return number;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Sequence>> open_capture(const std::string& path, SequenceKind kind, const Request& request,
+                                               const SequenceOptions& options) {
+  const bool live = kind == SequenceKind::camera;
+  if (request.wanted && *request.wanted != Sensor::monocular)
+    return fail(path + ": a video or a camera serves --sensor mono only");
+  if (!request.given) return tl::unexpected(no_calibration(path, "--camera"));
+  const std::optional<int> number = live ? camera_number(path) : std::nullopt;
+  if (live && !number) return fail(path + ": a camera is named by its number: 0, 1 …");
+  cv::VideoCapture capture = open_quietly(path, number);
+  if (!capture.isOpened())
+    return fail(path + (live ? ": the camera can't be opened" : ": it is not a video that can be read"));
   Camera camera = request.given->camera;
   camera.pinhole.bf = 0;
-  if (kind == SequenceKind::camera) {
+  if (live) {
     capture.set(cv::CAP_PROP_FRAME_WIDTH, camera.width);
     capture.set(cv::CAP_PROP_FRAME_HEIGHT, camera.height);
     if (request.given->fps > 0) capture.set(cv::CAP_PROP_FPS, request.given->fps);
   }
+  const int width = static_cast<int>(capture.get(cv::CAP_PROP_FRAME_WIDTH));
+  const int height = static_cast<int>(capture.get(cv::CAP_PROP_FRAME_HEIGHT));
+  if (width > 0 && height > 0 && (width != camera.width || height != camera.height)) {
+    return fail(path + ": the images are " + std::to_string(width) + "x" + std::to_string(height) + ", the camera of " +
+                request.given->file.string() + " is " + std::to_string(camera.width) + "x" +
+                std::to_string(camera.height));
+  }
   double rate = request.given->fps > 0 ? request.given->fps : capture.get(cv::CAP_PROP_FPS);
   if (!(rate > 0.01 && rate < 10000)) rate = 30;
-  int64_t frames = -1;
-  if (kind == SequenceKind::video) {
-    const double all = capture.get(cv::CAP_PROP_FRAME_COUNT);
-    if (all > 0) {
-      frames = std::max<int64_t>(0, (static_cast<int64_t>(all) - options.first + options.stride - 1) / options.stride);
-      if (options.count >= 0) frames = std::min(frames, options.count);
-    }
-  }
+  const int64_t frames = live ? -1 : count_frames(capture, options);
   return std::make_unique<CaptureSequence>(std::move(capture), path, kind, camera, rate, frames, options);
 }
 

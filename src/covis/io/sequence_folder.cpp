@@ -14,6 +14,11 @@ const char* sensor_text(Sensor sensor) {
   return sensor == Sensor::monocular ? "monocular" : sensor == Sensor::stereo ? "stereo" : "RGB-D";
 }
 
+std::string wrong_size(const std::filesystem::path& file, int width, int height, const Recording& recording) {
+  return file.string() + ": the image is " + size_text(width, height) + ", the camera of " + recording.calibration +
+         " is " + size_text(recording.camera.width, recording.camera.height);
+}
+
 class FolderSequence : public Sequence {
  public:
   FolderSequence(Recording recording, const SequenceOptions& options)
@@ -35,6 +40,7 @@ class FolderSequence : public Sequence {
     return 1e9 / static_cast<double>(std::max<Timestamp>(1, *middle));
   }
   std::optional<Truth> truth() const override { return recording_.truth; }
+  std::vector<std::string> notes() const override { return recording_.notes; }
   std::string description() const override {
     return recording_.name + ", " + sensor_text(recording_.sensor) + ", " + std::to_string(recording_.frames.size()) +
            " frames, " + size_text(recording_.camera.width, recording_.camera.height);
@@ -53,56 +59,96 @@ class FolderSequence : public Sequence {
     return std::optional<Frame>(std::move(memory));
   }
 
-  Result<void> load(const FrameFiles& files, Frame& frame) const {
-    if (auto read = read_grey(files.image, frame.image); !read) return read;
-    if (!files.right.empty()) {
-      if (auto read = read_grey(files.right, frame.right); !read) return read;
-      if (recording_.rectification) {
-        recording_.rectification->left(frame.image);
-        recording_.rectification->right(frame.right);
-      }
-      if (auto sized = check_size(files.right, frame.right.width(), frame.right.height()); !sized) return sized;
+  Result<void> load(const FrameFiles& files, Frame& frame) {
+    if (auto read = load_grey(files.image, frame.image); !read) return read;
+    if (files.right.empty()) {
+      frame.right = {};  // recycled memory may come from another recording
+    } else {
+      if (auto read = load_grey(files.right, frame.right); !read) return read;
     }
-    if (!files.depth.empty()) {
-      if (auto read = read_depth(files.depth, recording_.depth_scale, frame.depth); !read) return read;
-      if (auto sized = check_size(files.depth, frame.depth.width(), frame.depth.height()); !sized) return sized;
+    if (recording_.rectification) {
+      recording_.rectification->left(frame.image, scratch_);
+      recording_.rectification->right(frame.right, scratch_);
     }
-    return check_size(files.image, frame.image.width(), frame.image.height());
+    if (files.depth.empty()) {
+      frame.depth = {};
+      return {};
+    }
+    if (auto read = reader_.depth(files.depth, recording_.depth_scale, frame.depth); !read) return read;
+    return check_size(files.depth, frame.depth.width(), frame.depth.height());
+  }
+
+  Result<void> load_grey(const std::filesystem::path& file, ImageU8& image) {
+    if (auto read = reader_.grey(file, image); !read) return read;
+    return check_size(file, image.width(), image.height());
   }
 
   Result<void> check_size(const std::filesystem::path& file, int width, int height) const {
     const Camera& c = recording_.camera;
     if (width == c.width && height == c.height) return {};
-    return fail(file.string() + ": the image is " + size_text(width, height) + ", the camera " +
-                size_text(c.width, c.height));
+    return fail(wrong_size(file, width, height, recording_));
   }
 
   const Recording recording_;
   const SequenceOptions options_;
+  // Of the decoding thread alone.
   size_t next_ = 0;
+  ImageReader reader_;
+  ImageU8 scratch_;
   DecodeAhead ahead_;  // last: its thread uses the rest
 };
+
+// The size of the images, from the first that can be read when the calibration does not tell it. When the calibration
+// tells one that none of a few images has, it is of another camera.
+Result<void> settle_size(Recording& recording) {
+  Camera& camera = recording.camera;
+  const size_t count = recording.frames.size();
+  ImageReader reader;
+  ImageU8 image;
+  if (camera.width == 0) {
+    Result<void> read;
+    for (const FrameFiles& frame : recording.frames) {
+      read = reader.grey(frame.image, image);
+      if (!read) continue;
+      camera.width = image.width();
+      camera.height = image.height();
+      return {};
+    }
+    return read;
+  }
+  std::string problem;
+  for (const size_t k : {size_t{0}, count / 2, count - 1}) {
+    const std::filesystem::path& file = recording.frames[k].image;
+    if (!reader.grey(file, image)) continue;  // next() will tell
+    if (image.width() == camera.width && image.height() == camera.height) return {};
+    problem = wrong_size(file, image.width(), image.height(), recording);
+  }
+  if (problem.empty()) return {};
+  return fail(problem);
+}
+
+Result<void> check_camera(const Recording& recording) {
+  const Camera& camera = recording.camera;
+  const Pinhole& p = camera.pinhole;
+  if (!(p.cx > 0 && p.cx < camera.width && p.cy > 0 && p.cy < camera.height)) {
+    return fail(recording.calibration + ": the principal point (" + std::to_string(p.cx) + ", " + std::to_string(p.cy) +
+                ") must lie inside the image of " + size_text(camera.width, camera.height));
+  }
+  if (recording.sensor != Sensor::stereo) return {};
+  if (camera.distortion != Distortion::none)
+    return fail(recording.calibration + ": stereo pairs must be rectified already; model must be pinhole");
+  if (!(p.bf > 0)) return fail(recording.calibration + ": a stereo pair needs 'baseline', in metres");
+  return {};
+}
 
 }  // namespace
 
 Result<std::unique_ptr<Sequence>> open_folder(Recording recording, const SequenceOptions& options) {
-  Camera& camera = recording.camera;
-  if (camera.width == 0) {  // the calibration does not say: the first image that can be read does
-    ImageU8 image;
-    Result<void> read;
-    for (const FrameFiles& frame : recording.frames) {
-      read = read_grey(frame.image, image);
-      if (read) break;
-    }
-    if (!read) return tl::unexpected(read.error());
-    camera.width = image.width();
-    camera.height = image.height();
-  }
-  const Pinhole& p = camera.pinhole;
-  if (!(p.cx > 0 && p.cx < camera.width && p.cy > 0 && p.cy < camera.height)) {
-    return fail("camera: the principal point (" + std::to_string(p.cx) + ", " + std::to_string(p.cy) +
-                ") must lie inside the image of " + size_text(camera.width, camera.height));
-  }
+  Pinhole& pinhole = recording.camera.pinhole;
+  if (recording.sensor == Sensor::monocular) pinhole.bf = 0;
+  if (recording.sensor == Sensor::rgbd && !(pinhole.bf > 0)) pinhole.bf = pinhole.fx * kVirtualBaseline;
+  if (auto settled = settle_size(recording); !settled) return tl::unexpected(settled.error());
+  if (auto checked = check_camera(recording); !checked) return tl::unexpected(checked.error());
   return std::make_unique<FolderSequence>(std::move(recording), options);
 }
 

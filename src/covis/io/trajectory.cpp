@@ -37,24 +37,6 @@ std::optional<SE3> from_quaternion(double tx, double ty, double tz, double x, do
   return SE3(q, Eigen::Vector3d(tx, ty, tz));
 }
 
-Result<std::vector<Timestamp>> read_stamps(const std::filesystem::path& file) {
-  const auto text = read_text(file);
-  if (!text) return tl::unexpected(text.error());
-  std::vector<Timestamp> stamps;
-  std::string problem;
-  for_each_line(*text, [&](std::string_view line, int number) {
-    const auto stamp = parse_stamp(split(line).front());
-    if (!stamp) {
-      problem = place(file, number) + ": '" + std::string(line) + "' is not a stamp in seconds";
-      return false;
-    }
-    stamps.push_back(*stamp);
-    return true;
-  });
-  if (!problem.empty()) return fail(problem);
-  return stamps;
-}
-
 void append(std::string& text, const char* format, double value) {
   char buffer[64];
   text.append(buffer, static_cast<size_t>(std::snprintf(buffer, sizeof buffer, format, value)));
@@ -104,7 +86,7 @@ Result<Trajectory> read_trajectory(const std::filesystem::path& file, Trajectory
       }
       if (v) pose = from_matrix_row(*v);
     } else {
-      stamp = parse_stamp(parts[0]);
+      stamp = parse_stamp(parts[0], row == TrajectoryFormat::euroc ? WholeStamp::nanoseconds : WholeStamp::seconds);
       if (v && row == TrajectoryFormat::tum)
         pose = from_quaternion((*v)[0], (*v)[1], (*v)[2], (*v)[3], (*v)[4], (*v)[5], (*v)[6]);
       if (v && row == TrajectoryFormat::euroc)

@@ -22,9 +22,10 @@ namespace io {
 
 enum class TrajectoryFormat { automatic, tum, kitti, euroc };
 
-// automatic: recognised from the number of columns and the separator. KITTI rows have no stamps: `stamps` (a times.txt)
-// or, without it, the row number in seconds. Blank lines and lines starting with '#' are passed over; anything else
-// that is not right is an error with file and line.
+// automatic: recognised from the number of columns and the separator. Stamps are in seconds or, with 16 digits or more
+// before the point and in whole numbers of EuRoC rows, in nanoseconds. KITTI rows have no stamps: `stamps` (a
+// times.txt) or, without it, the row number in seconds. Blank lines and lines starting with '#' are passed over;
+// anything else that is not right is an error with file and line.
 Result<Trajectory> read_trajectory(const std::filesystem::path& file,
                                    TrajectoryFormat format = TrajectoryFormat::automatic,
                                    const std::filesystem::path& stamps = {});

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/io/decode_ahead.h"
+
+#include <gtest/gtest.h>
+
+#include <latch>
+#include <set>
+
+namespace covis::io {
+namespace {
+
+Frame make_frame(int64_t index, Frame memory) {
+  memory.index = index;
+  memory.image.resize(64, 48);
+  return memory;
+}
+
+TEST(DecodeAhead, GivesAllInOrderInAFewImagesMemory) {
+  constexpr int64_t kFrames = 200;
+  constexpr int kAhead = 3;
+  std::set<const uint8_t*> memories;  // of the decoding thread, until it has ended
+  {
+    int64_t made = 0;
+    DecodeAhead ahead(
+        [&](Frame memory) -> DecodeAhead::Item {
+          if (made == kFrames) return std::optional<Frame>();
+          if (made == 50) return ++made, fail("frame 50");
+          Frame frame = make_frame(made++, std::move(memory));
+          memories.insert(frame.image.row(0));
+          return std::optional(std::move(frame));
+        },
+        kAhead);
+    Frame memory;
+    for (int64_t i = 0; i < kFrames; ++i) {
+      auto item = ahead.next(std::move(memory));
+      memory = {};
+      if (i == 50) {
+        ASSERT_FALSE(item);
+        EXPECT_EQ(item.error().message, "frame 50");
+        continue;
+      }
+      ASSERT_TRUE(item && *item);
+      EXPECT_EQ((*item)->index, i);
+      memory = std::move(**item);
+    }
+    for (int k = 0; k < 3; ++k) {
+      const auto end = ahead.next({});
+      ASSERT_TRUE(end);
+      EXPECT_FALSE(*end) << "the end stays the end";
+    }
+  }
+  // In the queue, with the taker, being decoded, free; and once more after the error, which lost its memory.
+  EXPECT_LE(memories.size(), static_cast<size_t>(kAhead + 5));
+}
+
+TEST(DecodeAhead, OfALiveCameraTheLatestFrameIsTaken) {
+  std::latch made_ten(1), go_on(1);
+  int64_t made = 0;
+  DecodeAhead ahead(
+      [&](Frame memory) -> DecodeAhead::Item {
+        if (made == 10) {  // frames 0 to 9 lie behind us, each pushed before the next was begun
+          made_ten.count_down();
+          go_on.wait();
+          ++made;
+          return fail("a bad frame");
+        }
+        if (made > 10) return std::optional<Frame>();
+        return std::optional(make_frame(made++, std::move(memory)));
+      },
+      1, DecodeAhead::WhenFull::drop_old);
+  made_ten.wait();
+  auto item = ahead.next({});
+  ASSERT_TRUE(item && *item);
+  EXPECT_EQ((*item)->index, 9);
+  go_on.count_down();
+  EXPECT_FALSE(ahead.next({})) << "errors are not dropped";
+  item = ahead.next({});
+  ASSERT_TRUE(item);
+  EXPECT_FALSE(*item);
+}
+
+TEST(DecodeAhead, StopsAtAnyTime) {
+  for (int i = 0; i < 200; ++i) {
+    int64_t made = 0;
+    DecodeAhead ahead(
+        [&](Frame memory) -> DecodeAhead::Item { return std::optional(make_frame(made++, std::move(memory))); },
+        1 + i % 4, i % 2 ? DecodeAhead::WhenFull::wait : DecodeAhead::WhenFull::drop_old);
+    for (int k = 0; k < i % 7; ++k) EXPECT_TRUE(ahead.next({}));
+  }
+}
+
+}  // namespace
+}  // namespace covis::io

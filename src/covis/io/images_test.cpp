@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/io/images.h"
+
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+#include "covis/core/random.h"
+#include "covis/io/files.h"
+#include "covis/io/test_recordings.h"
+
+namespace covis::io {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class Images : public RecordingTest {
+ protected:
+  // An image that does not compress away.
+  cv::Mat noise(int type = CV_8UC3) const {
+    Random random(7);
+    cv::Mat image(kHeight, kWidth, type);
+    for (int y = 0; y < image.rows; ++y) {
+      for (size_t x = 0; x < static_cast<size_t>(image.cols) * image.elemSize(); ++x)
+        image.ptr(y)[x] = static_cast<uint8_t>(random.below(256));
+    }
+    return image;
+  }
+  std::string saved(const std::string& name, const cv::Mat& image) const {
+    cv::imwrite((folder / name).string(), image);
+    return *read_text(folder / name);
+  }
+
+  ImageReader reader;
+  ImageU8 grey;
+  ImageF metres;
+};
+
+TEST_F(Images, GreyIsWhatOpenCvMakesOfColour) {
+  const cv::Mat colour = noise();
+  cv::Mat wanted;
+  cv::cvtColor(colour, wanted, cv::COLOR_BGR2GRAY);
+  for (const char* name : {"a.png", "a.bmp", "a.tiff", "a.ppm"}) {
+    saved(name, colour);
+    ASSERT_TRUE(reader.grey(folder / name, grey)) << name;
+    ASSERT_EQ(grey.width(), kWidth);
+    ASSERT_EQ(grey.height(), kHeight);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) ASSERT_NEAR(grey(x, y), wanted.at<uint8_t>(y, x), 1) << name;
+    }
+  }
+}
+
+TEST_F(Images, MemoryIsUsedAgain) {
+  saved("a.png", noise());
+  saved("b.jpg", noise());
+  ASSERT_TRUE(reader.grey(folder / "a.png", grey));
+  const uint8_t* memory = grey.row(0);
+  ASSERT_TRUE(reader.grey(folder / "b.jpg", grey));
+  EXPECT_EQ(grey.row(0), memory);
+  depth("d.png", 2000);
+  ASSERT_TRUE(reader.depth(folder / "d.png", 1000, metres));
+  const float* depth_memory = metres.row(0);
+  depth("d.png", 3000);
+  ASSERT_TRUE(reader.depth(folder / "d.png", 1000, metres));
+  EXPECT_EQ(metres.row(0), depth_memory);
+  EXPECT_FLOAT_EQ(metres(3, 3), 3);
+}
+
+TEST_F(Images, DepthOfEveryKind) {
+  cv::Mat d16(kHeight, kWidth, CV_16U, cv::Scalar(2500));
+  d16.at<uint16_t>(0, 1) = 0;
+  d16.at<uint16_t>(0, 2) = 65535;
+  saved("d.png", d16);
+  ASSERT_TRUE(reader.depth(folder / "d.png", 5000, metres));
+  EXPECT_FLOAT_EQ(metres(0, 0), 0.5f);
+  EXPECT_EQ(metres(1, 0), 0);
+  EXPECT_FLOAT_EQ(metres(2, 0), 13.107f);
+
+  cv::Mat d32(kHeight, kWidth, CV_32F, cv::Scalar(1.25));
+  d32.at<float>(0, 1) = std::numeric_limits<float>::quiet_NaN();
+  d32.at<float>(0, 2) = -1;
+  d32.at<float>(0, 3) = std::numeric_limits<float>::infinity();
+  saved("d.tiff", d32);
+  ASSERT_TRUE(reader.depth(folder / "d.tiff", 5000, metres));
+  EXPECT_EQ(metres(0, 0), 1.25f) << "float is metres, whatever the scale";
+  for (const int x : {1, 2, 3}) EXPECT_EQ(metres(x, 0), 0);
+  ASSERT_TRUE(reader.depth(folder / "d.png", 5000, metres)) << "16 bits after float";
+  EXPECT_FLOAT_EQ(metres(0, 0), 0.5f);
+
+  saved("grey.png", noise(CV_8UC1));
+  EXPECT_THAT(reader.depth(folder / "grey.png", 5000, metres).error().message,
+              AllOf(HasSubstr("grey.png"), HasSubstr("16 bits")));
+}
+
+TEST_F(Images, AFileCutShortAnywhereIsTold) {
+  for (const char* name : {"a.png", "a.jpg"}) {
+    const std::string whole = saved(name, noise());
+    ASSERT_TRUE(reader.grey(folder / name, grey));
+    for (const size_t left : {whole.size() - 2, whole.size() / 2, size_t{100}, size_t{10}, size_t{3}}) {
+      write(name, whole.substr(0, left));
+      EXPECT_THAT(reader.grey(folder / name, grey).error().message, HasSubstr(name)) << left;
+    }
+  }
+}
+
+TEST_F(Images, ThePreviewInAJpegIsNotItsEnd) {
+  const std::string whole = saved("a.jpg", noise()), preview = saved("b.jpg", cv::Mat(8, 8, CV_8U, cv::Scalar(0)));
+  const size_t length = preview.size() + 2;
+  const std::string header{'\xff', '\xe1', static_cast<char>(length / 256), static_cast<char>(length % 256)};
+  const std::string with_preview = whole.substr(0, 2) + header + preview + whole.substr(2);
+  write("a.jpg", with_preview);
+  ASSERT_TRUE(reader.grey(folder / "a.jpg", grey));
+  EXPECT_EQ(grey.width(), kWidth);
+  write("a.jpg", with_preview.substr(0, with_preview.size() - whole.size() / 2));
+  EXPECT_THAT(reader.grey(folder / "a.jpg", grey).error().message, HasSubstr("cut short"));
+}
+
+TEST_F(Images, APngWithAWrongByteIsTold) {
+  std::string bytes = saved("a.png", noise());
+  bytes[bytes.size() / 2] ^= 0x55;
+  write("a.png", bytes);
+  EXPECT_THAT(reader.grey(folder / "a.png", grey).error().message, HasSubstr("a.png"));
+}
+
+}  // namespace
+}  // namespace covis::io
