@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "covis/geometry/lie.h"
+
 namespace covis {
 namespace {
 
@@ -46,21 +48,21 @@ Eigen::Vector3d so3_log(const Eigen::Matrix3d& R) {
   return 2 * std::atan2(n, q.w()) / n * q.vec();
 }
 
-SE3 SE3::exp(const Vector6d& xi) {
-  const Eigen::Vector3d rho = xi.head<3>(), phi = xi.tail<3>();
+Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& phi) {
   const Coefficients k(phi.squaredNorm());
   const Eigen::Matrix3d w = hat(phi);
-  const Eigen::Matrix3d V = Eigen::Matrix3d::Identity() + k.b * w + k.c * w * w;
-  return {so3_exp(phi), Eigen::Vector3d(V * rho)};
+  return Eigen::Matrix3d::Identity() + k.b * w + k.c * w * w;
+}
+
+SE3 SE3::exp(const Vector6d& xi) {
+  const Eigen::Vector3d rho = xi.head<3>(), phi = xi.tail<3>();
+  return {so3_exp(phi), Eigen::Vector3d(so3_left_jacobian(phi) * rho)};
 }
 
 Vector6d SE3::log() const {
   const Eigen::Vector3d phi = so3_log(R_);
-  const Coefficients k(phi.squaredNorm());
-  const Eigen::Matrix3d w = hat(phi);
-  const Eigen::Matrix3d V = Eigen::Matrix3d::Identity() + k.b * w + k.c * w * w;
   Vector6d xi;
-  xi << V.partialPivLu().solve(t_), phi;
+  xi << so3_left_jacobian(phi).partialPivLu().solve(t_), phi;
   return xi;
 }
 
@@ -70,6 +72,13 @@ Matrix6d SE3::adjoint() const {
   A.bottomRightCorner<3, 3>() = R_;
   A.topRightCorner<3, 3>() = hat(t_) * R_;
   return A;
+}
+
+Matrix6d SE3::left_jacobian(const Vector6d& xi) {
+  Matrix6d ad = Matrix6d::Zero();  // ad(xi) * eta = [xi, eta]
+  ad.topLeftCorner<3, 3>() = ad.bottomRightCorner<3, 3>() = hat(xi.tail<3>());
+  ad.topRightCorner<3, 3>() = hat(xi.head<3>());
+  return phi_function<6>(ad);
 }
 
 }  // namespace covis

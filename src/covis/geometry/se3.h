@@ -18,6 +18,8 @@ Eigen::Matrix3d hat(const Eigen::Vector3d& v);
 // Rotation of the rotation vector phi (radians), and back (angle in [0, pi]).
 Eigen::Matrix3d so3_exp(const Eigen::Vector3d& phi);
 Eigen::Vector3d so3_log(const Eigen::Matrix3d& R);
+// J_l: so3_exp(phi + d) = so3_exp(J_l(phi) * d) * so3_exp(phi), for small d. Also the V of SE(3)'s exp.
+Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& phi);
 
 class SE3 {
  public:
@@ -42,6 +44,8 @@ class SE3 {
   Vector6d log() const;
   // Adj(T): T * exp(xi) = exp(Adj(T) * xi) * T.
   Matrix6d adjoint() const;
+  // J_l: exp(xi + d) = exp(J_l(xi) * d) * exp(xi), for small d.
+  static Matrix6d left_jacobian(const Vector6d& xi);
 
  private:
   Eigen::Matrix3d R_ = Eigen::Matrix3d::Identity();

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Similarities Sim(3): p_a = scale * R * p_b + t, written S_ab. Tangent vectors are [rho; phi; sigma], translation
+// first, the logarithm of the scale last, and perturb on the left: S <- exp(xi) * S.
+// Source: Strasdat, "Local accuracy and global consistency for efficient visual SLAM", 2012, section 2.4 and appendix A.
+#pragma once
+
+#include <cmath>
+
+#include "covis/geometry/se3.h"
+
+namespace covis {
+
+using Vector7d = Eigen::Matrix<double, 7, 1>;
+using Matrix7d = Eigen::Matrix<double, 7, 7>;
+
+class Sim3 {
+ public:
+  Sim3() = default;  // the identity
+  Sim3(const Eigen::Matrix3d& R, const Eigen::Vector3d& t, double scale) : R_(R), t_(t), scale_(scale) {}
+  explicit Sim3(const SE3& T, double scale = 1) : R_(T.R()), t_(T.t()), scale_(scale) {}
+
+  const Eigen::Matrix3d& R() const { return R_; }
+  const Eigen::Vector3d& t() const { return t_; }
+  double scale() const { return scale_; }
+
+  Sim3 operator*(const Sim3& other) const {
+    return {R_ * other.R_, scale_ * (R_ * other.t_) + t_, scale_ * other.scale_};
+  }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return scale_ * (R_ * p) + t_; }
+  Sim3 inverse() const {
+    const Eigen::Matrix3d Rt = R_.transpose();
+    return {Rt, -(Rt * t_) / scale_, 1 / scale_};
+  }
+
+  // The camera pose among those of this similarity: a camera sees the same pixels when its world is scaled, so
+  // [s R, t] and [R, t / s] are the same view.
+  SE3 as_pose() const { return SE3(R_, Eigen::Vector3d(t_ / scale_)).normalized(); }
+  Sim3 normalized() const { return {Eigen::Quaterniond(R_).normalized().toRotationMatrix(), t_, scale_}; }
+  bool all_finite() const { return R_.allFinite() && t_.allFinite() && std::isfinite(scale_) && scale_ > 0; }
+
+  static Sim3 exp(const Vector7d& xi);
+  Vector7d log() const;
+  // Adj(S): S * exp(xi) = exp(Adj(S) * xi) * S.
+  Matrix7d adjoint() const;
+  // J_l: exp(xi + d) = exp(J_l(xi) * d) * exp(xi), for small d.
+  static Matrix7d left_jacobian(const Vector7d& xi);
+
+ private:
+  Eigen::Matrix3d R_ = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d t_ = Eigen::Vector3d::Zero();
+  double scale_ = 1;
+};
+
+}  // namespace covis
