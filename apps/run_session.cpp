@@ -39,6 +39,18 @@ double peak_rss_mb() {
 
 bool processed(const FrameStats& frame) { return frame.state != "late" && frame.state != "unreadable"; }
 
+json to_json(const MappingReport& m) {
+  return {{"points_created", m.points_created},
+          {"points_fused", m.points_fused},
+          {"points_culled", m.points_culled},
+          {"key_frames_culled", m.key_frames_culled},
+          {"ba_key_frames", m.ba_key_frames},
+          {"ba_points", m.ba_points},
+          {"ba_observations", m.ba_observations},
+          {"ba_interrupted", m.ba_interrupted},
+          {"total_ms", m.total_ms}};
+}
+
 json to_json(const FrameStats& f) {
   json line{{"frame", f.frame}, {"stamp", to_seconds(f.stamp)}, {"state", f.state}, {"reason", f.reason}};
   if (!processed(f)) return line;
@@ -66,9 +78,14 @@ json to_json(const FrameStats& f) {
 
 std::string stats_text(const RunRecord& run) {
   std::string text;
+  size_t next = 0;  // reports of mapping come in the order of their frames
   for (const FrameStats& frame : run.frames) {
+    json line = to_json(frame);
+    for (; next < run.mapping.size() && run.mapping[next].frame <= frame.frame; ++next) {
+      if (run.mapping[next].frame == frame.frame) line["mapping"] = to_json(run.mapping[next]);
+    }
     // A message may quote a file name that is not UTF-8.
-    text += to_json(frame).dump(-1, ' ', false, json::error_handler_t::replace);
+    text += line.dump(-1, ' ', false, json::error_handler_t::replace);
     text += '\n';
   }
   return text;

@@ -58,6 +58,7 @@ OrbExtractor::OrbExtractor(const OrbOptions& options)
     : options_(options),
       pyramid_(std::make_shared<ScalePyramid>(options.levels, static_cast<float>(options.scale_factor))),
       levels_(static_cast<size_t>(options.levels)),
+      stretch_(levels_.size()),
       resizers_(levels_.size()),
       corners_(levels_.size()),
       kept_(levels_.size()) {}
@@ -73,6 +74,9 @@ const KeyPoints& OrbExtractor::extract(ImageView<const uint8_t> image) {
       levels_[l].resize(std::max(1, width), std::max(1, height));
       resizers_[l].resize(level(static_cast<int>(l) - 1), levels_[l].view());
     }
+    const ImageView<const uint8_t> at = level(static_cast<int>(l));
+    stretch_[l] = {static_cast<float>(image.width) / static_cast<float>(at.width),
+                   static_cast<float>(image.height) / static_cast<float>(at.height)};
     detector_.detect(level(static_cast<int>(l)), kEdgeBorder, kCellSize, options_.fast_threshold, options_.fast_threshold_low,
                      corners_[l]);
     available[l] = static_cast<int>(corners_[l].size());
@@ -84,11 +88,12 @@ const KeyPoints& OrbExtractor::extract(ImageView<const uint8_t> image) {
                          kept_[l]);
     if (kept_[l].empty()) continue;
     blur_.apply(from, blurred_);
-    const float scale = pyramid_->scale[l];
     for (const Corner& c : kept_[l]) {
       const float angle = orientation(from.row(c.y) + c.x, from.stride);
-      key_points_.x.push_back((static_cast<float>(c.x) + (options_.subpixel ? c.dx : 0)) * scale);
-      key_points_.y.push_back((static_cast<float>(c.y) + (options_.subpixel ? c.dy : 0)) * scale);
+      const Eigen::Vector2f place = to_image(static_cast<int>(l), static_cast<float>(c.x) + (options_.subpixel ? c.dx : 0),
+                                             static_cast<float>(c.y) + (options_.subpixel ? c.dy : 0));
+      key_points_.x.push_back(place.x());
+      key_points_.y.push_back(place.y());
       key_points_.angle.push_back(angle);
       key_points_.level.push_back(static_cast<uint8_t>(l));
       key_points_.descriptor.push_back(describe(blurred_.row(c.y) + c.x, blurred_.stride(), angle));

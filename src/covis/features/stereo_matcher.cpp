@@ -73,10 +73,10 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
 
     // Sub-pixel, at the left key point's level.
     const int level = l.level[i];
-    const float scale = pyramid.scale[static_cast<size_t>(level)];
     const auto a = left.level(level), b = right.level(level);
-    const int xl = static_cast<int>(std::lround(l.x[i] / scale)), y = static_cast<int>(std::lround(l.y[i] / scale));
-    const int xr = static_cast<int>(std::lround(r.x[best_j] / scale));
+    const Eigen::Vector2f in_a = left.to_level(level, l.x[i], l.y[i]);
+    const int xl = static_cast<int>(std::lround(in_a.x())), y = static_cast<int>(std::lround(in_a.y()));
+    const int xr = static_cast<int>(std::lround(right.to_level(level, r.x[best_j], r.y[best_j]).x()));
     if (xr - kSlide - kHalfPatch < 0 || xr + kSlide + kHalfPatch >= b.width) continue;
     std::array<int, 2 * kSlide + 1> sad{};
     int at = 0;
@@ -92,7 +92,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     const float offset = (s0 - s2) / (2 * curvature);
     if (std::abs(offset) > 1) continue;
     // Between the patches, that is between whole pixels: the key points' own fractions do not enter.
-    float disparity = (static_cast<float>(xl - xr - at) - offset) * scale;
+    float disparity = (static_cast<float>(xl - xr - at) - offset) * left.stretch(level);
     if (disparity < 0 || disparity > max_disparity) continue;
     disparity = std::max(disparity, 0.01f);
     u_right[i] = l.x[i] - disparity;

@@ -88,24 +88,27 @@ struct Score {
   }
 };
 
-Score score_homography(const Eigen::Matrix3d& H, const TwoViewMatches& m, double inv_sigma2) {
+double sigma2_of(const TwoViewMatches& m, size_t i) { return m.sigma2.empty() ? 1.0 : m.sigma2[i]; }
+
+Score score_homography(const Eigen::Matrix3d& H, const TwoViewMatches& m) {
   Score score;
   score.inlier.resize(m.a.size());
   const Eigen::Matrix3d inverse = H.inverse();
   for (size_t i = 0; i < m.a.size(); ++i) {
     const Eigen::Vector2d in_b = (H * m.a[i].homogeneous()).hnormalized(), in_a = (inverse * m.b[i].homogeneous()).hnormalized();
-    score.add(i, (in_a - m.a[i]).squaredNorm() * inv_sigma2, (in_b - m.b[i]).squaredNorm() * inv_sigma2, kChi2Homography);
+    const double sigma2 = sigma2_of(m, i);
+    score.add(i, (in_a - m.a[i]).squaredNorm() / sigma2, (in_b - m.b[i]).squaredNorm() / sigma2, kChi2Homography);
   }
   return score;
 }
 
-Score score_fundamental(const Eigen::Matrix3d& F, const TwoViewMatches& m, double inv_sigma2) {
+Score score_fundamental(const Eigen::Matrix3d& F, const TwoViewMatches& m) {
   Score score;
   score.inlier.resize(m.a.size());
   for (size_t i = 0; i < m.a.size(); ++i) {
     const Eigen::Vector3d a = m.a[i].homogeneous(), b = m.b[i].homogeneous();
     const Eigen::Vector3d line_b = F * a, line_a = F.transpose() * b;
-    const double e = b.dot(line_b), e2 = e * e * inv_sigma2;
+    const double e = b.dot(line_b), e2 = e * e / sigma2_of(m, i);
     score.add(i, e2 / line_a.head<2>().squaredNorm(), e2 / line_b.head<2>().squaredNorm(), kChi2Fundamental);
   }
   return score;
@@ -171,9 +174,9 @@ struct Trial {
 };
 
 // How many of the inliers a motion explains: in front of both cameras, near both pixels.
-Trial try_motion(const SE3& T_21, const TwoViewMatches& m, const std::vector<uint8_t>& inlier, const Pinhole& camera, double sigma) {
+Trial try_motion(const SE3& T_21, const TwoViewMatches& m, const std::vector<uint8_t>& inlier, const Pinhole& camera) {
   constexpr double kMinParallaxCos = 0.99998;  // farther points may be behind without harm, but give no parallax
-  const double bound = 4 * sigma * sigma;      // squared pixels
+  constexpr double kMaxChi2 = 4;
   Trial trial;
   trial.T_21 = T_21;
   trial.points.resize(m.a.size());
@@ -182,6 +185,7 @@ Trial try_motion(const SE3& T_21, const TwoViewMatches& m, const std::vector<uin
   std::vector<double> cosines;
   for (size_t i = 0; i < m.a.size(); ++i) {
     if (!inlier[i]) continue;
+    const double bound = kMaxChi2 * sigma2_of(m, i);
     const auto p = triangulate(SE3(), camera.unproject(m.a[i].x(), m.a[i].y()), T_21, camera.unproject(m.b[i].x(), m.b[i].y()));
     if (!p || !p->allFinite()) continue;
     const Eigen::Vector3d in_2 = T_21 * *p;
@@ -214,7 +218,6 @@ TwoViewResult reconstruct_two_views(const TwoViewMatches& m, const Pinhole& came
     a[i] = (Ta * m.a[i].homogeneous()).hnormalized();
     b[i] = (Tb * m.b[i].homogeneous()).hnormalized();
   }
-  const double inv_sigma2 = 1 / (options.sigma * options.sigma);
   const auto homography = [&](const std::vector<size_t>& use) -> Eigen::Matrix3d { return Tb.inverse() * fit_homography(a, b, use) * Ta; };
   const auto fundamental = [&](const std::vector<size_t>& use) -> Eigen::Matrix3d { return Tb.transpose() * fit_fundamental(a, b, use) * Ta; };
 
@@ -229,7 +232,7 @@ TwoViewResult reconstruct_two_views(const TwoViewMatches& m, const Pinhole& came
       sample[k] = order[k];
     }
     const Eigen::Matrix3d h = homography(sample), f = fundamental(sample);
-    Score sh = score_homography(h, m, inv_sigma2), sf = score_fundamental(f, m, inv_sigma2);
+    Score sh = score_homography(h, m), sf = score_fundamental(f, m);
     if (sh.value > score_h.value) {
       score_h = std::move(sh);
       H = h;
@@ -242,14 +245,14 @@ TwoViewResult reconstruct_two_views(const TwoViewMatches& m, const Pinhole& came
   // Again over all that agree, while it gets better.
   for (int k = 0; k < 5 && score_h.count >= 8; ++k) {
     const Eigen::Matrix3d h = homography(indices_of(score_h.inlier));
-    Score s = score_homography(h, m, inv_sigma2);
+    Score s = score_homography(h, m);
     if (s.value <= score_h.value) break;
     score_h = std::move(s);
     H = h;
   }
   for (int k = 0; k < 5 && score_f.count >= 8; ++k) {
     const Eigen::Matrix3d f = fundamental(indices_of(score_f.inlier));
-    Score s = score_fundamental(f, m, inv_sigma2);
+    Score s = score_fundamental(f, m);
     if (s.value <= score_f.value) break;
     score_f = std::move(s);
     F = f;
@@ -267,7 +270,7 @@ TwoViewResult reconstruct_two_views(const TwoViewMatches& m, const Pinhole& came
   Trial best;
   int second = 0;
   for (const SE3& motion : result.homography ? motions_of_homography(H, K) : motions_of_fundamental(F, K)) {
-    Trial trial = try_motion(motion, m, score.inlier, camera, options.sigma);
+    Trial trial = try_motion(motion, m, score.inlier, camera);
     if (trial.good > best.good) {
       second = best.good;
       best = std::move(trial);

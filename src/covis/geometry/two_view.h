@@ -16,11 +16,11 @@ namespace covis {
 
 struct TwoViewMatches {
   std::vector<Eigen::Vector2d> a, b;  // undistorted pixels of the first and the second view
+  std::vector<double> sigma2;         // variance of each match, pixels^2; empty: 1 for all
 };
 
 struct TwoViewOptions {
   int iterations = 200;           // RANSAC samples of 8
-  double sigma = 1.0;             // pixels
   double homography_ratio = 0.45; // S_H / (S_H + S_F) above which the homography is taken
   double min_parallax_deg = 1.0;
   int min_points = 50;            // triangulated points of an accepted motion

@@ -20,6 +20,7 @@ double lap(Stopwatch& watch) {
 
 MappingReport Mapper::process(const KeyFrameRequest& request, const std::atomic<bool>* interrupt) {
   MappingReport report;
+  report.frame = request.frame;
   Stopwatch total, watch;
   report.key_frame = insert(request);
   report.insert_ms = lap(watch);

@@ -157,6 +157,7 @@ MappingReport Mapper::initialise(const InitialMapRequest& request) {
   constexpr int kMinPoints = 100;
   const int least_points = std::min(kMinPoints, static_cast<int>(request.points.size()));
   MappingReport report;
+  report.frame = request.second.frame;
   BundleProblem problem;
   problem.camera = request.first.features->camera;
   problem.poses = {SE3(), request.T_21};
@@ -205,7 +206,8 @@ MappingReport Mapper::initialise(const InitialMapRequest& request) {
   report.key_frame = map->add_key_frame(request.second.frame, request.second.stamp, T_21, request.second.features);
   if (!report.first.valid() || !report.key_frame.valid()) {
     map->clear();
-    return {};
+    report.first = report.key_frame = {};
+    return report;
   }
   for (size_t p = 0; p < good.size(); ++p) {
     if (!good[p]) continue;

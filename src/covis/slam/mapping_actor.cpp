@@ -19,12 +19,12 @@ void MappingActor::submit(Request request) {
   inbox_.push(std::move(request));
 }
 
-MappingActor::Reply MappingActor::wait() {
+MappingReport MappingActor::wait() {
   --pending_;
   return *outbox_.pop();
 }
 
-std::optional<MappingActor::Reply> MappingActor::poll() {
+std::optional<MappingReport> MappingActor::poll() {
   if (outbox_.size() == 0) return std::nullopt;
   return wait();
 }
@@ -32,18 +32,15 @@ std::optional<MappingActor::Reply> MappingActor::poll() {
 void MappingActor::run() {
   while (std::optional<Request> request = inbox_.pop()) {
     interrupt_ = interruptible_ && waiting_ > 1;
-    Reply reply;
+    MappingReport report;
     if (const auto* key_frame = std::get_if<KeyFrameRequest>(&*request)) {
-      reply.frame = key_frame->frame;
-      reply.report = mapper_.process(*key_frame, &interrupt_);
+      report = mapper_.process(*key_frame, &interrupt_);
     } else {
-      const auto& initial = std::get<InitialMapRequest>(*request);
-      reply.frame = initial.second.frame;
-      reply.report = mapper_.initialise(initial);
+      report = mapper_.initialise(std::get<InitialMapRequest>(*request));
     }
     request.reset();
     --waiting_;
-    outbox_.push(std::move(reply));
+    outbox_.push(std::move(report));
   }
 }
 

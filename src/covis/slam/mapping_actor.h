@@ -20,18 +20,13 @@ class MappingActor {
   ~MappingActor();
 
   using Request = std::variant<KeyFrameRequest, InitialMapRequest>;
-  struct Reply {
-    int64_t frame = 0;  // of the request
-    MappingReport report;
-  };
-
   // Waits when the inbox is full.
   void submit(Request request);
-  // The next reply; waits for it. Call only when pending() > 0.
-  Reply wait();
-  // The next reply if it is there.
-  std::optional<Reply> poll();
-  // Requests submitted whose reply was not taken yet. Only the submitting thread may ask.
+  // The next report; waits for it. Call only when pending() > 0.
+  MappingReport wait();
+  // The next report if it is there.
+  std::optional<MappingReport> poll();
+  // Requests submitted whose report was not taken yet. Only the submitting thread may ask.
   int pending() const { return pending_; }
   // No request waits or is worked on.
   bool idle() const { return waiting_.load() == 0; }
@@ -47,7 +42,7 @@ class MappingActor {
   Mapper mapper_;
   const bool interruptible_;
   BlockingQueue<Request> inbox_{kInbox};
-  BlockingQueue<Reply> outbox_{kInbox + 2};  // room for all that can be pending
+  BlockingQueue<MappingReport> outbox_{kInbox + 2};  // room for all that can be pending
   std::atomic<int> waiting_{0};              // submitted and not finished
   std::atomic<bool> interrupt_{false};       // another request waits
   int pending_ = 0;

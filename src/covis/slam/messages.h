@@ -44,6 +44,7 @@ struct InitialMapRequest {
 };
 
 struct MappingReport {
+  int64_t frame = 0;     // of the request
   KeyFrameId key_frame;  // the new one; invalid when it was refused (the initial map did not hold)
   KeyFrameId first;      // initial maps: the first of the two
   int points_created = 0, points_fused = 0, points_culled = 0, key_frames_culled = 0;

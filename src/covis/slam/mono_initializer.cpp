@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/slam/mono_initializer.h"
 
+#include <algorithm>
+
 #include "covis/core/random.h"
 #include "covis/geometry/two_view.h"
 #include "covis/matching/descriptor_match.h"
@@ -52,6 +54,8 @@ std::optional<InitialMapRequest> MonoInitializer::offer(const FeaturesPtr& featu
     const auto a = static_cast<uint32_t>(query_feature_[q]), b = static_cast<uint32_t>(match_[q]);
     pairs.a.emplace_back(first.x[a], first.y[a]);
     pairs.b.emplace_back(features->x[b], features->y[b]);
+    const auto& sigma2 = first.pyramid->sigma2;
+    pairs.sigma2.push_back(std::max(sigma2[first.level[a]], sigma2[features->level[b]]));
     first_feature.push_back(a);
     second_feature.push_back(b);
   }
@@ -74,16 +78,17 @@ std::optional<InitialMapRequest> MonoInitializer::offer(const FeaturesPtr& featu
   return request;
 }
 
-// Finds the reference view's finest key points in this frame, each in a window round where it was seen last.
+// Finds the reference view's finer key points in this frame, each in a window round where it was seen last.
 int MonoInitializer::match_reference(const Features& features) {
   const Features& first = *reference_.features;
   queries_.clear();
   query_feature_.clear();
   for (int i = 0; i < first.size(); ++i) {
     const auto k = static_cast<size_t>(i);
-    if (first.level[k] > 0) continue;
-    queries_.push_back(
-        {last_x_[k], last_y_[k], -1.0f, static_cast<float>(options_.tracker.init_window), 0, 0, &first.descriptor[k]});
+    const int level = first.level[k];
+    if (level > options_.tracker.init_levels) continue;
+    queries_.push_back({last_x_[k], last_y_[k], -1.0f, static_cast<float>(options_.tracker.init_window),
+                        level - 1, level + 1, &first.descriptor[k]});
     query_feature_.push_back(i);
   }
   matcher_.match(features, queries_, {}, {.max_distance = kHammingLow, .ratio = kRatio}, match_);

@@ -36,10 +36,13 @@ Fields fields(TrackerOptions& o) {
       {"tracker.key_frame_min_inliers", &o.key_frame_min_inliers, "with fewer inliers no key frame is made", 4, 1000},
       {"tracker.key_frame_interval", &o.key_frame_interval,
        "seconds after which a key frame may be made though mapping is busy", 0, 60},
+      {"tracker.weak_inliers", &o.weak_inliers,
+       "with fewer inliers the next frames get twice the features, until there are 2.5 times as many; 0: never", 0, 10000},
       {"tracker.init_features", &o.init_features, "features of a first frame (stereo, RGB-D)", 50, 100000},
       {"tracker.init_min_matches", &o.init_min_matches, "matches of the two first views (monocular)", 20, 10000},
       {"tracker.init_window", &o.init_window, "how far a key point may move between the two first views, pixels", 5,
        1000},
+      {"tracker.init_levels", &o.init_levels, "greatest pyramid level matched there", 0, 31},
       {"tracker.init_min_parallax", &o.init_min_parallax, "parallax of the two first views, degrees", 0.1, 20},
       {"tracker.init_min_points", &o.init_min_points, "points of an initial map", 10, 10000},
   };

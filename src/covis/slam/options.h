@@ -31,9 +31,11 @@ struct TrackerOptions {
   double key_frame_ratio_mono = 0.8;  // the same, monocular (published: 0.9; see docs/results.md)
   int key_frame_min_inliers = 15;     // with fewer no key frame is made
   double key_frame_interval = 1.0;    // seconds after which one may be made though mapping is busy
+  int weak_inliers = 80;              // with fewer inliers the next frames get twice the features, until 2.5 times as many
   int init_features = 500;            // features of a first frame (stereo, RGB-D)
   int init_min_matches = 100;         // monocular: matches of the two first views
   double init_window = 100;           // pixels, monocular: how far a key point may move between them
+  int init_levels = 3;                // greatest pyramid level of the key points matched there
   double init_min_parallax = 1.0;     // degrees
   int init_min_points = 50;           // triangulated points of an initial map before adjustment
 };

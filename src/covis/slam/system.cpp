@@ -16,7 +16,6 @@ System::System(const Camera& camera, const SystemOptions& options)
 System::~System() = default;
 
 FeaturesPtr System::extract(const Input& input) {
-  // The monocular initialiser matches the finest key points only: it wants more of them.
   frontend_.set_feature_budget(options_.orb.features * (tracker_.wants_more_features() ? 2 : 1));
   switch (options_.sensor) {
     case Sensor::monocular:
@@ -93,16 +92,16 @@ FrameReport System::process(const Input& input) {
 
 void System::collect(FrameReport& report, bool wait) {
   while (mapping_.pending() > 0) {
-    std::optional<MappingActor::Reply> reply = wait ? mapping_.wait() : mapping_.poll();
-    if (!reply) break;
-    take(*reply);
-    report.mapping.push_back(reply->report);
+    std::optional<MappingReport> made = wait ? mapping_.wait() : mapping_.poll();
+    if (!made) break;
+    take(*made);
+    report.mapping.push_back(std::move(*made));
   }
 }
 
-void System::take(const MappingActor::Reply& reply) {
-  tracker_.key_frame_made(reply.report, reply.frame);
-  if (!reply.report.key_frame.valid()) return;
+void System::take(const MappingReport& report) {
+  tracker_.key_frame_made(report, report.frame);
+  if (!report.key_frame.valid()) return;
   // The frames that became key frames hang on themselves from now on.
   const auto map = map_.read();
   const auto hang = [&](KeyFrameId id, bool online) {
@@ -119,8 +118,8 @@ void System::take(const MappingActor::Reply& reply) {
     record->reference = id;
     record->T_cr = SE3();
   };
-  hang(reply.report.key_frame, true);
-  if (reply.report.first.valid()) hang(reply.report.first, false);
+  hang(report.key_frame, true);
+  if (report.first.valid()) hang(report.first, false);
 }
 
 std::vector<MappingReport> System::finish() {

@@ -81,7 +81,7 @@ class System {
  private:
   FeaturesPtr extract(const Input& input);
   void collect(FrameReport& report, bool wait);
-  void take(const MappingActor::Reply& reply);
+  void take(const MappingReport& report);
 
   const SystemOptions options_;
   SharedMap map_;

@@ -69,6 +69,9 @@ void Tracker::accept(TrackResult& result) {
   if (has_velocity_) velocity_ = (current_.T_cw * last_.T_cw.inverse()).normalized();
   state_ = TrackState::tracking;
   lost_frames_ = 0;
+  // Twice the features give more inliers by themselves: the way back asks for more than that.
+  const int weak = options_.tracker.weak_inliers;
+  weak_ = weak_ ? 2 * result.inliers < 5 * weak : result.inliers < weak;
   reference_ = local_map_.reference.id;
   last_T_cr_ = current_.T_cw * local_map_.reference.T_cw.inverse();
   result.T_cw = current_.T_cw;
@@ -82,6 +85,7 @@ void Tracker::lose(Outcome& outcome, bool map_is_live) {
   constexpr int kYoungMapPatience = 15;  // frames it is waited for
   if (state_ != TrackState::lost) log(LogLevel::warning, std::string("tracking lost: ").append(outcome.result.reason));
   state_ = TrackState::lost;
+  weak_ = options_.tracker.weak_inliers > 0;
   has_velocity_ = false;
   ++lost_frames_;
   if (monocular() && map_is_live && lost_frames_ > kYoungMapPatience && map_.read()->key_frame_count() <= kYoungMap) {

@@ -59,10 +59,9 @@ class Tracker {
   // request that was refused pass an invalid key frame in the report.
   void key_frame_made(const MappingReport& report, int64_t frame);
 
-  // Features wanted of the next frame (the monocular initialiser wants more).
-  bool wants_more_features() const {
-    return state_ == TrackState::not_initialised && options_.sensor == Sensor::monocular;
-  }
+  // Whether the next frame should get twice the features: for the monocular initialiser, and while tracking hangs on few
+  // points or is lost.
+  bool wants_more_features() const { return state_ == TrackState::not_initialised ? monocular() : weak_; }
   TrackState state() const { return state_; }
 
  private:
@@ -117,6 +116,7 @@ class Tracker {
   Timestamp last_key_frame_stamp_ = 0;
   Timestamp last_recovery_ = std::numeric_limits<Timestamp>::min() / 2;
   int lost_frames_ = 0;
+  bool weak_ = false;           // few inliers lately
   size_t recovery_cursor_ = 0;  // whose turn it is among all key frames
 
   std::vector<PointCount> counts_;  // by point slot
