@@ -69,15 +69,16 @@ std::string problem_of(const MapState& state, const MapPointState& p) {
 
 }  // namespace
 
+// Beyond it a float can't hold the levels' variances.
+bool valid_pyramid(int levels, float factor) { return levels >= 1 && levels <= 32 && factor >= 1 && factor <= 4; }
+
 std::string problem_of(const Features& f, const ImageBounds& bounds) {
   const size_t n = f.x.size();
   if (f.y.size() != n || f.raw_x.size() != n || f.raw_y.size() != n || f.angle.size() != n || f.u_right.size() != n ||
       f.depth.size() != n || f.level.size() != n || f.descriptor.size() != n) {
     return "has features whose lists differ in length";
   }
-  if (!f.pyramid || f.pyramid->levels < 1 || !std::isfinite(f.pyramid->scale.back()) || !(f.pyramid->factor > 0)) {
-    return "has no valid pyramid";
-  }
+  if (!f.pyramid || !valid_pyramid(f.pyramid->levels, f.pyramid->factor)) return "has no valid pyramid";
   if (!valid_camera(f.camera)) return "has no valid camera";
   if (!valid_bounds(bounds)) return "has no valid image bounds";
   if (!are_pixels(f.x) || !are_pixels(f.y) || !are_pixels(f.raw_x) || !are_pixels(f.raw_y)) {
@@ -86,8 +87,7 @@ std::string problem_of(const Features& f, const ImageBounds& bounds) {
   if (!are_finite(f.angle) || !are_finite(f.u_right) || !are_finite(f.depth)) {
     return "has a feature that is not finite";
   }
-  const auto levels = static_cast<uint8_t>(std::min(f.pyramid->levels, 255));
-  if (std::any_of(f.level.begin(), f.level.end(), [&](uint8_t l) { return l >= levels; })) {
+  if (std::any_of(f.level.begin(), f.level.end(), [&](uint8_t l) { return l >= f.pyramid->levels; })) {
     return "has a feature on a level the pyramid does not have";
   }
   return {};

@@ -45,6 +45,9 @@ struct MapState {
   uint32_t next_serial = 0;
 };
 
+// Whether a pyramid can be made of these figures: at most 32 levels, a factor from 1 to 4.
+bool valid_pyramid(int levels, float factor);
+
 // What is wrong with features, for example after reading them from a file; empty when nothing is. The grid is not
 // looked at: it is built from arrays that pass here, with these bounds.
 std::string problem_of(const Features& features, const ImageBounds& bounds);
