@@ -57,7 +57,7 @@ inline Map random_map(uint64_t seed, int steps, int features = 30) {
   for (int step = 0; step < steps; ++step) {
     const uint32_t what = random.below(100);
     if (map.key_frame_count() < 3 || what < 7) {
-      const KeyFrameId k = map.add_key_frame(step, Timestamp{1403715273262142976} + 50000000 * step,
+      const KeyFrameId k = map.add_key_frame(step, Timestamp{1403715273262142976} + Timestamp{50000000} * step,
                                              random_pose(random), random_features(random, features));
       map.attach_to_tree(k);
     } else if (map.point_count() < 5 || what < 45) {
