@@ -59,19 +59,19 @@ uint32_t crc32(std::string_view bytes, uint32_t crc) {
   return ~crc;
 }
 
-Result<std::string> pack_sections(const std::vector<Section>& sections, uint16_t major, uint16_t minor) {
+Result<std::string> pack_sections(std::vector<Section> sections, uint16_t major, uint16_t minor) {
   FieldWriter table;
-  std::string body;
   uint64_t size = kHeaderSize + kEntrySize * sections.size();
-  for (const Section& section : sections) {
+  for (Section& section : sections) {
+    const uint64_t raw = section.bytes.size();
     auto packed = compress(section.bytes);
     if (!packed) return packed;
+    section.bytes = std::move(*packed);  // the most of a map's memory is given back here, section by section
     table(section.id);
-    table(crc32(*packed));
-    table(uint64_t{packed->size()});
+    table(crc32(section.bytes));
     table(uint64_t{section.bytes.size()});
-    size += packed->size();
-    body += *packed;
+    table(raw);
+    size += section.bytes.size();
   }
   FieldWriter header;
   header.array(kMagic.data(), kMagic.size());
@@ -87,7 +87,7 @@ Result<std::string> pack_sections(const std::vector<Section>& sections, uint16_t
   file.reserve(size);
   file += crc.take();
   file += entries;
-  file += body;
+  for (const Section& section : sections) file += section.bytes;
   return file;
 }
 

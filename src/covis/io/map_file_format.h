@@ -47,7 +47,6 @@ class FieldWriter {
     (*this)(static_cast<uint32_t>(values.size()));
     array(values.data(), values.size());
   }
-  void reserve(size_t bytes) { bytes_.reserve(bytes); }
   std::string take() { return std::move(bytes_); }
 
  private:
@@ -103,7 +102,7 @@ struct Section {
 };
 
 // The bytes of a file of these sections, compressed; the same for the same sections.
-Result<std::string> pack_sections(const std::vector<Section>& sections, uint16_t major = kMapFileMajor,
+Result<std::string> pack_sections(std::vector<Section> sections, uint16_t major = kMapFileMajor,
                                   uint16_t minor = kMapFileMinor);
 
 // A map file open for reading: opening looks at header and table, read() at one section. Errors name the file.
