@@ -12,7 +12,8 @@
 namespace covis::io {
 namespace {
 
-enum SectionId : uint32_t { kAbout = 1, kKeyFrames = 2, kFeatures = 3, kObservations = 4, kPoints = 5 };
+// The sections' ids.
+constexpr uint32_t kAbout = 1, kKeyFrames = 2, kFeatures = 3, kObservations = 4, kPoints = 5;
 
 constexpr const char* kNotRightLength = "it is damaged: a section has not the length that its contents ask for";
 
@@ -129,10 +130,8 @@ std::string problem_of(const MapHeader& h) {
 FrameRecord record_of(const KeyFrameState& k) {
   const Features& f = *k.features;
   FrameRecord r;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) r.R[static_cast<size_t>(3 * row + column)] = k.T_cw.R()(row, column);
-    r.t[static_cast<size_t>(row)] = k.T_cw.t()(row);
-  }
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.R.data()) = k.T_cw.R();
+  Eigen::Map<Eigen::Vector3d>(r.t.data()) = k.T_cw.t();
   r.camera = f.camera;
   r.bounds = f.grid.bounds;
   r.features = static_cast<uint32_t>(f.size());

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <system_error>
 
 namespace covis::io {
 namespace {
@@ -100,7 +101,7 @@ Result<SectionFile> SectionFile::open(const std::filesystem::path& path) {
     return fail(file.error("it is a folder or a device, a map file is wanted"));
   }
   file.stream_.open(path, std::ios::binary);
-  if (!file.stream_) return fail(file.error(std::string("it can't be opened: ") + std::strerror(errno)));
+  if (!file.stream_) return fail(file.error("it can't be opened: " + std::generic_category().message(errno)));
   file.size_ = std::filesystem::file_size(path, none);
   if (none) return fail(file.error("it can't be read: " + none.message()));
   std::string header(kHeaderSize, '\0');

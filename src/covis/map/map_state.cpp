@@ -38,9 +38,7 @@ std::string problem_of(const MapState& state, size_t index) {
   const KeyFrameState& k = state.key_frames[index];
   const auto frames = static_cast<uint32_t>(state.key_frames.size());
   if (!k.features) return "has no features";
-  if (const std::string problem = covis::problem_of(*k.features, k.features->grid.bounds); !problem.empty()) {
-    return problem;
-  }
+  if (std::string problem = covis::problem_of(*k.features, k.features->grid.bounds); !problem.empty()) return problem;
   if (k.points.size() != static_cast<size_t>(k.features->size())) return "has not a place for each feature";
   if (!k.T_cw.all_finite()) return "has a pose that is not finite";
   const Eigen::Matrix3d off = k.T_cw.R().transpose() * k.T_cw.R() - Eigen::Matrix3d::Identity();
