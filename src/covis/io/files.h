@@ -19,8 +19,11 @@ Result<void> read_bytes(const std::filesystem::path& file, std::string& bytes);
 
 // Writes to a temporary name in the same folder and renames: the file is there whole or, on an error (a full disk, no
 // right to write), as it was before. A link stays a link, its target is replaced. What is no regular file (a pipe, a
-// device) is written to directly.
-Result<void> write_text_atomically(const std::filesystem::path& file, std::string_view text);
+// device) is written to directly. `durable`: it has reached the disk before the old file gives way to it, so that even
+// a loss of power leaves one of them whole; that takes the disk's time.
+enum class Durable { no, yes };
+Result<void> write_text_atomically(const std::filesystem::path& file, std::string_view text,
+                                   Durable durable = Durable::no);
 
 // The parts of a line between blanks, tabs or commas.
 std::vector<std::string_view> split(std::string_view line);

@@ -17,6 +17,7 @@
 
 #include <Eigen/Core>
 
+#include "covis/core/error.h"
 #include "covis/core/ids.h"
 #include "covis/core/time.h"
 #include "covis/features/features.h"
@@ -63,6 +64,8 @@ struct KeyFrame {
   std::vector<KeyFrameId> loop_edges;  // sorted by handle
   int protections = 0;                 // while positive the key frame can't be erased
 };
+
+struct MapState;  // map_state.h
 
 class Map {
  public:
@@ -148,6 +151,12 @@ class Map {
   // that holds every key frame, no link to an erased thing, everything finite, counts consistent.
   std::string check() const;
 
+  // ---- Saving and loading (map_state.h) ----
+  MapState state() const;
+  // The map of a state, with fresh handles. An error says what is wrong with it: nothing of the state is trusted, and
+  // check() holds for what is returned.
+  static Result<Map> from_state(MapState state);
+
  private:
   struct Ancestor {
     KeyFrameId parent;
@@ -163,6 +172,7 @@ class Map {
   uint64_t refused_non_finite_ = 0;
 
   void add_weight(KeyFrameId a, KeyFrameId b, int delta);
+  void rebuild_shared();  // of all key frames, from the observations
   void unlink_observations(MapPointId id);
   void reattach_children(KeyFrameId id);
 };

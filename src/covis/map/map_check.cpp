@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <map>
 #include <set>
 
 #include "covis/map/map.h"
@@ -34,10 +33,11 @@ std::string check_point(const Map& map, MapPointId id, const MapPoint& point) {
   return {};
 }
 
-std::string check_key_frame(const Map& map, KeyFrameId id, const KeyFrame& key_frame) {
+// `weights`: a zero for each slot of key frames, and so again afterwards when nothing is wrong.
+std::string check_key_frame(const Map& map, KeyFrameId id, const KeyFrame& key_frame, std::vector<int>& weights) {
   if (!key_frame.T_cw.all_finite()) return name(id) + " has a pose that is not finite";
   if (key_frame.points.size() != static_cast<size_t>(key_frame.features->size())) return name(id) + " has not a place for each feature";
-  std::map<KeyFrameId, int> weights;
+  int64_t total = 0;
   for (size_t i = 0; i < key_frame.points.size(); ++i) {
     const MapPointId point_id = key_frame.points[i];
     if (!point_id.valid()) continue;
@@ -47,18 +47,24 @@ std::string check_key_frame(const Map& map, KeyFrameId id, const KeyFrame& key_f
     for (const Observation& o : point->observations) {
       if (o.key_frame == id) {
         mutual = o.feature == i;
+      } else if (o.key_frame.slot >= weights.size()) {
+        return name(point_id) + " is observed by an erased " + name(o.key_frame);
       } else {
-        ++weights[o.key_frame];
+        ++weights[o.key_frame.slot];
+        ++total;
       }
     }
     if (!mutual) return name(id) + " and " + name(point_id) + " disagree on an observation";
   }
-  if (weights.size() != key_frame.shared.size()) return name(id) + " has a wrong number of covisible key frames";
-  auto expected = weights.begin();
-  for (const Neighbour& n : key_frame.shared) {
-    if (n.key_frame != expected->first || n.weight != expected->second) return name(id) + " has a wrong covisibility weight";
-    ++expected;
+  if (!strictly_sorted(key_frame.shared, [](const Neighbour& a, const Neighbour& b) { return a.key_frame < b.key_frame; })) {
+    return name(id) + "'s covisible key frames are not sorted or not unique";
   }
+  for (const Neighbour& n : key_frame.shared) {
+    if (!map.find(n.key_frame) || n.weight < 1 || n.weight != weights[n.key_frame.slot]) return name(id) + " has a wrong covisibility weight";
+    total -= n.weight;
+    weights[n.key_frame.slot] = 0;
+  }
+  if (total != 0) return name(id) + " has a wrong number of covisible key frames";
   return {};
 }
 
@@ -95,9 +101,11 @@ std::string check_links(const Map& map, KeyFrameId id, const KeyFrame& key_frame
 std::string Map::check() const {
   std::string problem;
   std::set<uint32_t> serials;
+  std::vector<int> weights;
+  for_each_key_frame([&](KeyFrameId id, const KeyFrame&) { weights.resize(id.slot + size_t{1}); });
   for_each_key_frame([&](KeyFrameId id, const KeyFrame& key_frame) {
     if (!serials.insert(key_frame.serial).second && problem.empty()) problem = name(id) + " has a serial used twice";
-    if (problem.empty()) problem = check_key_frame(*this, id, key_frame);
+    if (problem.empty()) problem = check_key_frame(*this, id, key_frame, weights);
     if (problem.empty()) problem = check_links(*this, id, key_frame);
   });
   for_each_point([&](MapPointId id, const MapPoint& point) {

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// covis map: what a saved map holds, and whether it is whole.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "commands.h"
+#include "covis/core/log.h"
+#include "covis/io/map_file.h"
+
+namespace covis::app {
+namespace {
+
+struct MapArguments {
+  std::string file;
+  bool json = false;
+};
+
+nlohmann::json camera_json(const Camera& c) {
+  static constexpr const char* kLenses[] = {"pinhole", "brown_conrady", "kannala_brandt"};
+  nlohmann::json json{{"width", c.width},
+                      {"height", c.height},
+                      {"fx", c.pinhole.fx},
+                      {"fy", c.pinhole.fy},
+                      {"cx", c.pinhole.cx},
+                      {"cy", c.pinhole.cy},
+                      {"model", kLenses[static_cast<int>(c.distortion)]}};
+  if (c.pinhole.bf > 0) json["baseline"] = c.pinhole.baseline();
+  if (c.distortion != Distortion::none) json["distortion"] = c.coefficients;
+  return json;
+}
+
+nlohmann::json to_json(const std::string& file, const io::MapInfo& info) {
+  static constexpr const char* kSensors[] = {"mono", "stereo", "rgbd"};
+  return {{"file", file},
+          {"version", std::to_string(info.major) + "." + std::to_string(info.minor)},
+          {"bytes", info.file_size},
+          {"sensor", kSensors[static_cast<int>(info.header.sensor)]},
+          {"camera", camera_json(info.header.camera)},
+          {"pyramid", {{"levels", info.header.levels}, {"factor", info.header.factor}}},
+          {"vocabulary", info.header.vocabulary},
+          {"key_frames", info.key_frames},
+          {"points", info.points},
+          {"observations", info.observations},
+          {"features", info.features},
+          {"extent_m", {info.extent.x(), info.extent.y(), info.extent.z()}},
+          {"seconds", info.seconds}};
+}
+
+void print(const std::string& file, const io::MapInfo& info, const nlohmann::json& json) {
+  std::cout << file << "\n";
+  std::printf("version         %d.%d\n", info.major, info.minor);
+  std::printf("size            %.2f MB\n", static_cast<double>(info.file_size) / 1e6);
+  std::cout << "sensor          " << json["sensor"].get<std::string>() << "\n";
+  std::cout << "camera          " << json["camera"].dump() << "\n";
+  std::printf("pyramid         %d levels, factor %g\n", info.header.levels, static_cast<double>(info.header.factor));
+  std::cout << "vocabulary      " << (info.header.vocabulary.empty() ? "none" : info.header.vocabulary) << "\n";
+  std::printf("key frames      %llu, over %.2f s\n", static_cast<unsigned long long>(info.key_frames), info.seconds);
+  std::printf("points          %llu, seen %llu times\n", static_cast<unsigned long long>(info.points),
+              static_cast<unsigned long long>(info.observations));
+  std::printf("extent          %.2f x %.2f x %.2f m\n", info.extent.x(), info.extent.y(), info.extent.z());
+}
+
+int run_info(const MapArguments& a) {
+  const auto info = io::read_map_info(a.file);
+  if (!info) {
+    log(LogLevel::error, info.error().message);
+    return 1;
+  }
+  const nlohmann::json json = to_json(a.file, *info);
+  if (a.json) {
+    std::cout << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+  } else {
+    print(a.file, *info, json);
+  }
+  return 0;
+}
+
+int run_check(const MapArguments& a) {
+  const auto loaded = io::load_map(a.file);
+  if (!loaded) {
+    log(LogLevel::error, loaded.error().message);
+    return 1;
+  }
+  std::cout << a.file << ": whole\n";
+  return 0;
+}
+
+}  // namespace
+}  // namespace covis::app
+
+void add_map_command(CLI::App& app, int& exit_code) {
+  using namespace covis::app;
+  auto a = std::make_shared<MapArguments>();
+  CLI::App* command = app.add_subcommand("map", "Say what a saved map holds, and whether it is whole");
+  command->require_subcommand(1);
+  CLI::App* info = command->add_subcommand("info", "Version, camera, sensor, counts, extent, duration and size");
+  info->add_option("FILE", a->file, "a saved map")->required();
+  info->add_flag("--json", a->json, "JSON on stdout");
+  info->callback([a, &exit_code] { exit_code = run_info(*a); });
+  CLI::App* check = command->add_subcommand("check", "Load it, look at everything, and say what is wrong");
+  check->add_option("FILE", a->file, "a saved map")->required();
+  check->callback([a, &exit_code] { exit_code = run_check(*a); });
+  command->footer(
+      "Examples:\n  covis map info office.covis --json\n  covis map check office.covis\nExit code 1 when the file "
+      "can't "
+      "be read or is not whole.");
+}

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/map/map_state.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace covis {
+namespace {
+
+constexpr uint32_t kNone = MapState::kNone;
+constexpr float kMaxPixel = 1e6f;  // far beyond any image; the grid's arithmetic is safe below it
+
+std::string frame_name(size_t i) { return "key frame " + std::to_string(i); }
+std::string point_name(size_t i) { return "point " + std::to_string(i); }
+
+bool are_pixels(const AlignedVector<float>& values) {
+  // A NaN compares false with everything.
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::abs(v) <= kMaxPixel; });
+}
+
+bool are_finite(const AlignedVector<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+}
+
+bool valid_camera(const Pinhole& c) {
+  return std::isfinite(c.fx) && std::isfinite(c.fy) && std::isfinite(c.cx) && std::isfinite(c.cy) &&
+         std::isfinite(c.bf) && c.fx > 0 && c.fy > 0 && c.bf >= 0;
+}
+
+bool valid_bounds(const ImageBounds& b) {
+  for (const float v : {b.min_x, b.min_y, b.max_x, b.max_y}) {
+    if (!(std::abs(v) <= kMaxPixel)) return false;
+  }
+  return b.max_x - b.min_x >= 1 && b.max_y - b.min_y >= 1;
+}
+
+std::string problem_of(const MapState& state, size_t index) {
+  const KeyFrameState& k = state.key_frames[index];
+  const auto frames = static_cast<uint32_t>(state.key_frames.size());
+  if (!k.features) return "has no features";
+  if (std::string problem = covis::problem_of(*k.features, k.features->grid.bounds); !problem.empty()) return problem;
+  if (k.points.size() != static_cast<size_t>(k.features->size())) return "has not a place for each feature";
+  if (!k.T_cw.all_finite()) return "has a pose that is not finite";
+  const Eigen::Matrix3d off = k.T_cw.R().transpose() * k.T_cw.R() - Eigen::Matrix3d::Identity();
+  if (!(off.cwiseAbs().maxCoeff() < 1e-3) || !(k.T_cw.R().determinant() > 0)) return "has a pose without a rotation";
+  if (k.serial >= state.next_serial) return "has a serial that is not given yet";
+  if (index > 0 && k.serial <= state.key_frames[index - 1].serial) return "has a serial that does not rise";
+  if (k.parent != kNone && k.parent >= frames) return "has a parent that is not there";
+  if (k.parent == index) return "is its own parent";
+  for (const uint32_t p : k.points) {
+    if (p != kNone && p >= state.points.size()) return "observes a point that is not there";
+  }
+  for (size_t i = 0; i < k.loop_edges.size(); ++i) {
+    if (k.loop_edges[i] >= frames || k.loop_edges[i] == index) return "has a loop edge to what is not there";
+    if (i > 0 && k.loop_edges[i] <= k.loop_edges[i - 1]) return "has loop edges that do not rise";
+  }
+  return {};
+}
+
+std::string problem_of(const MapState& state, const MapPointState& p) {
+  if (!p.position_w.allFinite() || !p.normal_w.allFinite()) return "is not finite";
+  if (!std::isfinite(p.d_min) || !std::isfinite(p.d_max)) return "has a range of distances that is not finite";
+  if (p.reference >= state.key_frames.size()) return "has a reference that is not there";
+  if (p.created_serial >= state.next_serial) return "is newer than the newest key frame";
+  return {};
+}
+
+}  // namespace
+
+// Beyond it a float can't hold the levels' variances.
+bool valid_pyramid(int levels, float factor) { return levels >= 1 && levels <= 32 && factor >= 1 && factor <= 4; }
+
+std::string problem_of(const Features& f, const ImageBounds& bounds) {
+  const size_t n = f.x.size();
+  if (f.y.size() != n || f.raw_x.size() != n || f.raw_y.size() != n || f.angle.size() != n || f.u_right.size() != n ||
+      f.depth.size() != n || f.level.size() != n || f.descriptor.size() != n) {
+    return "has features whose lists differ in length";
+  }
+  if (!f.pyramid || !valid_pyramid(f.pyramid->levels, f.pyramid->factor)) return "has no valid pyramid";
+  if (!valid_camera(f.camera)) return "has no valid camera";
+  if (!valid_bounds(bounds)) return "has no valid image bounds";
+  if (!are_pixels(f.x) || !are_pixels(f.y) || !are_pixels(f.raw_x) || !are_pixels(f.raw_y)) {
+    return "has a feature outside any image";
+  }
+  if (!are_finite(f.angle) || !are_finite(f.u_right) || !are_finite(f.depth)) {
+    return "has a feature that is not finite";
+  }
+  if (std::any_of(f.level.begin(), f.level.end(), [&](uint8_t l) { return l >= f.pyramid->levels; })) {
+    return "has a feature on a level the pyramid does not have";
+  }
+  return {};
+}
+
+std::string problem_of(const MapState& state) {
+  if (state.key_frames.size() >= kNone || state.points.size() >= kNone) return "there is too much of it";
+  for (size_t i = 0; i < state.key_frames.size(); ++i) {
+    if (const std::string problem = problem_of(state, i); !problem.empty()) return frame_name(i) + " " + problem;
+  }
+  for (size_t i = 0; i < state.points.size(); ++i) {
+    const std::string problem = problem_of(state, state.points[i]);
+    if (!problem.empty()) return point_name(i) + " " + problem;
+  }
+  const bool root_there = state.root < state.key_frames.size();
+  if (state.key_frames.empty() ? state.root != kNone : !root_there) return "it has no root";
+  return {};
+}
+
+MapState Map::state() const {
+  MapState state;
+  state.next_serial = next_serial_;
+  const std::vector<KeyFrameId> frames = key_frames();
+  std::vector<uint32_t> frame_index, point_index;  // by slot
+  for (size_t i = 0; i < frames.size(); ++i) {
+    frame_index.resize(std::max<size_t>(frame_index.size(), frames[i].slot + size_t{1}));
+    frame_index[frames[i].slot] = static_cast<uint32_t>(i);
+  }
+  state.points.reserve(points_.size());
+  for_each_point([&](MapPointId id, const MapPoint& p) {
+    point_index.resize(id.slot + size_t{1});
+    point_index[id.slot] = static_cast<uint32_t>(state.points.size());
+    state.points.push_back({p.position_w, p.normal_w, p.descriptor, p.d_min, p.d_max, frame_index[p.reference.slot],
+                            p.created_serial, p.visible, p.found});
+  });
+  state.key_frames.reserve(frames.size());
+  for (const KeyFrameId& id : frames) {
+    const KeyFrame& k = at(id);
+    KeyFrameState& s =
+        state.key_frames.emplace_back(KeyFrameState{k.serial, k.frame, k.stamp, k.T_cw, k.features, {}, kNone, {}});
+    if (k.parent.valid()) s.parent = frame_index[k.parent.slot];
+    s.points.reserve(k.points.size());
+    for (const MapPointId& p : k.points) s.points.push_back(p.valid() ? point_index[p.slot] : kNone);
+    for (const KeyFrameId& other : k.loop_edges) s.loop_edges.push_back(frame_index[other.slot]);
+    std::sort(s.loop_edges.begin(), s.loop_edges.end());
+  }
+  if (root_.valid()) state.root = frame_index[root_.slot];
+  return state;
+}
+
+void Map::rebuild_shared() {
+  // Slots are dense in a map just put together, so that a flat list can count.
+  std::vector<int> weights(key_frames_.size());
+  std::vector<KeyFrameId> met;
+  for (const KeyFrameId& id : key_frames()) {
+    KeyFrame& key_frame = key_frames_.at(id);
+    met.clear();
+    for (const MapPointId& point : key_frame.points) {
+      if (!point.valid()) continue;
+      for (const Observation& o : at(point).observations) {
+        if (o.key_frame != id && weights[o.key_frame.slot]++ == 0) met.push_back(o.key_frame);
+      }
+    }
+    std::sort(met.begin(), met.end());
+    key_frame.shared.clear();
+    for (const KeyFrameId& other : met) {
+      key_frame.shared.push_back({other, weights[other.slot]});
+      weights[other.slot] = 0;
+    }
+  }
+}
+
+Result<Map> Map::from_state(MapState state) {
+  if (const std::string problem = problem_of(state); !problem.empty()) return fail(problem);
+  Map map;
+  std::vector<KeyFrameId> frames;
+  std::vector<MapPointId> points;
+  for (const MapPointState& p : state.points) {
+    MapPoint point;
+    point.position_w = p.position_w;
+    point.normal_w = p.normal_w;
+    point.descriptor = p.descriptor;
+    point.d_min = p.d_min;
+    point.d_max = p.d_max;
+    point.created_serial = p.created_serial;
+    point.visible = p.visible;
+    point.found = p.found;
+    points.push_back(map.points_.insert(std::move(point)));
+  }
+  for (KeyFrameState& s : state.key_frames) {
+    KeyFrame key_frame;
+    key_frame.serial = s.serial;
+    key_frame.frame = s.frame;
+    key_frame.stamp = s.stamp;
+    key_frame.T_cw = s.T_cw;
+    key_frame.features = std::move(s.features);
+    key_frame.points.resize(s.points.size());
+    frames.push_back(map.key_frames_.insert(std::move(key_frame)));
+    KeyFrame& made = map.key_frames_.at(frames.back());
+    for (uint32_t f = 0; f < s.points.size(); ++f) {
+      if (s.points[f] == kNone) continue;
+      made.points[f] = points[s.points[f]];
+      map.points_.at(made.points[f]).observations.push_back({frames.back(), f});  // sorted: handles rise here
+    }
+  }
+  for (size_t i = 0; i < frames.size(); ++i) {
+    KeyFrame& key_frame = map.key_frames_.at(frames[i]);
+    for (const uint32_t other : state.key_frames[i].loop_edges) key_frame.loop_edges.push_back(frames[other]);
+    if (state.key_frames[i].parent == kNone) continue;
+    key_frame.parent = frames[state.key_frames[i].parent];
+    map.key_frames_.at(key_frame.parent).children.push_back(frames[i]);
+  }
+  for (size_t i = 0; i < points.size(); ++i) map.points_.at(points[i]).reference = frames[state.points[i].reference];
+  if (state.root != kNone) map.root_ = frames[state.root];
+  map.next_serial_ = state.next_serial;
+  map.rebuild_shared();
+  if (const std::string problem = map.check(); !problem.empty()) return fail(problem);
+  return map;
+}
+
+}  // namespace covis
