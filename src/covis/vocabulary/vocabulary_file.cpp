@@ -86,9 +86,11 @@ MappedFile::~MappedFile() {
 
 Result<void> write_whole(const std::filesystem::path& file, std::span<const std::byte> bytes) {
   std::error_code error;
-  const std::filesystem::path target =
-      std::filesystem::is_symlink(file, error) ? std::filesystem::canonical(file, error) : file;
-  if (error) return fail(file.string() + ": the link leads nowhere");
+  std::filesystem::path target = file;
+  if (std::filesystem::is_symlink(file, error)) {  // the link stays, what it names is replaced
+    target = std::filesystem::canonical(file, error);
+    if (error) return fail(file.string() + ": the link leads nowhere");
+  }
   const std::filesystem::path temporary = target.string() + ".tmp" + std::to_string(::getpid());
   const auto give_up = [&](const char* what) {
     const auto failure = fail_errno(file, what);
