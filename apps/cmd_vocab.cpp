@@ -109,6 +109,29 @@ nlohmann::json summary_of(const Vocabulary& vocabulary, const std::string& file)
           {"bytes", static_cast<uint64_t>(std::filesystem::file_size(file, error))}};
 }
 
+void print_training(const TrainArguments& arguments, const Vocabulary& vocabulary, const TrainingSet& set, size_t files,
+                    const ExtractionReport& report, double extraction_s, double training_s) {
+  const size_t images = files - report.skipped.size();
+  nlohmann::json summary = summary_of(vocabulary, arguments.out);
+  summary["images"] = images;
+  summary["passed_over"] = report.skipped.size();
+  summary["pieces"] = set.images();
+  summary["descriptors"] = set.seen();
+  summary["descriptors_used"] = set.descriptors().size();
+  summary["extraction_s"] = extraction_s;
+  summary["training_s"] = training_s;
+  if (arguments.json) {
+    std::cout << summary.dump(2) << "\n";
+  } else if (!arguments.quiet) {
+    std::printf(
+        "%zu images in %zu pieces, %zu of %zu descriptors used (%.1f s); %u words of branching %d and depth %d "
+        "(%.1f s) in %s, checksum %s\n",
+        images, static_cast<size_t>(set.images()), set.descriptors().size(), static_cast<size_t>(set.seen()),
+        extraction_s, vocabulary.words(), vocabulary.branching(), vocabulary.depth(), training_s, arguments.out.c_str(),
+        checksum_text(vocabulary.checksum()).c_str());
+  }
+}
+
 int train(TrainArguments arguments) {
   for (const auto& [name, text] : arguments.settings) {
     if (text.empty()) continue;
@@ -147,25 +170,7 @@ int train(TrainArguments arguments) {
   if (!vocabulary) return fail_vocab(vocabulary.error().message);
   if (auto ok = (*vocabulary)->save(arguments.out); !ok) return fail_vocab(ok.error().message);
 
-  nlohmann::json summary = summary_of(**vocabulary, arguments.out);
-  summary["images"] = files->size() - report.skipped.size();
-  summary["passed_over"] = report.skipped.size();
-  summary["pieces"] = set.images();
-  summary["descriptors"] = set.seen();
-  summary["descriptors_used"] = set.descriptors().size();
-  summary["extraction_s"] = extraction_s;
-  summary["training_s"] = training.ms() / 1000;
-  if (arguments.json) {
-    std::cout << summary.dump(2) << "\n";
-  } else if (!arguments.quiet) {
-    std::printf(
-        "%zu images in %zu pieces, %zu of %llu descriptors used (%.1f s); %u words of branching %d and depth %d "
-        "(%.1f s) in %s, checksum %s\n",
-        files->size() - report.skipped.size(), static_cast<size_t>(set.images()), set.descriptors().size(),
-        static_cast<unsigned long long>(set.seen()), extraction_s, (*vocabulary)->words(), (*vocabulary)->branching(),
-        (*vocabulary)->depth(), training.ms() / 1000, arguments.out.c_str(),
-        checksum_text((*vocabulary)->checksum()).c_str());
-  }
+  print_training(arguments, **vocabulary, set, files->size(), report, extraction_s, training.ms() / 1000);
   return 0;
 }
 

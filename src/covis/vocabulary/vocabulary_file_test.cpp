@@ -83,7 +83,7 @@ TEST_F(VocabularyFile, ReadsTextAsOthersWriteIt) {
   // Depth first, blanks at the ends of lines, carriage returns, exponents.
   write_file(folder_ / "tree.txt", "10 6  0 0 \r\n0 0 " + text_of_bytes(0) + " 0 \r\n1 1 " + text_of_bytes(1) +
                                        "5.25e-1 \n1 1 " + text_of_bytes(100) + "2 \n0 1 " + text_of_bytes(200) +
-                                       "3\n\n");
+                                       "3\n\n \n");
   const auto loaded = Vocabulary::load(folder_ / "tree.txt");
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_EQ((*loaded)->branching(), 10);

@@ -71,7 +71,7 @@ Result<VocabularyText> parse_vocabulary_text(std::string_view text) {
   std::vector<bool> words;
   for (size_t number = 2; !text.empty(); ++number) {
     line = take_line(text);
-    if (line.empty() && text.empty()) break;
+    if (line.empty()) continue;
     VocabularyNode node;
     int word = 0;
     if (!take_node(line, node, word)) {
