@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/vocabulary/vocabulary.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "covis/features/hamming.h"
+#include "covis/vocabulary/vocabulary_file.h"
+#include "covis/vocabulary/vocabulary_text.h"
+
+namespace covis {
+namespace {
+
+std::string_view text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// An array that lies in a file's bytes.
+template <class T>
+std::span<const T> array_at(std::span<const std::byte> bytes, uint64_t offset, size_t count) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return {reinterpret_cast<const T*>(bytes.data() + offset), count};
+}
+
+VocabularyHeader header_of(std::span<const std::byte> bytes) {
+  VocabularyHeader header;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  return header;
+}
+
+Result<void> check_header(const VocabularyHeader& header, uint64_t bytes) {
+  if (header.header_checksum != header_checksum(header)) return fail("its header is damaged (checksum)");
+  if (header.version != kVocabularyVersion) {
+    return fail("it has version " + std::to_string(header.version) + "; this program reads version " +
+                std::to_string(kVocabularyVersion));
+  }
+  if (header.branching < 2 || header.branching > Vocabulary::kMaxBranching || header.depth < 1 ||
+      header.depth > Vocabulary::kMaxDepth || header.nodes < 2 || header.words < 1 || header.words >= header.nodes ||
+      header.bytes != VocabularyLayout(header.nodes, header.words).end) {
+    return fail("its header has sizes that can't be");
+  }
+  if (bytes != header.bytes) {
+    return fail(std::string(bytes < header.bytes ? "it is cut short" : "something follows its end") + " (" +
+                std::to_string(bytes) + " bytes of " + std::to_string(header.bytes) + ")");
+  }
+  return {};
+}
+
+// The groups of keys (high half: group, low half: feature) that rise.
+void fill_direct_index(const std::vector<uint64_t>& keys, Words& out) {
+  out.feature.resize(keys.size());
+  for (size_t i = 0; i < keys.size(); ++i) {
+    const auto node = static_cast<uint32_t>(keys[i] >> 32);
+    out.feature[i] = static_cast<uint32_t>(keys[i]);
+    if (i > 0 && node == out.node.back()) continue;
+    out.node.push_back(node);
+    out.offset.push_back(static_cast<uint32_t>(i));
+  }
+  out.offset.push_back(static_cast<uint32_t>(keys.size()));
+}
+
+}  // namespace
+
+double word_score(const std::vector<WordWeight>& a, const std::vector<WordWeight>& b) {
+  // Both sum to 1, so that 1 - |a - b|_1 / 2 is the sum of the lesser weights of the words they share.
+  double score = 0;
+  for (size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+    if (a[i].word < b[j].word) {
+      ++i;
+    } else if (b[j].word < a[i].word) {
+      ++j;
+    } else {
+      score += std::min(a[i++].weight, b[j++].weight);
+    }
+  }
+  return score;
+}
+
+Vocabulary::Vocabulary() = default;
+Vocabulary::~Vocabulary() = default;
+
+Result<std::shared_ptr<const Vocabulary>> Vocabulary::load(const std::filesystem::path& file) {
+  auto mapped = MappedFile::open(file);
+  if (!mapped) return tl::unexpected(mapped.error());
+  const std::span<const std::byte> bytes = (*mapped)->bytes();
+  if (bytes.empty()) return fail(file.string() + ": the file is empty");
+  const auto named = [&](const Error& error) { return fail(file.string() + ": " + error.message); };
+  const size_t magic = std::min(bytes.size(), kVocabularyMagic.size());
+  if (text_of(bytes).substr(0, magic) != kVocabularyMagic.substr(0, magic)) {
+    const auto text = parse_vocabulary_text(text_of(bytes));
+    if (!text) return named(text.error());
+    auto built = build(text->branching, text->depth, text->nodes);
+    if (!built) return named(built.error());
+    return built;
+  }
+  const std::shared_ptr<Vocabulary> vocabulary(new Vocabulary);
+  vocabulary->mapped_ = std::move(*mapped);
+  if (auto ok = vocabulary->open(bytes); !ok) return named(ok.error());
+  return vocabulary;
+}
+
+Result<void> Vocabulary::open(std::span<const std::byte> bytes) {
+  if (bytes.size() < sizeof(VocabularyHeader)) return fail("the vocabulary is cut short within its header");
+  const VocabularyHeader header = header_of(bytes);
+  if (auto ok = check_header(header, bytes.size()); !ok)
+    return fail("the vocabulary can't be used: " + ok.error().message);
+  const VocabularyLayout layout(header.nodes, header.words);
+  branching_ = static_cast<int>(header.branching);
+  depth_ = static_cast<int>(header.depth);
+  checksum_ = header.checksum;
+  bytes_ = bytes;
+  descriptors_ = array_at<Descriptor>(bytes, layout.descriptors, header.nodes);
+  nodes_ = array_at<Node>(bytes, layout.nodes, size_t{header.nodes} + 1);
+  weights_ = array_at<float>(bytes, layout.weights, header.words);
+  return check_nodes();
+}
+
+// What descend() and transform() rely on; a damaged descriptor or weight can only make a poorer word.
+Result<void> Vocabulary::check_nodes() const {
+  const uint32_t count = nodes();
+  bool good =
+      nodes_[0].child == 1 && nodes_[0].word == 0 && nodes_[count].child == count && nodes_[count].word == words();
+  for (uint32_t n = 0; n < count; ++n) {
+    const uint32_t first = nodes_[n].child, last = nodes_[n + 1].child;
+    good &= first > n && last >= first && last <= count && last - first <= static_cast<uint32_t>(branching_);
+    good &= nodes_[n + 1].word == nodes_[n].word + (first == last ? 1 : 0);
+  }
+  uint32_t begin = 0, end = 1;  // the nodes of a level
+  for (int level = 0; good && level < depth_ && begin < end; ++level) {
+    begin = std::exchange(end, nodes_[end].child);
+  }
+  good &= end == count;
+  for (const float weight : weights_) good &= std::isfinite(weight) && weight >= 0;
+  return good ? Result<void>() : fail("the vocabulary can't be used: its tree is damaged");
+}
+
+bool Vocabulary::verify() const {
+  return vocabulary_checksum(header_of(bytes_), bytes_.subspan(sizeof(VocabularyHeader))) == checksum_;
+}
+
+Result<void> Vocabulary::save(const std::filesystem::path& file) const { return write_whole(file, bytes_); }
+
+Result<void> Vocabulary::save_text(const std::filesystem::path& file) const {
+  VocabularyText text{branching_, depth_, std::vector<VocabularyNode>(nodes() - 1)};
+  for (uint32_t n = 0; n < nodes(); ++n) {
+    const bool leaf = nodes_[n].child == nodes_[n + 1].child;
+    if (n > 0) text.nodes[n - 1].descriptor = descriptors_[n];
+    if (leaf) text.nodes[n - 1].weight = weights_[nodes_[n].word];
+    for (uint32_t child = nodes_[n].child; child < nodes_[n + 1].child; ++child) text.nodes[child - 1].parent = n;
+  }
+  const std::string written = write_vocabulary_text(text);
+  return write_whole(file, std::as_bytes(std::span(written)));
+}
+
+Vocabulary::Leaf Vocabulary::descend(const Descriptor& descriptor) const {
+  std::array<uint16_t, kMaxBranching> distance;
+  uint32_t node = 0, direct_node = 0;
+  for (int level = 0;; ++level) {
+    if (level <= kDirectIndexLevel) direct_node = node;
+    const uint32_t first = nodes_[node].child;
+    const auto children = static_cast<int>(nodes_[node + 1].child - first);
+    if (children == 0) return {nodes_[node].word, direct_node};
+    hamming_row(descriptor, &descriptors_[first], children, distance.data());
+    node =
+        first + static_cast<uint32_t>(std::min_element(distance.data(), distance.data() + children) - distance.data());
+  }
+}
+
+uint32_t Vocabulary::word(const Descriptor& descriptor) const { return descend(descriptor).word; }
+
+Words Vocabulary::transform(std::span<const Descriptor> descriptors) const {
+  Words out;
+  std::vector<uint32_t> words(descriptors.size());
+  std::vector<uint64_t> keys(descriptors.size());
+  for (size_t i = 0; i < descriptors.size(); ++i) {
+    const Leaf leaf = descend(descriptors[i]);
+    words[i] = leaf.word;
+    keys[i] = (uint64_t{leaf.direct_node} << 32) | i;
+  }
+  std::sort(keys.begin(), keys.end());
+  fill_direct_index(keys, out);
+  std::sort(words.begin(), words.end());
+  double sum = 0;
+  for (size_t i = 0; i < words.size();) {  // tf-idf; the number of features goes out with the norm
+    size_t end = i + 1;
+    while (end < words.size() && words[end] == words[i]) ++end;
+    const float weight = static_cast<float>(end - i) * weights_[words[i]];
+    if (weight > 0) out.words.push_back({words[i], weight});
+    sum += weight;
+    i = end;
+  }
+  for (WordWeight& word : out.words) word.weight = static_cast<float>(word.weight / sum);
+  return out;
+}
+
+}  // namespace covis

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// The binary file of a vocabulary: a header, then flat arrays that are used where they lie (docs/vocabulary.md has the
+// layout). Little-endian. And the two ways to a file: mapped for reading, written whole or not at all.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "covis/core/error.h"
+
+namespace covis {
+
+inline constexpr std::string_view kVocabularyMagic{"COVISVOC", 8};
+inline constexpr uint32_t kVocabularyVersion = 1;
+
+struct VocabularyHeader {
+  char magic[8];
+  uint32_t version;
+  uint32_t branching;
+  uint32_t depth;
+  uint32_t nodes;  // with the root
+  uint32_t words;
+  uint32_t reserved;         // 0
+  uint64_t bytes;            // of the whole file
+  uint64_t checksum;         // of the content: vocabulary_checksum()
+  uint64_t reserved_too;     // 0
+  uint64_t header_checksum;  // of the bytes before it
+};
+static_assert(sizeof(VocabularyHeader) == 64);
+
+// Where the arrays begin, from the numbers of nodes and words.
+struct VocabularyLayout {
+  uint64_t descriptors, nodes, weights, end;  // bytes from the file's start
+  VocabularyLayout(uint64_t node_count, uint64_t word_count);
+};
+
+uint64_t header_checksum(const VocabularyHeader& header);
+// Of the sizes in the header and all that follows it.
+uint64_t vocabulary_checksum(const VocabularyHeader& header, std::span<const std::byte> content);
+
+// A file, readable as memory.
+class MappedFile {
+ public:
+  static Result<std::unique_ptr<MappedFile>> open(const std::filesystem::path& file);
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+  ~MappedFile();
+  std::span<const std::byte> bytes() const { return {data_, size_}; }
+
+ private:
+  MappedFile() = default;
+  const std::byte* data_ = nullptr;
+  size_t size_ = 0;
+};
+
+// To a temporary name beside the file, brought to the disk, then renamed.
+Result<void> write_whole(const std::filesystem::path& file, std::span<const std::byte> bytes);
+
+}  // namespace covis

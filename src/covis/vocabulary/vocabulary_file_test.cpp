@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files: written and read again, converted, and all the ways in which they can be wrong.
+#include "covis/vocabulary/vocabulary_file.h"
+
+#include <gmock/gmock.h>
+
+#include <cstring>
+
+#include "covis/vocabulary/test_vocabulary.h"
+
+namespace covis {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class VocabularyFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    vocabulary_ = train_made(images_, 4, 3);
+    ASSERT_TRUE(vocabulary_->save(folder_ / "good"));
+    bytes_ = read_file(folder_ / "good");
+  }
+  // What loading these bytes says; "loaded" if it does.
+  std::string load(const std::string& bytes) {
+    write_file(folder_ / "bad", bytes);
+    const auto loaded = Vocabulary::load(folder_ / "bad");
+    if (!loaded) return loaded.error().message;
+    for (size_t i = 0; i < 5; ++i) EXPECT_LE((*loaded)->transform(images_.image(i)).words.size(), (*loaded)->words());
+    damage_seen_ = !(*loaded)->verify();
+    return "loaded";
+  }
+
+  const TemporaryFolder folder_;
+  MadeImages images_{21, 12, 60, 40};
+  std::shared_ptr<const Vocabulary> vocabulary_;
+  std::string bytes_;
+  bool damage_seen_ = false;
+};
+
+TEST_F(VocabularyFile, SavesWhatItLoads) {
+  const auto loaded = Vocabulary::load(folder_ / "good");
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_TRUE((*loaded)->verify());
+  EXPECT_EQ((*loaded)->branching(), 4);
+  EXPECT_EQ((*loaded)->depth(), 3);
+  EXPECT_EQ((*loaded)->words(), vocabulary_->words());
+  EXPECT_EQ((*loaded)->nodes(), vocabulary_->nodes());
+  EXPECT_EQ((*loaded)->checksum(), vocabulary_->checksum());
+  for (size_t i = 0; i < 12; ++i) {
+    EXPECT_EQ((*loaded)->transform(images_.image(i)), vocabulary_->transform(images_.image(i)));
+  }
+  ASSERT_TRUE((*loaded)->save(folder_ / "again"));
+  EXPECT_EQ(read_file(folder_ / "again"), bytes_);
+  ASSERT_TRUE((*loaded)->save(folder_ / "good"));  // over the file that is mapped
+  EXPECT_TRUE((*loaded)->verify());
+  EXPECT_EQ(read_file(folder_ / "good"), bytes_);
+}
+
+TEST_F(VocabularyFile, SavingThroughALinkReplacesWhatItNames) {
+  write_file(folder_ / "target", "old");
+  std::filesystem::create_symlink("target", folder_ / "link");
+  ASSERT_TRUE(vocabulary_->save(folder_ / "link"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link"));
+  EXPECT_EQ(read_file(folder_ / "target"), bytes_);
+}
+
+TEST_F(VocabularyFile, TextHoldsTheSame) {
+  ASSERT_TRUE(vocabulary_->save_text(folder_ / "tree.txt"));
+  const auto loaded = Vocabulary::load(folder_ / "tree.txt");
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  ASSERT_TRUE((*loaded)->save(folder_ / "again"));
+  EXPECT_EQ(read_file(folder_ / "again"), bytes_);
+}
+
+std::string text_of_bytes(int first) {  // 32 of them
+  std::string text;
+  for (int i = 0; i < 32; ++i) text += std::to_string(first + i) + " ";
+  return text;
+}
+
+TEST_F(VocabularyFile, ReadsTextAsOthersWriteIt) {
+  // Depth first, blanks at the ends of lines, carriage returns, exponents.
+  write_file(folder_ / "tree.txt", "10 6  0 0 \r\n0 0 " + text_of_bytes(0) + " 0 \r\n1 1 " + text_of_bytes(1) +
+                                       "5.25e-1 \n1 1 " + text_of_bytes(100) + "2 \n0 1 " + text_of_bytes(200) +
+                                       "3\n\n \n");
+  const auto loaded = Vocabulary::load(folder_ / "tree.txt");
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ((*loaded)->branching(), 10);
+  EXPECT_EQ((*loaded)->depth(), 6);
+  EXPECT_EQ((*loaded)->words(), 3u);
+  EXPECT_EQ((*loaded)->nodes(), 5u);
+  Descriptor descriptor;  // bytes 200, 201 …
+  for (size_t i = 0; i < 32; ++i) descriptor.bits[i / 8] |= uint64_t{200 + i} << (8 * (i % 8));
+  EXPECT_EQ((*loaded)->weight((*loaded)->word(descriptor)), 3.0f);
+}
+
+TEST_F(VocabularyFile, TextErrorsNameTheLine) {
+  const std::string word = text_of_bytes(0) + "1\n";
+  EXPECT_THAT(load("10 6 1 0\n0 1 " + word), AllOf(HasSubstr("bad: line 1"), HasSubstr("scoring 1")));
+  EXPECT_THAT(load("10 6 0 0\n0 1 " + word + "0 1 1 2 3\n"), HasSubstr("line 3"));
+  EXPECT_THAT(load("10 6 0 0\n0 1 " + text_of_bytes(240) + "1\n"), HasSubstr("line 2"));  // 256 is no byte
+  EXPECT_THAT(load("10 6 0 0\n0 2 " + word), HasSubstr("line 2"));
+  EXPECT_THAT(load("10 6 0 0\n2 1 " + word), AllOf(HasSubstr("line 2"), HasSubstr("parent 2")));
+  EXPECT_THAT(load("10 6 0 0\n0 1 " + word + "1 1 " + word), AllOf(HasSubstr("line 3"), HasSubstr("is a word")));
+  EXPECT_THAT(load("10 6 0 0\n0 1 " + text_of_bytes(0) + "nan\n"), HasSubstr("weight"));
+  EXPECT_THAT(load("10 6 0 0\n"), HasSubstr("no nodes"));
+  EXPECT_THAT(load("1 6 0 0\n0 1 " + word), HasSubstr("branching"));
+  EXPECT_THAT(load("10 6 0 0 0\n0 1 " + word), HasSubstr("no vocabulary"));
+  EXPECT_THAT(load("-10 99999999999999999999 0 0\n"), HasSubstr("no vocabulary"));
+}
+
+TEST_F(VocabularyFile, CutShortAnywhereIsAnError) {
+  for (size_t length = 0; length < bytes_.size(); length += length < 200 ? 1 : 61) {
+    const std::string said = load(bytes_.substr(0, length));
+    EXPECT_THAT(said, HasSubstr("bad: ")) << length;
+    EXPECT_THAT(said, testing::AnyOf(HasSubstr("cut short"), HasSubstr("empty"))) << length;
+  }
+  EXPECT_THAT(load(bytes_.substr(0, bytes_.size() - 1)), HasSubstr("cut short"));
+  EXPECT_THAT(load(bytes_ + "x"), HasSubstr("follows its end"));
+}
+
+TEST_F(VocabularyFile, TurnedBitsAreFound) {
+  Random random(22);
+  for (int i = 0; i < 3000; ++i) {
+    std::string damaged = bytes_;
+    const size_t at = i < 512 ? static_cast<size_t>(i) / 8 : random.below(static_cast<uint32_t>(bytes_.size()));
+    damaged[at] = static_cast<char>(damaged[at] ^ (1 << (i % 8)));
+    const std::string said = load(damaged);
+    if (said == "loaded") {
+      EXPECT_TRUE(damage_seen_) << at;
+      EXPECT_GE(at, sizeof(VocabularyHeader));
+    } else {
+      EXPECT_THAT(said, HasSubstr("bad: ")) << at;
+    }
+  }
+}
+
+// A file that was made to deceive: its header's checksum is right.
+TEST_F(VocabularyFile, SizesThatCanNotBeAreErrors) {
+  const auto with = [&](auto change) {
+    VocabularyHeader header;
+    std::memcpy(&header, bytes_.data(), sizeof header);
+    change(header);
+    header.header_checksum = header_checksum(header);
+    std::string bytes = bytes_;
+    std::memcpy(bytes.data(), &header, sizeof header);
+    return bytes;
+  };
+  EXPECT_EQ(load(with([](VocabularyHeader&) {})), "loaded");
+  EXPECT_THAT(load(with([](VocabularyHeader& h) { h.version = 2; })), HasSubstr("version 2"));
+  EXPECT_THAT(load(with([](VocabularyHeader& h) { h.branching = 1; })), HasSubstr("sizes"));
+  EXPECT_THAT(load(with([](VocabularyHeader& h) { h.branching = 257; })), HasSubstr("sizes"));
+  EXPECT_THAT(load(with([](VocabularyHeader& h) { h.branching = 3; })), HasSubstr("tree"));
+  EXPECT_THAT(load(with([](VocabularyHeader& h) { h.depth = 2; })), HasSubstr("tree"));
+  EXPECT_THAT(load(with([](VocabularyHeader& h) { h.nodes = 0; })), HasSubstr("sizes"));
+  EXPECT_THAT(load(with([](VocabularyHeader& h) { h.nodes = UINT32_MAX; })), HasSubstr("sizes"));
+  EXPECT_THAT(load(with([](VocabularyHeader& h) { h.words = h.nodes; })), HasSubstr("sizes"));
+  EXPECT_THAT(load(with([](VocabularyHeader& h) { h.bytes = 64; })), HasSubstr("sizes"));
+}
+
+TEST_F(VocabularyFile, ForeignAndMissingFilesAreErrors) {
+  EXPECT_THAT(load("\x89PNG\r\n\x1a\n something"), HasSubstr("no vocabulary"));
+  EXPECT_THAT(load(std::string(1000, '\0')), HasSubstr("no vocabulary"));
+  EXPECT_THAT(load("%YAML:1.0\n---\n"), HasSubstr("no vocabulary"));
+  EXPECT_THAT(load(""), HasSubstr("empty"));
+  const auto missing = Vocabulary::load(folder_ / "missing");
+  ASSERT_FALSE(missing);
+  EXPECT_THAT(missing.error().message, HasSubstr("missing: can't be opened"));
+  const auto folder = Vocabulary::load(folder_.path());
+  ASSERT_FALSE(folder);
+  EXPECT_THAT(folder.error().message, HasSubstr("not a regular file"));
+}
+
+TEST_F(VocabularyFile, WhatCanNotBeWrittenIsAnError) {
+  const auto saved = vocabulary_->save(folder_ / "missing" / "file");
+  ASSERT_FALSE(saved);
+  EXPECT_THAT(saved.error().message, HasSubstr("can't be written"));
+  std::filesystem::create_directories(folder_ / "taken" / "by");
+  EXPECT_FALSE(vocabulary_->save(folder_ / "taken"));
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+    EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr(".tmp")));
+  }
+}
+
+}  // namespace
+}  // namespace covis

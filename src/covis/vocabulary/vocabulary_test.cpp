@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a vocabulary says of an image, against a walk over the tree as the text file has it.
+#include "covis/vocabulary/vocabulary.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "covis/features/simd.h"
+#include "covis/vocabulary/test_vocabulary.h"
+#include "covis/vocabulary/vocabulary_text.h"
+
+namespace covis {
+namespace {
+
+class WordsTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    vocabulary_ = train_made(images_, 5, 4);
+    const TemporaryFolder folder;
+    ASSERT_TRUE(vocabulary_->save_text(folder / "tree.txt"));
+    auto text = parse_vocabulary_text(read_file(folder / "tree.txt"));
+    ASSERT_TRUE(text);
+    tree_ = std::move(text->nodes);
+  }
+
+  struct Walked {
+    uint32_t node;    // the word's, numbered as in the text
+    uint32_t direct;  // its ancestor at the level of the direct index
+  };
+  // Looks at every node on each level.
+  Walked walk(const Descriptor& descriptor) const {
+    Walked at{0, 0};
+    for (int level = 1;; ++level) {
+      uint32_t best = 0;
+      for (uint32_t n = 1; n <= tree_.size(); ++n) {
+        if (tree_[n - 1].parent != at.node) continue;
+        const int distance = hamming(descriptor, tree_[n - 1].descriptor);
+        if (best == 0 || distance < hamming(descriptor, tree_[best - 1].descriptor)) best = n;
+      }
+      if (best == 0) return at;
+      at.node = best;
+      if (level <= kDirectIndexLevel) at.direct = best;
+    }
+  }
+
+  MadeImages images_{7, 30, 150, 60};
+  std::shared_ptr<const Vocabulary> vocabulary_;
+  std::vector<VocabularyNode> tree_;
+};
+
+TEST_F(WordsTest, AreThoseOfAnExhaustiveWalk) {
+  const MadeImages others(8, 10, 80, 60);  // not those it was trained from
+  for (size_t i = 0; i < 10; ++i) {
+    const auto image = i % 2 == 0 ? others.image(i) : images_.image(i);
+    std::map<uint32_t, double> weights;  // by the word's node; words rise with their nodes
+    std::map<uint32_t, std::vector<uint32_t>> direct;
+    double sum = 0;
+    for (uint32_t f = 0; f < image.size(); ++f) {
+      const Walked walked = walk(image[f]);
+      weights[walked.node] += static_cast<double>(tree_[walked.node - 1].weight);
+      sum += static_cast<double>(tree_[walked.node - 1].weight);
+      direct[walked.direct].push_back(f);
+    }
+    const Words words = vocabulary_->transform(image);
+    std::erase_if(weights, [](const auto& entry) { return entry.second == 0; });
+    ASSERT_EQ(words.words.size(), weights.size());
+    size_t k = 0;
+    for (const auto& [node, weight] : weights) {
+      EXPECT_NEAR(static_cast<double>(words.words[k].weight), weight / sum, 1e-6);
+      EXPECT_FLOAT_EQ(vocabulary_->weight(words.words[k].word), tree_[node - 1].weight);
+      ++k;
+    }
+    ASSERT_EQ(words.node.size(), direct.size());
+    ASSERT_EQ(words.offset.size(), direct.size() + 1);
+    k = 0;
+    for (const auto& [node, features] : direct) {
+      EXPECT_EQ(words.node[k], node);
+      EXPECT_EQ(
+          std::vector<uint32_t>(words.feature.begin() + words.offset[k], words.feature.begin() + words.offset[k + 1]),
+          features);
+      ++k;
+    }
+  }
+}
+
+TEST_F(WordsTest, RiseAndSumToOne) {
+  for (size_t i = 0; i < 30; ++i) {
+    const Words words = vocabulary_->transform(images_.image(i));
+    double sum = 0;
+    for (size_t k = 0; k < words.words.size(); ++k) {
+      EXPECT_LT(words.words[k].word, vocabulary_->words());
+      EXPECT_GT(words.words[k].weight, 0);
+      EXPECT_TRUE(k == 0 || words.words[k - 1].word < words.words[k].word);
+      sum += static_cast<double>(words.words[k].weight);
+    }
+    EXPECT_NEAR(sum, 1, 1e-5);
+  }
+}
+
+TEST_F(WordsTest, DirectIndexHoldsEachFeatureOnce) {
+  const auto image = images_.image(3);
+  const Words words = vocabulary_->transform(image);
+  EXPECT_TRUE(std::is_sorted(words.node.begin(), words.node.end()));
+  EXPECT_EQ(std::set<uint32_t>(words.node.begin(), words.node.end()).size(), words.node.size());
+  EXPECT_LE(words.node.size(), 25u);
+  EXPECT_EQ(words.offset.front(), 0u);
+  EXPECT_EQ(words.offset.back(), image.size());
+  EXPECT_EQ(std::set<uint32_t>(words.feature.begin(), words.feature.end()).size(), image.size());
+}
+
+TEST_F(WordsTest, OfNothingAreNone) {
+  const Words words = vocabulary_->transform({});
+  EXPECT_TRUE(words.words.empty() && words.node.empty() && words.feature.empty());
+  EXPECT_THAT(words.offset, testing::ElementsAre(0u));
+}
+
+TEST_F(WordsTest, AreTheSameWithoutSimd) {
+  for (size_t i = 0; i < 5; ++i) {
+    const Words with = vocabulary_->transform(images_.image(i));
+    set_simd_enabled(false);
+    const Words without = vocabulary_->transform(images_.image(i));
+    set_simd_enabled(true);
+    EXPECT_EQ(with, without);
+  }
+}
+
+TEST_F(WordsTest, ScoreIsOneOfEqualNoneOfDisjointAndSymmetric) {
+  std::vector<std::vector<WordWeight>> all;
+  for (size_t i = 0; i < 30; ++i) all.push_back(vocabulary_->transform(images_.image(i)).words);
+  for (const auto& a : all) {
+    EXPECT_NEAR(word_score(a, a), 1, 1e-5);
+    for (const auto& b : all) {
+      EXPECT_EQ(word_score(a, b), word_score(b, a));
+      double difference = 0;  // as the paper writes it
+      std::map<uint32_t, double> by_word;
+      for (const WordWeight& w : a) by_word[w.word] += static_cast<double>(w.weight);
+      for (const WordWeight& w : b) by_word[w.word] -= static_cast<double>(w.weight);
+      for (const auto& [word, weight] : by_word) difference += std::abs(weight);
+      EXPECT_NEAR(word_score(a, b), 1 - difference / 2, 1e-5);
+    }
+  }
+  EXPECT_EQ(word_score({{1, 0.5f}, {4, 0.5f}}, {{2, 0.25f}, {3, 0.75f}}), 0);
+  EXPECT_EQ(word_score({}, {{2, 1.0f}}), 0);
+}
+
+// A word that every image has says nothing; a shallow word is its own node of the direct index.
+TEST(VocabularyBuild, WeightlessAndShallowWords) {
+  Descriptor ones;
+  ones.bits.fill(~uint64_t{0});
+  const auto vocabulary = Vocabulary::build(2, 4, {{{}, 0, 0.0f}, {ones, 0, 2.0f}});
+  ASSERT_TRUE(vocabulary);
+  const std::vector<Descriptor> features = {{}, ones, {}};
+  const Words words = (*vocabulary)->transform(features);
+  EXPECT_THAT(words.words, testing::ElementsAre(WordWeight{1, 1.0f}));
+  EXPECT_THAT(words.node, testing::ElementsAre(1u, 2u));
+  EXPECT_THAT(words.feature, testing::ElementsAre(0u, 2u, 1u));
+  EXPECT_TRUE((*vocabulary)->transform(std::vector<Descriptor>(3)).words.empty());
+}
+
+TEST(VocabularyBuild, TellsWhatIsWrong) {
+  const auto message = [](int branching, int depth, const std::vector<VocabularyNode>& nodes) {
+    const auto built = Vocabulary::build(branching, depth, nodes);
+    return built ? "built" : built.error().message;
+  };
+  EXPECT_THAT(message(1, 4, {{}}), testing::HasSubstr("branching"));
+  EXPECT_THAT(message(300, 4, {{}}), testing::HasSubstr("branching"));
+  EXPECT_THAT(message(2, 0, {{}}), testing::HasSubstr("depth"));
+  EXPECT_THAT(message(2, 4, {}), testing::HasSubstr("no nodes"));
+  EXPECT_THAT(message(2, 4, {{{}, 1, 0}}), testing::HasSubstr("node 1: its parent"));
+  EXPECT_THAT(message(2, 1, {{{}, 0, 0}, {{}, 1, 0}}), testing::HasSubstr("node 2: it lies deeper"));
+  EXPECT_THAT(message(2, 1, {{{}, 0, 0}, {{}, 0, 0}, {{}, 0, 0}}), testing::HasSubstr("more than 2 children"));
+  EXPECT_THAT(message(2, 1, {{{}, 0, -1}}), testing::HasSubstr("weight"));
+  EXPECT_THAT(message(2, 1, {{{}, 0, NAN}}), testing::HasSubstr("weight"));
+}
+
+}  // namespace
+}  // namespace covis
