@@ -80,7 +80,8 @@ bool Map::erase_key_frame(KeyFrameId id) {
   const KeyFrameId parent = key_frame->parent;
   erase_sorted(key_frames_.at(parent).children, id);
   for (const KeyFrameId& other : key_frame->loop_edges) erase_sorted(key_frames_.at(other).loop_edges, id);
-  erased_frames_[id] = {parent, key_frame->T_cw * at(parent).T_cw.inverse()};
+  if (key_frame->words) database_.erase(id, *key_frame->words);
+  erased_frames_[id] = {parent, key_frame->T_cw * at(parent).T_cw.inverse(), key_frame->scale, at(parent).scale};
   return key_frames_.erase(id);
 }
 
@@ -128,6 +129,19 @@ bool Map::set_pose(KeyFrameId id, const SE3& T_cw) {
   return true;
 }
 
+void Map::set_words(KeyFrameId id, std::shared_ptr<const Words> words) {
+  KeyFrame& key_frame = key_frames_.at(id);
+  assert(!key_frame.words && words);
+  database_.add(id, *words);
+  key_frame.words = std::move(words);
+}
+
+bool Map::correct_pose(KeyFrameId id, const SE3& T_cw, double growth) {
+  if (!set_pose(id, T_cw)) return false;
+  key_frames_.at(id).scale *= growth;
+  return true;
+}
+
 void Map::protect(KeyFrameId id) { ++key_frames_.at(id).protections; }
 
 void Map::unprotect(KeyFrameId id) {
@@ -156,14 +170,25 @@ std::vector<KeyFrameId> Map::key_frames() const {
 }
 
 std::optional<Map::Resolved> Map::resolve(KeyFrameId id) const {
+  // Translations are kept in the unit of the last key frame of the chain, and brought to the next one's on the way.
   SE3 T_ar;
+  double scale = 1;  // of the asked one now, as if it lived
+  bool first = true;
   while (!find(id)) {
     const auto erased = erased_frames_.find(id);
     if (erased == erased_frames_.end()) return std::nullopt;
-    T_ar = T_ar * erased->second.T_cp;
-    id = erased->second.parent;
+    const Ancestor& a = erased->second;
+    if (first) scale = a.scale;
+    first = false;
+    T_ar = T_ar * a.T_cp;
+    id = a.parent;
+    const auto next = erased_frames_.find(id);
+    const double now = find(id) ? at(id).scale : next == erased_frames_.end() ? a.parent_scale : next->second.scale;
+    const double growth = now / a.parent_scale;
+    T_ar = SE3(T_ar.R(), Eigen::Vector3d(growth * T_ar.t()));
+    scale *= growth;
   }
-  return Resolved{id, T_ar};
+  return Resolved{id, T_ar, first ? at(id).scale : scale};
 }
 
 void Map::clear() {
@@ -171,6 +196,7 @@ void Map::clear() {
   points_.clear();
   replaced_by_.clear();
   erased_frames_.clear();
+  database_.clear();
   root_ = {};
 }
 

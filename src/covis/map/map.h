@@ -22,6 +22,7 @@
 #include "covis/core/time.h"
 #include "covis/features/features.h"
 #include "covis/geometry/se3.h"
+#include "covis/map/key_frame_database.h"
 #include "covis/map/slot_store.h"
 
 namespace covis {
@@ -57,12 +58,15 @@ struct KeyFrame {
   Timestamp stamp = 0;
   SE3 T_cw;
   FeaturesPtr features;
+  std::shared_ptr<const Words> words;  // what the vocabulary says of it; null without one
   std::vector<MapPointId> points;      // for each feature its map point, or an invalid handle
   std::vector<Neighbour> shared;       // every key frame sharing at least one point, sorted by handle; exact at all times
   KeyFrameId parent;                   // in the spanning tree; invalid for the root
   std::vector<KeyFrameId> children;    // sorted by handle
   std::vector<KeyFrameId> loop_edges;  // sorted by handle
   int protections = 0;                 // while positive the key frame can't be erased
+  double scale = 1;                    // product of the changes of scale that loop closing brought to this key frame: poses told
+                                       // relative to it before a change have translations in the old unit
 };
 
 struct MapState;  // map_state.h
@@ -84,9 +88,14 @@ class Map {
   const KeyFrame& at(KeyFrameId id) const { return key_frames_.at(id); }      // must be live (asserted)
   // False (nothing done) when stale or not finite.
   bool set_pose(KeyFrameId id, const SE3& T_cw);
+  // Makes it known to the database. Once.
+  void set_words(KeyFrameId id, std::shared_ptr<const Words> words);
+  // The correction of a loop: the pose, and the factor by which lengths near this key frame grew.
+  bool correct_pose(KeyFrameId id, const SE3& T_cw, double growth);
   void protect(KeyFrameId id);
   void unprotect(KeyFrameId id);
   void add_loop_edge(KeyFrameId a, KeyFrameId b);
+  const KeyFrameDatabase& database() const { return database_; }
   KeyFrameId root() const { return root_; }
   KeyFrameId newest() const;  // greatest serial
   size_t key_frame_count() const { return key_frames_.size(); }
@@ -94,9 +103,11 @@ class Map {
 
   // A live key frame that stands for `id`, and T_ar that takes r = the returned one's camera to a = the asked one's camera: itself and
   // the identity when live; for an erased one the nearest living ancestor. Nothing for a handle that never was.
+  // `scale`: KeyFrame::scale of the asked one (an erased one shares the changes of its living ancestor).
   struct Resolved {
     KeyFrameId key_frame;
     SE3 T_ar;
+    double scale = 1;
   };
   std::optional<Resolved> resolve(KeyFrameId id) const;
 
@@ -161,12 +172,14 @@ class Map {
   struct Ancestor {
     KeyFrameId parent;
     SE3 T_cp;  // pose relative to the parent at erasure
+    double scale = 1, parent_scale = 1;  // of both at erasure
   };
 
   SlotStore<KeyFrameId, KeyFrame> key_frames_;
   SlotStore<MapPointId, MapPoint> points_;
   std::unordered_map<MapPointId, MapPointId> replaced_by_;   // looked up, never iterated
   std::unordered_map<KeyFrameId, Ancestor> erased_frames_;   // looked up, never iterated
+  KeyFrameDatabase database_;
   KeyFrameId root_;
   uint32_t next_serial_ = 0;
   uint64_t refused_non_finite_ = 0;

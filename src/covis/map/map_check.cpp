@@ -96,6 +96,26 @@ std::string check_links(const Map& map, KeyFrameId id, const KeyFrame& key_frame
   return {};
 }
 
+// Every key frame with words stands under each of them, and nothing else stands there.
+std::string check_database(const Map& map) {
+  const KeyFrameDatabase& database = map.database();
+  size_t wanted = 0, there = 0;
+  std::string problem;
+  map.for_each_key_frame([&](KeyFrameId id, const KeyFrame& key_frame) {
+    if (!key_frame.words) return;
+    wanted += key_frame.words->words.size();
+    for (const WordWeight& w : key_frame.words->words) {
+      const auto& holders = database.holders(w.word);
+      if (!std::binary_search(holders.begin(), holders.end(), id) && problem.empty()) {
+        problem = name(id) + " is not in the database";
+      }
+    }
+  });
+  for (uint32_t word = 0; word < database.words(); ++word) there += database.holders(word).size();
+  if (problem.empty() && wanted != there) problem = "the database holds an erased key frame";
+  return problem;
+}
+
 }  // namespace
 
 std::string Map::check() const {
@@ -111,6 +131,7 @@ std::string Map::check() const {
   for_each_point([&](MapPointId id, const MapPoint& point) {
     if (problem.empty()) problem = check_point(*this, id, point);
   });
+  if (problem.empty()) problem = check_database(*this);
   if (problem.empty() && key_frame_count() > 0 && !find(root_)) problem = "the root is erased";
   return problem;
 }

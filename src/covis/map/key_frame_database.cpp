@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/map/key_frame_database.h"
+
+#include <algorithm>
+
+#include "covis/map/map.h"
+
+namespace covis {
+namespace {
+
+constexpr double kSharedWords = 0.8;  // of the greatest number of shared words that a candidate must share
+constexpr double kGroupScore = 0.75;  // of the best group's score that a group must reach
+constexpr int kGroup = 10;            // covisible key frames that make a group
+
+}  // namespace
+
+void KeyFrameDatabase::add(KeyFrameId id, const Words& words) {
+  for (const WordWeight& w : words.words) {
+    if (w.word >= index_.size()) index_.resize(w.word + size_t{1});
+    std::vector<KeyFrameId>& holders = index_[w.word];
+    holders.insert(std::lower_bound(holders.begin(), holders.end(), id), id);
+  }
+}
+
+void KeyFrameDatabase::erase(KeyFrameId id, const Words& words) {
+  for (const WordWeight& w : words.words) {
+    if (w.word >= index_.size()) continue;
+    std::vector<KeyFrameId>& holders = index_[w.word];
+    const auto at = std::lower_bound(holders.begin(), holders.end(), id);
+    if (at != holders.end() && *at == id) holders.erase(at);
+  }
+}
+
+const std::vector<KeyFrameId>& KeyFrameDatabase::holders(uint32_t word) const {
+  static const std::vector<KeyFrameId> none;
+  return word < index_.size() ? index_[word] : none;
+}
+
+std::vector<KeyFrameDatabase::Candidate> KeyFrameDatabase::query(const Map& map, const Words& words,
+                                                                 const std::vector<KeyFrameId>& excluded,
+                                                                 double min_score) const {
+  // Shared words, by slot.
+  std::vector<int> shared;
+  std::vector<KeyFrameId> met;
+  for (const WordWeight& w : words.words) {
+    for (const KeyFrameId& id : holders(w.word)) {
+      if (id.slot >= shared.size()) shared.resize(id.slot + size_t{1} + id.slot / 2);
+      if (shared[id.slot]++ == 0) met.push_back(id);
+    }
+  }
+  std::sort(met.begin(), met.end());
+  std::erase_if(met, [&](KeyFrameId id) { return std::binary_search(excluded.begin(), excluded.end(), id); });
+  int most = 0;
+  for (const KeyFrameId& id : met) most = std::max(most, shared[id.slot]);
+
+  std::vector<Candidate> scored;  // sorted by handle, as `met` is
+  for (const KeyFrameId& id : met) {
+    if (shared[id.slot] < kSharedWords * most) continue;
+    const double score = word_score(words.words, map.at(id).words->words);
+    if (score >= min_score) scored.push_back({id, score});
+  }
+  struct Group {
+    Candidate best;
+    double sum = 0;
+  };
+  std::vector<Group> groups;
+  double best_sum = 0;
+  for (const Candidate& candidate : scored) {
+    Group group{candidate, candidate.score};
+    for (const Neighbour& n : map.best_neighbours(candidate.key_frame, kGroup)) {
+      const auto at = std::lower_bound(scored.begin(), scored.end(), n.key_frame,
+                                       [](const Candidate& c, KeyFrameId id) { return c.key_frame < id; });
+      if (at == scored.end() || at->key_frame != n.key_frame) continue;
+      group.sum += at->score;
+      if (at->score > group.best.score) group.best = *at;
+    }
+    best_sum = std::max(best_sum, group.sum);
+    groups.push_back(group);
+  }
+  std::stable_sort(groups.begin(), groups.end(), [](const Group& a, const Group& b) { return a.sum > b.sum; });
+  std::vector<Candidate> result;
+  for (const Group& group : groups) {
+    if (group.sum < kGroupScore * best_sum) break;
+    const auto same = [&](const Candidate& c) { return c.key_frame == group.best.key_frame; };
+    if (std::none_of(result.begin(), result.end(), same)) result.push_back(group.best);
+  }
+  return result;
+}
+
+}  // namespace covis
