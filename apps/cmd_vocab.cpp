@@ -227,21 +227,20 @@ void add_train(CLI::App& vocab, int& exit_code) {
 }  // namespace covis::app
 
 void add_vocab_command(CLI::App& app, int& exit_code) {
-  using namespace covis::app;
   CLI::App* vocab =
       app.add_subcommand("vocab", "Train, look at or convert a vocabulary, by which places are recognised");
   vocab->require_subcommand(1);
-  add_train(*vocab, exit_code);
-  auto arguments = std::make_shared<FileArguments>();
+  covis::app::add_train(*vocab, exit_code);
+  auto arguments = std::make_shared<covis::app::FileArguments>();
   CLI::App* info_command = vocab->add_subcommand("info", "Tell what a vocabulary is and whether it is whole");
   info_command->add_option("FILE", arguments->in, "vocabulary, binary or text")->required();
   info_command->add_flag("--json", arguments->json, "as JSON on stdout");
-  info_command->callback([arguments, &exit_code] { exit_code = info(*arguments); });
+  info_command->callback([arguments, &exit_code] { exit_code = covis::app::info(*arguments); });
   CLI::App* convert_command = vocab->add_subcommand("convert", "Convert between the text format and Covis' own");
   convert_command->add_option("IN", arguments->in, "vocabulary, binary or text")->required();
   convert_command->add_option("OUT", arguments->out, "file to write: text when its name ends in .txt, else binary")
       ->required();
   convert_command->add_flag("--overwrite", arguments->overwrite, "replace OUT");
-  convert_command->callback([arguments, &exit_code] { exit_code = convert(*arguments); });
+  convert_command->callback([arguments, &exit_code] { exit_code = covis::app::convert(*arguments); });
   vocab->footer("See docs/vocabulary.md. A vocabulary ships with Covis: vocabulary/default.covis-voc.");
 }

@@ -19,7 +19,7 @@ class BitCounts {
   void add(const Descriptor& descriptor) {
     std::array<uint8_t, 32> bytes;
     std::memcpy(bytes.data(), descriptor.bits.data(), bytes.size());
-    for (size_t i = 0; i < bytes.size(); ++i) lanes_[i] += spread_[bytes[i]];
+    for (size_t i = 0; i < bytes.size(); ++i) lanes_[i] += kSpread[bytes[i]];
     ++members_;
     if (++pending_ == 255) flush();
   }
@@ -43,7 +43,7 @@ class BitCounts {
 
  private:
   // Bit b of a byte becomes byte b.
-  static constexpr std::array<uint64_t, 256> spread_ = [] {
+  static constexpr std::array<uint64_t, 256> kSpread = [] {
     std::array<uint64_t, 256> table{};
     for (size_t value = 0; value < 256; ++value) {
       for (size_t b = 0; b < 8; ++b) table[value] |= uint64_t{(value >> b) & 1} << (8 * b);

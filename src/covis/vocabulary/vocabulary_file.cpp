@@ -93,7 +93,7 @@ Result<void> write_whole(const std::filesystem::path& file, std::span<const std:
   }
   const std::filesystem::path temporary = target.string() + ".tmp" + std::to_string(::getpid());
   const auto give_up = [&](const char* what) {
-    const auto failure = fail_errno(file, what);
+    auto failure = fail_errno(file, what);  // errno before unlink() changes it
     ::unlink(temporary.c_str());
     return failure;
   };

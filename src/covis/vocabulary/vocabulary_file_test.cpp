@@ -183,5 +183,22 @@ TEST_F(VocabularyFile, WhatCanNotBeWrittenIsAnError) {
   }
 }
 
+TEST(DefaultVocabulary, IsWholeAndOfTheSizeItIsSaidToHave) {
+  const std::filesystem::path file = COVIS_SOURCE_DIR "/vocabulary/default.covis-voc";
+  const auto vocabulary = Vocabulary::load(file);
+  ASSERT_TRUE(vocabulary) << vocabulary.error().message;
+  EXPECT_TRUE((*vocabulary)->verify());
+  EXPECT_EQ((*vocabulary)->branching(), 10);
+  EXPECT_EQ((*vocabulary)->depth(), 5);
+  EXPECT_GT((*vocabulary)->words(), 90000u);
+  EXPECT_LE(std::filesystem::file_size(file), 8u << 20);
+  Random random(23);
+  std::vector<Descriptor> descriptors;
+  for (int i = 0; i < 5000; ++i) descriptors.push_back(random_descriptor(random));
+  const Words words = (*vocabulary)->transform(descriptors);
+  EXPECT_LE(words.node.size(), 100u);
+  EXPECT_GT(words.node.size(), 80u);
+}
+
 }  // namespace
 }  // namespace covis
