@@ -19,6 +19,7 @@
 #include "covis/io/config.h"
 #include "covis/io/sequence.h"
 #include "covis/slam/system.h"
+#include "places.h"
 #include "run_session.h"
 
 namespace covis::app {
@@ -36,11 +37,12 @@ struct RunArguments {
   std::string path;
   std::string out = "out";
   std::string sensor, kind, camera, config, format = "tum";
+  std::string vocabulary, map, save_map;
   std::vector<std::string> settings;
   int features = 0;
   int64_t first = 0, count = -1;
   int stride = 1;
-  bool realtime = false, quiet = false, json = false, dump_config = false;
+  bool realtime = false, localize = false, quiet = false, json = false, dump_config = false;
 };
 
 const std::map<std::string, Sensor> kSensors{
@@ -119,12 +121,12 @@ class Pace {
   std::condition_variable waiting_;
 };
 
-FrameStats to_stats(const io::Frame& frame, const FrameReport& report) {
+FrameStats to_stats(const io::Frame& frame, const FrameReport& report, bool localize) {
   const TrackResult& track = report.track;
   FrameStats stats;
   stats.frame = frame.index;
   stats.stamp = frame.stamp;
-  stats.state = name(track.state);
+  stats.state = localize && track.state == TrackState::lost ? "not_localised" : name(track.state);
   stats.reason = track.reason;
   stats.method = name(track.method);
   stats.features = track.features;
@@ -182,7 +184,7 @@ void track_all(io::Sequence& sequence, System& system, const RunArguments& argum
                                                .right = frame.right.view(),
                                                .depth = frame.depth.view()});
     run.mapping.insert(run.mapping.end(), report.mapping.begin(), report.mapping.end());
-    FrameStats stats = to_stats(frame, report);
+    FrameStats stats = to_stats(frame, report, arguments.localize);
     stats.decode_ms = decode_ms;
     run.frames.push_back(std::move(stats));
     const auto map = system.map().read();
@@ -224,6 +226,7 @@ int run(const RunArguments& arguments) {
   if (const auto applied = apply_settings(arguments, known); !applied) return fail_with(applied.error().message);
   if (arguments.features > 0) options.orb.features = arguments.features;
   options.realtime = options.realtime || arguments.realtime;
+  options.localize = options.localize || arguments.localize;
   if (arguments.dump_config) {
     std::cout << io::dump_settings(known);
     return 0;
@@ -241,6 +244,15 @@ int run(const RunArguments& arguments) {
   auto sequence = io::open_sequence(arguments.path, reading);
   if (!sequence) return fail_with(sequence.error().message);
   options.sensor = (*sequence)->sensor();
+  if (options.localize && arguments.map.empty()) return fail_with("--localize: it needs a map to localise in, --map FILE");
+  const auto vocabulary = open_vocabulary(arguments.vocabulary);
+  if (!vocabulary) return fail_with(vocabulary.error().message);
+  std::optional<Map> map;
+  if (!arguments.map.empty()) {
+    auto opened = open_map(arguments.map, options);
+    if (!opened) return fail_with(opened.error().message);
+    map = std::move(*opened);
+  }
 
   std::error_code error;
   std::filesystem::create_directories(arguments.out, error);
@@ -254,7 +266,8 @@ int run(const RunArguments& arguments) {
   record.source = (*sequence)->description();
   record.sensor = options.sensor;
   if (!arguments.quiet) log(LogLevel::info, record.source);
-  System system((*sequence)->camera(), options);
+  System system((*sequence)->camera(), options, *vocabulary);
+  if (map) system.set_map(std::move(*map));
   const Stopwatch wall;
   track_all(**sequence, system, arguments, record);
   record.wall_seconds = wall.ms() / 1000;
@@ -275,6 +288,12 @@ int run(const RunArguments& arguments) {
     }
   }
   const auto summary = write_outputs(record, system, output);
+  if (!arguments.save_map.empty()) {
+    const MapState state = system.map().read()->state();
+    const auto header = map_header((*sequence)->camera(), options, vocabulary->get());
+    if (const auto saved = io::save_map(arguments.save_map, state, header); !saved)
+      return fail_with(saved.error().message);
+  }
   if (!summary) return fail_with(summary.error().message);
   if (arguments.json) {
     std::cout << summary->dump(2) << "\n";
@@ -299,6 +318,11 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_option("--camera", arguments->camera,
                       "camera YAML, for what the recording does not say (docs/input.md)");
   command->add_option("--out", arguments->out, "folder for the results")->capture_default_str();
+  command->add_option("--map", arguments->map, "saved map to go on with; the camera is looked for in it");
+  command->add_flag("--localize", arguments->localize, "localise only: the map given by --map is not changed");
+  command->add_option("--save-map", arguments->save_map, "file to save the map to (docs/map-format.md)");
+  command->add_option("--vocabulary", arguments->vocabulary,
+                      "vocabulary to recognise places by; none: not at all (default: the one that comes along)");
   command->add_flag("--realtime", arguments->realtime,
                     "frames come at their own times; late ones are dropped and counted");
   command->add_option("--kind", arguments->kind, "kind of recording (default: recognised)")
@@ -321,6 +345,9 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "  covis run rgbd_dataset_freiburg1_desk --out desk\n"
       "  covis run kitti/sequences/06 --sensor stereo --features 2000 --out kitti06\n"
       "  covis run video.mp4 --camera phone.yaml --out video\n"
-      "  covis run 0 --camera webcam.yaml --realtime --out live");
+      "  covis run 0 --camera webcam.yaml --realtime --out live\n"
+      "  covis run office1 --out o1 --save-map office.m\n"
+      "  covis run office2 --out o2 --map office.m --save-map office.m      go on with the map\n"
+      "  covis run office3 --out o3 --map office.m --localize");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }

@@ -10,8 +10,6 @@ void add_run_command(CLI::App& app, int& exit_code);
 void add_eval_command(CLI::App& app, int& exit_code);
 void add_check_command(CLI::App& app, int& exit_code);
 void add_synth_command(CLI::App& app, int& exit_code);
-<<<<<<< HEAD
 void add_map_command(CLI::App& app, int& exit_code);
-=======
 void add_vocab_command(CLI::App& app, int& exit_code);
->>>>>>> vocab
+void add_localize_command(CLI::App& app, int& exit_code);

@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
   add_synth_command(app, exit_code);
   add_map_command(app, exit_code);
   add_vocab_command(app, exit_code);
+  add_localize_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

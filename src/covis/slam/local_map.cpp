@@ -21,6 +21,7 @@ void KeyFrameView::copy(const Map& map, KeyFrameId key_frame) {
   const KeyFrame& source = map.at(key_frame);
   id = key_frame;
   T_cw = source.T_cw;
+  scale = source.scale;
   features = source.features;
   points = source.points;
   positions.resize(points.size());

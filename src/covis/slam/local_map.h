@@ -15,6 +15,7 @@ namespace covis {
 struct KeyFrameView {
   KeyFrameId id;
   SE3 T_cw;
+  double scale = 1;  // KeyFrame::scale
   FeaturesPtr features;
   std::vector<MapPointId> points;          // for each feature, invalid: none
   std::vector<Eigen::Vector3d> positions;  // for each feature, world, meaningful where points is valid

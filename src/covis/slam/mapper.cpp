@@ -25,6 +25,7 @@ MappingReport Mapper::process(const KeyFrameRequest& request, const std::atomic<
   report.key_frame = insert(request);
   report.insert_ms = lap(watch);
   if (!report.key_frame.valid()) return report;
+  add_words(report.key_frame);
   report.points_culled = cull_recent_points(report.key_frame);
   report.cull_points_ms = lap(watch);
   report.points_created = create_points(report.key_frame);
@@ -48,7 +49,9 @@ KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
   if (request.reference.valid()) {
     const auto reference = map->resolve(request.reference);
     if (!reference) return {};
-    T_cw = (request.T_cr * reference->T_ar * map->at(reference->key_frame).T_cw).normalized();
+    const double growth = reference->scale / request.reference_scale;
+    const SE3 T_cr(request.T_cr.R(), Eigen::Vector3d(growth * request.T_cr.t()));
+    T_cw = (T_cr * reference->T_ar * map->at(reference->key_frame).T_cw).normalized();
   }
   for (const PointCount& count : request.counts) {
     const MapPointId point = map->forwarded(count.point);
@@ -72,6 +75,13 @@ KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
   }
   map->attach_to_tree(id);
   return id;
+}
+
+void Mapper::add_words(KeyFrameId id) {
+  if (!vocabulary_) return;
+  const FeaturesPtr features = map_.read()->at(id).features;
+  auto words = std::make_shared<const Words>(vocabulary_->transform(features->descriptor));
+  map_.write()->set_words(id, std::move(words));
 }
 
 int Mapper::cull_recent_points(KeyFrameId current) {

@@ -7,6 +7,8 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "covis/map/shared_map.h"
@@ -19,7 +21,9 @@ namespace covis {
 
 class Mapper {
  public:
-  Mapper(SharedMap& map, const SystemOptions& options) : map_(map), options_(options) {}
+  // Without a vocabulary (null) key frames have no words and places are not recognised.
+  Mapper(SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
+      : map_(map), options_(options), vocabulary_(std::move(vocabulary)) {}
 
   // The whole of local mapping for one key frame. `interrupt` (may be null) becomes true when another waits: bundle
   // adjustment is then cut short.
@@ -39,6 +43,7 @@ class Mapper {
   };
 
   KeyFrameId insert(const KeyFrameRequest& request);
+  void add_words(KeyFrameId id);
   int cull_recent_points(KeyFrameId current);
   int create_points(KeyFrameId current);
   int fuse_neighbours(KeyFrameId current);
@@ -55,6 +60,7 @@ class Mapper {
 
   SharedMap& map_;
   const SystemOptions options_;
+  const std::shared_ptr<const Vocabulary> vocabulary_;
   std::vector<Recent> recent_;
   BundleAdjuster adjuster_;
   WindowMatcher matcher_;

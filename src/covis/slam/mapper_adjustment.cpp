@@ -198,7 +198,7 @@ MappingReport Mapper::initialise(const InitialMapRequest& request) {
   }
   const double scale = 1 / *middle;
 
-  const auto map = map_.write();
+  auto map = map_.write();
   map->clear();
   recent_.clear();
   const SE3 T_21(problem.poses[1].R(), Eigen::Vector3d(problem.poses[1].t() * scale));
@@ -219,6 +219,9 @@ MappingReport Mapper::initialise(const InitialMapRequest& request) {
     ++report.points_created;
   }
   map->attach_to_tree(report.key_frame);
+  map.release();
+  add_words(report.first);
+  add_words(report.key_frame);
   return report;
 }
 

@@ -3,8 +3,8 @@
 
 namespace covis {
 
-MappingActor::MappingActor(SharedMap& map, const SystemOptions& options)
-    : mapper_(map, options), interruptible_(options.realtime), thread_([this] { run(); }) {}
+MappingActor::MappingActor(SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
+    : mapper_(map, options, std::move(vocabulary)), interruptible_(options.realtime), thread_([this] { run(); }) {}
 
 MappingActor::~MappingActor() {
   inbox_.close();

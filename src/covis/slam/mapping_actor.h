@@ -15,7 +15,7 @@ namespace covis {
 
 class MappingActor {
  public:
-  MappingActor(SharedMap& map, const SystemOptions& options);
+  MappingActor(SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary);
   // Works off what is in the inbox, then ends.
   ~MappingActor();
 

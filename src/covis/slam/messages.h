@@ -21,6 +21,7 @@ struct KeyFrameRequest {
   Timestamp stamp = 0;
   FeaturesPtr features;
   KeyFrameId reference;              // the pose is given relative to this key frame, which mapping may have moved; …
+  double reference_scale = 1;        // KeyFrame::scale of it when the pose was told
   SE3 T_cr;                          // … from its camera to the frame's. Without a reference (first key frame): T_cw.
   std::vector<MapPointId> points;    // for each feature the point it was matched to, or an invalid handle
   std::vector<uint32_t> new_points;  // features whose depth makes a new point

@@ -62,6 +62,7 @@ struct SystemOptions {
   MapperOptions mapper;
   int mapping_delay = 2;  // frames after a key frame at which what mapping made of it becomes visible to tracking
   bool realtime = false;  // instead: as soon as it is ready; mapping is interrupted by new key frames
+  bool localize = false;  // localisation only: the map is not touched (algorithms.md §3.7)
   int seed = 0;           // of the random choices
 };
 Fields fields(SystemOptions& options);

@@ -7,11 +7,12 @@
 
 namespace covis {
 
-System::System(const Camera& camera, const SystemOptions& options)
+System::System(const Camera& camera, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
     : options_(options),
+      vocabulary_(std::move(vocabulary)),
       frontend_(camera, options.orb, options.sensor),
-      tracker_(map_, options),
-      mapping_(map_, options) {}
+      tracker_(map_, options, vocabulary_),
+      mapping_(map_, options, vocabulary_) {}
 
 System::~System() = default;
 
@@ -26,6 +27,25 @@ FeaturesPtr System::extract(const Input& input) {
       return frontend_.rgbd(input.image, input.depth);
   }
   return nullptr;
+}
+
+void System::set_map(Map map) {
+  finish();
+  if (vocabulary_) {
+    for (const KeyFrameId& id : map.key_frames()) {
+      map.set_words(id, std::make_shared<const Words>(vocabulary_->transform(map.at(id).features->descriptor)));
+    }
+  }
+  *map_.write() = std::move(map);
+  tracker_.start_lost();
+}
+
+std::optional<SE3> System::locate(const Input& input) {
+  finish();
+  Tracker tracker(map_, options_, vocabulary_);
+  const auto T_cw = tracker.locate(extract(input), input.frame);
+  if (!T_cw) return std::nullopt;
+  return T_cw->inverse();
 }
 
 FrameReport System::process(const Input& input) {
@@ -65,6 +85,7 @@ FrameReport System::process(const Input& input) {
     FrameRecord& record = records_.back();
     record.tracked = record.online = true;
     record.reference = outcome.result.reference;
+    record.reference_scale = outcome.result.reference_scale;
     record.T_cr = outcome.result.T_cr;
     record.T_wc_online = outcome.result.T_cw.inverse();
   }
@@ -116,6 +137,7 @@ void System::take(const MappingReport& report) {
     }
     record->tracked = true;
     record->reference = id;
+    record->reference_scale = key_frame->scale;
     record->T_cr = SE3();
   };
   hang(report.key_frame, true);
@@ -140,7 +162,9 @@ std::vector<PoseOfFrame> System::trajectory() const {
     if (!record.tracked) continue;
     const auto resolved = map->resolve(record.reference);
     if (!resolved) continue;
-    const SE3 T_cw = record.T_cr * resolved->T_ar * map->at(resolved->key_frame).T_cw;
+    const double growth = resolved->scale / record.reference_scale;
+    const SE3 T_cr(record.T_cr.R(), Eigen::Vector3d(growth * record.T_cr.t()));
+    const SE3 T_cw = T_cr * resolved->T_ar * map->at(resolved->key_frame).T_cw;
     poses.push_back({record.frame, record.stamp, T_cw.inverse()});
   }
   return poses;

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "covis/features/frontend.h"
@@ -34,6 +35,7 @@ struct FrameRecord {
   bool tracked = false;  // has a pose in the map
   bool online = false;   // had one when it was tracked (the first view of a monocular map gets its pose later)
   KeyFrameId reference;
+  double reference_scale = 1;  // KeyFrame::scale of the reference when it was told
   SE3 T_cr;         // relative to the reference: carries every later correction
   SE3 T_wc_online;  // as it was when tracked
 };
@@ -52,7 +54,8 @@ struct PoseOfFrame {
 
 class System {
  public:
-  System(const Camera& camera, const SystemOptions& options);
+  // Without a vocabulary (null) places are not recognised: no relocalisation beyond the nearest key frames, no loops.
+  System(const Camera& camera, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary = nullptr);
   ~System();
   System(const System&) = delete;
   System& operator=(const System&) = delete;
@@ -64,6 +67,12 @@ class System {
     ImageView<const float> depth;           // RGB-D only, metres
   };
   FrameReport process(const Input& input);
+
+  // Puts a map in place, for example a saved one: before the first frame. The camera is looked for in it.
+  void set_map(Map map);
+  // Relocalisation alone: the T_wc of one image in the present map, from nothing but the image; nothing when its place
+  // is not recognised. Waits for mapping.
+  std::optional<SE3> locate(const Input& input);
 
   // Waits for mapping to end. process() may go on afterwards.
   std::vector<MappingReport> finish();
@@ -84,6 +93,7 @@ class System {
   void take(const MappingReport& report);
 
   const SystemOptions options_;
+  const std::shared_ptr<const Vocabulary> vocabulary_;
   SharedMap map_;
   Frontend frontend_;
   Tracker tracker_;

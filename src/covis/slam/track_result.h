@@ -12,8 +12,9 @@ namespace covis {
 
 enum class TrackState { not_initialised, tracking, lost };
 
+// `bridged`: in localisation only, from the last frame's own depth where the map has too little.
 // How the first pose of a tracked frame was found.
-enum class TrackMethod { none, initialised, motion_model, reference_key_frame, recovered };
+enum class TrackMethod { none, initialised, motion_model, reference_key_frame, recovered, bridged };
 
 constexpr std::string_view name(TrackState state) {
   switch (state) {
@@ -39,6 +40,8 @@ constexpr std::string_view name(TrackMethod method) {
       return "reference_key_frame";
     case TrackMethod::recovered:
       return "recovered";
+    case TrackMethod::bridged:
+      return "bridged";
   }
   return "";
 }
@@ -49,6 +52,7 @@ struct TrackResult {
   std::string_view reason;     // why there is no pose; empty when tracking
   SE3 T_cw;                    // meaningful when tracking
   KeyFrameId reference;        // key frame the pose hangs on
+  double reference_scale = 1;  // KeyFrame::scale of it
   SE3 T_cr;                    // from its camera to this frame's
   int features = 0;            // key points of the frame
   int predicted_matches = 0;   // matches of the motion model or the reference key frame

@@ -22,8 +22,27 @@ void TrackedFrame::start(FeaturesPtr f, int64_t frame, Timestamp t) {
 
 int TrackedFrame::map_points() const { return static_cast<int>(std::count(known.begin(), known.end(), kMapPoint)); }
 
-Tracker::Tracker(const SharedMap& map, const SystemOptions& options)
-    : map_(map), options_(options), initializer_(options) {}
+Tracker::Tracker(const SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
+    : map_(map), options_(options), vocabulary_(std::move(vocabulary)), initializer_(options) {}
+
+std::optional<SE3> Tracker::locate(FeaturesPtr features, int64_t frame) {
+  current_.start(std::move(features), frame, 0);
+  TrackResult result;
+  if (!recover(result, true)) return std::nullopt;
+  return current_.T_cw;
+}
+
+void Tracker::start_lost() {
+  state_ = TrackState::lost;
+  weak_ = options_.tracker.weak_inliers > 0;
+  has_velocity_ = false;
+  keep_map_ = true;
+  last_ = {};
+  last_key_frame_ = std::numeric_limits<int64_t>::max();  // the map has key frames, none of this recording
+  reference_ = new_reference_ = {};
+  local_map_.clear();
+  clear_counts();
+}
 
 double Tracker::close_depth() const {
   return options_.tracker.close_depth_baselines * current_.features->camera.baseline();
@@ -45,7 +64,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
     bool found = false;
     if (state_ == TrackState::tracking) {
       found = (has_velocity_ && track_by_motion(result)) || track_by_reference(result);
-      found = found && track_local_map(result, map_is_live);
+      found = found && (track_local_map(result, map_is_live) || bridge(result));
     }
     if (!found) found = recover(result, map_is_live);
     if (found) {
@@ -63,19 +82,43 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
   return outcome;
 }
 
+bool Tracker::bridge(TrackResult& result) {
+  constexpr int kTryEvery = 5;  // frames
+  if (!options_.localize || monocular() || all_inliers() < options_.tracker.min_inliers) return false;
+  // The map is looked for again and again: what is bridged drifts.
+  if (++bridged_frames_ % kTryEvery == 0) {
+    TrackedFrame bridged = current_;
+    TrackResult found = result;
+    if (recover(found, true)) {
+      result = found;
+      return true;
+    }
+    current_ = std::move(bridged);
+  }
+  result.method = TrackMethod::bridged;
+  return true;
+}
+
+int Tracker::all_inliers() const {
+  return static_cast<int>(std::count_if(current_.known.begin(), current_.known.end(), [](uint8_t k) { return k != kNone; }));
+}
+
 void Tracker::accept(TrackResult& result) {
   count_points();
   has_velocity_ = state_ == TrackState::tracking && last_.index == current_.index - 1;
   if (has_velocity_) velocity_ = (current_.T_cw * last_.T_cw.inverse()).normalized();
   state_ = TrackState::tracking;
   lost_frames_ = 0;
+  if (result.method != TrackMethod::bridged) bridged_frames_ = 0;
   // Twice the features give more inliers by themselves: the way back asks for more than that.
   const int weak = options_.tracker.weak_inliers;
   weak_ = weak_ ? 2 * result.inliers < 5 * weak : result.inliers < weak;
   reference_ = local_map_.reference.id;
+  reference_scale_ = local_map_.reference.scale;
   last_T_cr_ = current_.T_cw * local_map_.reference.T_cw.inverse();
   result.T_cw = current_.T_cw;
   result.reference = reference_;
+  result.reference_scale = reference_scale_;
   result.T_cr = last_T_cr_;
   result.reason = {};
 }
@@ -88,7 +131,7 @@ void Tracker::lose(Outcome& outcome, bool map_is_live) {
   weak_ = options_.tracker.weak_inliers > 0;
   has_velocity_ = false;
   ++lost_frames_;
-  if (monocular() && map_is_live && lost_frames_ > kYoungMapPatience && map_.read()->key_frame_count() <= kYoungMap) {
+  if (monocular() && !keep_map_ && map_is_live && lost_frames_ > kYoungMapPatience && map_.read()->key_frame_count() <= kYoungMap) {
     log(LogLevel::warning, "the initial map was lost at once and is given up; initialising again");
     outcome.discard_map = true;
     state_ = TrackState::not_initialised;
@@ -108,6 +151,7 @@ void Tracker::key_frame_made(const MappingReport& report, int64_t frame) {
   const auto map = map_.read();
   if (last_key_frame_ < 0) {  // the first of a map: nothing to refresh, all to take over
     reference_ = report.key_frame;
+    reference_scale_ = map->at(report.key_frame).scale;
     last_.T_cw = map->at(report.key_frame).T_cw;
     last_T_cr_ = SE3();
     map_changed_ = false;
@@ -134,12 +178,17 @@ void Tracker::take_over_points(const Map& map, KeyFrameId key_frame) {
 
 void Tracker::refresh_last_frame(const Map& map) {
   if (const auto resolved = map.resolve(reference_)) {
-    last_T_cr_ = last_T_cr_ * resolved->T_ar;
+    // After a loop lengths may have changed round here, of the camera's motion too.
+    const double growth = resolved->scale / reference_scale_;
+    last_T_cr_ = SE3(last_T_cr_.R(), Eigen::Vector3d(growth * last_T_cr_.t())) * resolved->T_ar;
+    velocity_ = SE3(velocity_.R(), Eigen::Vector3d(growth * velocity_.t()));
     reference_ = resolved->key_frame;
+    reference_scale_ = map.at(reference_).scale;
     last_.T_cw = (last_T_cr_ * map.at(reference_).T_cw).normalized();
   }
   if (new_reference_.valid() && map.find(new_reference_)) {
     reference_ = new_reference_;
+    reference_scale_ = map.at(reference_).scale;
     last_T_cr_ = last_.T_cw * map.at(reference_).T_cw.inverse();
   }
   new_reference_ = {};
@@ -206,7 +255,7 @@ void Tracker::clear_counts() {
 
 bool Tracker::key_frame_due(const TrackResult& result, bool mapping_idle) const {
   const TrackerOptions& o = options_.tracker;
-  if (result.inliers < o.key_frame_min_inliers || last_key_frame_ < 0) return false;
+  if (options_.localize || result.inliers < o.key_frame_min_inliers || last_key_frame_ < 0) return false;
   const bool recovered_lately = current_.stamp - last_recovery_ < from_seconds(1.0);
   if (recovered_lately && result.method != TrackMethod::motion_model) return false;
   bool few_close = false;
@@ -251,6 +300,7 @@ KeyFrameRequest Tracker::make_key_frame_request() {
   request.stamp = current_.stamp;
   request.features = current_.features;
   request.reference = reference_;
+  request.reference_scale = reference_scale_;
   request.T_cr = last_T_cr_;
   request.points.assign(current_.points.size(), {});
   for (size_t i = 0; i < current_.points.size(); ++i) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -40,7 +41,8 @@ struct TrackedFrame {
 
 class Tracker {
  public:
-  Tracker(const SharedMap& map, const SystemOptions& options);
+  // Without a vocabulary (null) a lost camera is looked for at the nearest key frames only.
+  Tracker(const SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary);
 
   // What should be done after a frame; at most one of the requests is set.
   struct Outcome {
@@ -59,6 +61,12 @@ class Tracker {
   // request that was refused pass an invalid key frame in the report.
   void key_frame_made(const MappingReport& report, int64_t frame);
 
+  // The pose of one image in the map, from nothing: its T_cw, or nothing when its place is not recognised. Leaves the
+  // state of tracking aside: use a tracker of its own for it.
+  std::optional<SE3> locate(FeaturesPtr features, int64_t frame);
+  // A map was put in place that this tracker knows nothing of: the camera is to be found in it.
+  void start_lost();
+
   // Whether the next frame should get twice the features: for the monocular initialiser, and while tracking hangs on few
   // points or is lost.
   bool wants_more_features() const { return state_ == TrackState::not_initialised ? monocular() : weak_; }
@@ -74,7 +82,10 @@ class Tracker {
   bool track_by_reference(TrackResult& result);
   bool track_local_map(TrackResult& result, bool map_is_live);
   bool recover(TrackResult& result, bool map_is_live);
+  std::vector<KeyFrameId> recovery_candidates(const Map& map);
   bool recover_from(const KeyFrameView& view, TrackResult& result, bool map_is_live);
+  // Localisation only: whether the last frame's depth carries the pose over a place the map has too little of.
+  bool bridge(TrackResult& result);
   void accept(TrackResult& result);
   void lose(Outcome& outcome, bool map_is_live);
 
@@ -91,6 +102,7 @@ class Tracker {
   // Optimises the current frame's pose over its matches and drops those that disagree; returns how many map points are
   // left, 0 when there is no pose.
   int optimize();
+  int all_inliers() const;  // of the last optimize(), temporary points among them
 
   bool key_frame_due(const TrackResult& result, bool mapping_idle) const;
   KeyFrameRequest make_key_frame_request();
@@ -101,6 +113,7 @@ class Tracker {
 
   const SharedMap& map_;
   const SystemOptions options_;
+  const std::shared_ptr<const Vocabulary> vocabulary_;
   TrackState state_ = TrackState::not_initialised;
   MonoInitializer initializer_;
 
@@ -108,6 +121,7 @@ class Tracker {
   bool has_velocity_ = false;
   SE3 velocity_;              // from the last camera to the current one
   KeyFrameId reference_;      // the key frame poses are relative to
+  double reference_scale_ = 1;  // KeyFrame::scale of it when last seen
   SE3 last_T_cr_;             // last frame relative to it
   KeyFrameId new_reference_;  // a key frame just made, to become the reference
   bool map_changed_ = false;  // since the last frame was refreshed
@@ -116,7 +130,9 @@ class Tracker {
   Timestamp last_key_frame_stamp_ = 0;
   Timestamp last_recovery_ = std::numeric_limits<Timestamp>::min() / 2;
   int lost_frames_ = 0;
+  int bridged_frames_ = 0;      // in a row
   bool weak_ = false;           // few inliers lately
+  bool keep_map_ = false;      // a map that was put in place is never given up
   size_t recovery_cursor_ = 0;  // whose turn it is among all key frames
 
   std::vector<PointCount> counts_;  // by point slot

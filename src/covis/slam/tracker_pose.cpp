@@ -214,29 +214,39 @@ int Tracker::search_local_map(double window_factor) {
   return in_view;
 }
 
-// Tries the key frames the camera may be at: the reference, its neighbours, and a few of the others in turn.
+// The key frames the camera may be at: places that look alike, the reference and its neighbours, and a few of the others
+// in turn.
+std::vector<KeyFrameId> Tracker::recovery_candidates(const Map& map) {
+  constexpr size_t kAlike = 8;
+  constexpr int kNeighbours = 3, kOthers = 2, kOthersWithoutWords = 5;
+  std::vector<KeyFrameId> candidates;
+  const auto add = [&](KeyFrameId id) {
+    if (std::find(candidates.begin(), candidates.end(), id) == candidates.end()) candidates.push_back(id);
+  };
+  if (vocabulary_) {
+    const Words words = vocabulary_->transform(current_.features->descriptor);
+    for (const auto& candidate : map.database().query(map, words, {}, 0)) {
+      if (candidates.size() < kAlike) add(candidate.key_frame);
+    }
+  }
+  if (const auto resolved = map.resolve(reference_)) {
+    add(resolved->key_frame);
+    for (const Neighbour& n : map.best_neighbours(resolved->key_frame, kNeighbours)) add(n.key_frame);
+  }
+  const std::vector<KeyFrameId> all = map.key_frames();
+  const int others = vocabulary_ ? kOthers : kOthersWithoutWords;
+  for (int k = 0; k < others && !all.empty(); ++k) add(all[recovery_cursor_++ % all.size()]);
+  return candidates;
+}
+
 bool Tracker::recover(TrackResult& result, bool map_is_live) {
-  constexpr int kNeighbours = 5, kOthers = 5;
   const Stopwatch watch;
   bool found = false;
   if (!map_is_live) {
     found = local_map_.reference.features && recover_from(local_map_.reference, result, map_is_live);
   } else {
-    std::vector<KeyFrameId> candidates;
-    {
-      const auto map = map_.read();
-      const auto add = [&](KeyFrameId id) {
-        if (std::find(candidates.begin(), candidates.end(), id) == candidates.end()) candidates.push_back(id);
-      };
-      if (const auto resolved = map->resolve(reference_)) {
-        add(resolved->key_frame);
-        for (const Neighbour& n : map->best_neighbours(resolved->key_frame, kNeighbours)) add(n.key_frame);
-      }
-      const std::vector<KeyFrameId> all = map->key_frames();
-      for (int k = 0; k < kOthers && !all.empty(); ++k) add(all[recovery_cursor_++ % all.size()]);
-    }
     KeyFrameView view;
-    for (const KeyFrameId& candidate : candidates) {
+    for (const KeyFrameId& candidate : recovery_candidates(*map_.read())) {
       {
         const auto map = map_.read();
         if (!map->find(candidate)) continue;

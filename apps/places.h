@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the commands share of vocabularies and saved maps.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "covis/core/error.h"
+#include "covis/geometry/camera.h"
+#include "covis/io/map_file.h"
+#include "covis/slam/system.h"
+#include "covis/vocabulary/vocabulary.h"
+
+namespace covis::app {
+
+// The vocabulary named; with an empty name the default one, which lies in share/covis beside the installed command or in
+// the source tree; null for "none".
+Result<std::shared_ptr<const Vocabulary>> open_vocabulary(const std::string& name);
+
+io::MapHeader map_header(const Camera& camera, const SystemOptions& options, const Vocabulary* vocabulary);
+
+// A saved map for a camera: an error when it was made with another kind of sensor or another pyramid, for what it holds
+// can't be found again then.
+Result<Map> open_map(const std::filesystem::path& file, const SystemOptions& options);
+
+}  // namespace covis::app
