@@ -24,6 +24,8 @@ Fields fields(TrackerOptions& o) {
       {"tracker.local_ratio", &o.local_ratio, "best against second-best distance at one level", 0.1, 1},
       {"tracker.min_inliers", &o.min_inliers, "matched map points to accept a pose", 4, 1000},
       {"tracker.min_inliers_recovered", &o.min_inliers_recovered, "the same within one second of a recovery", 4, 1000},
+      {"tracker.min_recovered_share", &o.min_recovered_share,
+       "share of the map points in view that must be matched to accept a recovered pose", 0, 1},
       {"tracker.close_depth_baselines", &o.close_depth_baselines, "depth up to which a point is close, base lines", 1,
        1000},
       {"tracker.min_close_points", &o.min_close_points, "points a frame makes from depth, at least", 0, 10000},

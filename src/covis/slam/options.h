@@ -23,6 +23,8 @@ struct TrackerOptions {
   double local_ratio = 0.8;           // best against second-best distance when both are of one level
   int min_inliers = 30;               // matched map points to accept a pose
   int min_inliers_recovered = 50;     // the same within one second of a recovery
+  double min_recovered_share = 0.1;   // of the map points in view that must be matched to accept a recovered pose: things
+                                      // of which there are several alike match, what stands round them does not
   double close_depth_baselines = 40;  // depth in base lines up to which a point is close
   int min_close_points = 100;  // close points a frame makes at least (also farther ones), and the need-more bound
   int new_close_points = 70;   // untracked close points that make a key frame worth it

@@ -299,7 +299,8 @@ bool Tracker::recover_from(const KeyFrameView& view, TrackResult& result, bool m
     result.local_in_view = search_local_map(round == 0 ? 5.0 : 2.0);
     result.local_points = local_map_.size();
     result.inliers = optimize();
-    if (result.inliers >= o.min_inliers_recovered) return true;
+    if (result.inliers >= o.min_inliers_recovered && result.inliers >= o.min_recovered_share * result.local_in_view)
+      return true;
     if (result.inliers < kMinPose) return false;
   }
   return false;
