@@ -10,6 +10,36 @@
 #include "covis/optimization/block_system.h"
 
 namespace covis {
+namespace {
+
+// J_l(e)^-1 = ad / (exp(ad) - 1) with ad = ad(e), by its series, sum of B_2k ad^2k / (2k)! with the Bernoulli numbers
+// B: it converges as (r / 2 pi)^2k, r the greatest eigenvalue, and residuals are mostly small.
+Matrix7d inverse_left_jacobian(const Vector7d& e) {
+  const Eigen::Vector3d rho = e.head<3>(), phi = e.segment<3>(3);
+  if (!(phi.squaredNorm() + e(6) * e(6) < 0.25)) return Sim3::left_jacobian(e).partialPivLu().inverse();
+  Matrix7d ad = Matrix7d::Zero();  // ad(e) * d = [e, d]
+  ad.topLeftCorner<3, 3>() = ad.block<3, 3>(3, 3) = hat(phi);
+  ad.topLeftCorner<3, 3>().diagonal().array() += e(6);
+  ad.block<3, 3>(0, 3) = hat(rho);
+  ad.topRightCorner<3, 1>() = -rho;
+  constexpr double kCoefficients[] = {1.0,
+                                      1.0 / 12,
+                                      -1.0 / 720,
+                                      1.0 / 30240,
+                                      -1.0 / 1209600,
+                                      1.0 / 47900160.0,
+                                      -691.0 / 1307674368000.0,
+                                      1.0 / 74724249600.0};
+  const Matrix7d squared = ad * ad;
+  Matrix7d sum = kCoefficients[7] * Matrix7d::Identity();
+  for (int k = 6; k >= 0; --k) {
+    sum = (squared * sum).eval();
+    sum.diagonal().array() += kCoefficients[k];
+  }
+  return sum - 0.5 * ad;
+}
+
+}  // namespace
 
 Vector7d pose_graph_residual(const Sim3& S_ji, const Sim3& S_iw, const Sim3& S_jw) {
   return (S_ji * S_iw * S_jw.inverse()).log();
@@ -20,7 +50,7 @@ Vector7d pose_graph_residual(const Sim3& S_ji, const Sim3& S_iw, const Sim3& S_j
 Vector7d pose_graph_residual(const Sim3& S_ji, const Sim3& S_iw, const Sim3& S_jw, Matrix7d& J_i, Matrix7d& J_j) {
   const Sim3 E = S_ji * S_iw * S_jw.inverse();
   const Vector7d e = E.log();
-  const Matrix7d J_l_inverse = Sim3::left_jacobian(e).partialPivLu().inverse();
+  const Matrix7d J_l_inverse = inverse_left_jacobian(e);
   J_i.noalias() = J_l_inverse * S_ji.adjoint();
   J_j.noalias() = -J_l_inverse * E.adjoint();
   return e;
@@ -50,7 +80,7 @@ class PoseGraphSolver {
   PoseGraphProblem& problem_;
   std::vector<int32_t> free_pose_;   // for each pose its number among those that move, or -1
   std::vector<int32_t> free_index_;  // poses that move, in the order of elimination
-  std::vector<int32_t> slot_;        // for each edge its block in system_; -1: an end is fixed
+  std::vector<uint32_t> slot_;       // for each edge between poses that move its block in system_
   BlockSystem<N> system_;
   AlignedVector<Block> H_;  // diagonal blocks of the normal equations, not yet damped
   Eigen::VectorXd b_, step_;
@@ -86,13 +116,12 @@ void PoseGraphSolver<N>::prepare() {
     free_pose_[static_cast<size_t>(free_index_[k])] = static_cast<int32_t>(k);
   }
   collect(pairs);
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  make_unique(pairs);
   system_.set_pattern(variables, pairs);
   slot_.clear();
   for (const PoseGraphEdge& edge : problem_.edges) {
     const int32_t i = free_of(edge.i), j = free_of(edge.j);
-    slot_.push_back(i >= 0 && j >= 0 ? system_.slot(make_block_pair(i, j)) : -1);
+    slot_.push_back(i >= 0 && j >= 0 ? system_.slot(make_block_pair(i, j)) : 0);
   }
 }
 
@@ -129,11 +158,11 @@ void PoseGraphSolver<N>::linearise() {
       H_[static_cast<size_t>(j)].noalias() += B.transpose() * B;
       b_.segment<N>(j * N).noalias() -= B.transpose() * e;
     }
-    if (slot_[k] < 0) continue;
+    if (i < 0 || j < 0) continue;
     if (i < j) {
-      system_.block(slot_[k], j).noalias() += A.transpose() * B;
+      system_.block(slot_[k]).noalias() += A.transpose() * B;
     } else {
-      system_.block(slot_[k], i).noalias() += B.transpose() * A;
+      system_.block(slot_[k]).noalias() += B.transpose() * A;
     }
   }
 }
@@ -143,7 +172,7 @@ bool PoseGraphSolver<N>::solve_step(double lambda) {
   for (size_t c = 0; c < H_.size(); ++c) {
     Block damped = H_[c];
     damped.diagonal() += lambda * (H_[c].diagonal().array() + 1e-9).matrix();
-    system_.diagonal(static_cast<int32_t>(c)) = damped;
+    system_.diagonal(c) = damped;
   }
   return system_.solve(b_, step_);
 }
