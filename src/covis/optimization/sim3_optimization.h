@@ -35,7 +35,8 @@ inline constexpr double kRefineChi2 = 10.0;   // Huber's bound too
 inline constexpr double kRansacChi2 = 9.210;  // 99 % for 2 degrees of freedom
 
 // Levenberg-Marquardt: 5 iterations with Huber's rho, matches beyond max_chi2 in an image dropped, then 10 more without
-// rho (5 if none were dropped). With fix_scale the scale stays as it is.
+// rho (5 if none were dropped). For matches of which most are right: ransac_sim3's inliers, or those that a search
+// guided by its similarity found (half of them wrong is too much for rho). With fix_scale the scale stays as it is.
 Sim3Result refine_sim3(const Sim3& S_12, std::span<const Sim3Match> matches, const Pinhole& camera_1,
                        const Pinhole& camera_2, bool fix_scale, double max_chi2 = kRefineChi2);
 

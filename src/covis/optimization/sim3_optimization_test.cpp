@@ -144,7 +144,11 @@ TEST(Sim3Optimization, RansacFindsItAmongWrongMatches) {
       const auto found = ransac_sim3(c.matches, kCamera1, kCamera2, fix_scale, seed);
       ASSERT_TRUE(found) << seed;
       EXPECT_LT((found->S_12 * c.truth.inverse()).log().norm(), 0.05) << seed;
-      const Sim3Result refined = refine_sim3(found->S_12, c.matches, kCamera1, kCamera2, fix_scale);
+      std::vector<Sim3Match> agreeing;
+      for (size_t k = 0; k < c.matches.size(); ++k) {
+        if (found->inlier[k]) agreeing.push_back(c.matches[k]);
+      }
+      const Sim3Result refined = refine_sim3(found->S_12, agreeing, kCamera1, kCamera2, fix_scale);
       ASSERT_TRUE(refined.ok);
       EXPECT_LT((refined.S_12 * c.truth.inverse()).log().norm(), 0.02) << seed;
       const auto again = ransac_sim3(c.matches, kCamera1, kCamera2, fix_scale, seed);
