@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/optimization/sim3_optimization.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "covis/core/random.h"
+#include "covis/geometry/alignment.h"
+#include "covis/optimization/reprojection.h"
+
+namespace covis {
+
+bool sim3_residual(const Sim3& S_12, const Sim3Match& match, const Pinhole& camera_1, const Pinhole& camera_2,
+                   Eigen::Vector4d& e, Eigen::Matrix<double, 4, 7>* J) {
+  const Sim3 S_21 = S_12.inverse();
+  const Eigen::Vector3d q_1 = S_12 * match.p_2, q_2 = S_21 * match.p_1;
+  if (!(q_1.z() > kMinDepth && q_2.z() > kMinDepth)) return false;
+  e << match.z_1 - camera_1.project(q_1), match.z_2 - camera_2.project(q_2);
+  if (!e.allFinite()) return false;
+  if (!J) return true;
+  // exp(xi) p = p + rho + phi x p + sigma p to first order; S_12^-1 exp(-xi) p_1 has the opposite sign inside S_21.
+  const Eigen::Matrix<double, 2, 3> J_1 = projection_jacobian(q_1, camera_1, false).topRows<2>();
+  const Eigen::Matrix<double, 2, 3> J_2 =
+      projection_jacobian(q_2, camera_2, false).topRows<2>() * (-S_21.scale() * S_21.R());
+  J->topRows<2>() << J_1, -J_1 * hat(q_1), J_1 * q_1;
+  J->bottomRows<2>() << J_2, -J_2 * hat(match.p_1), J_2 * match.p_1;
+  return true;
+}
+
+namespace {
+
+struct View {
+  std::span<const Sim3Match> matches;
+  const Pinhole& camera_1;
+  const Pinhole& camera_2;
+  bool fix_scale;
+};
+
+struct System {
+  Matrix7d H = Matrix7d::Zero();
+  Vector7d b = Vector7d::Zero();
+  double cost = 0;
+  int used = 0;
+};
+
+// Sums over the matches with use[i] != 0; a bound of 0: no Huber.
+System accumulate(const Sim3& S_12, const View& view, const std::vector<uint8_t>& use, double huber_bound) {
+  System s;
+  Eigen::Vector4d e;
+  Eigen::Matrix<double, 4, 7> J;
+  for (size_t i = 0; i < view.matches.size(); ++i) {
+    const Sim3Match& match = view.matches[i];
+    if (!use[i] || !sim3_residual(S_12, match, view.camera_1, view.camera_2, e, &J)) continue;
+    ++s.used;
+    if (view.fix_scale) J.col(6).setZero();
+    Eigen::Vector4d w;
+    const auto weigh = [&](int row, double inv_sigma2) {
+      const double chi2 = e.segment<2>(row).squaredNorm() * inv_sigma2;
+      double weight = 1;
+      s.cost += huber_bound > 0 ? huber(chi2, huber_bound, weight) : chi2;
+      w.segment<2>(row).setConstant(weight * inv_sigma2);
+    };
+    weigh(0, match.inv_sigma2_1);
+    weigh(2, match.inv_sigma2_2);
+    s.H.noalias() += J.transpose() * (w.asDiagonal() * J);
+    s.b.noalias() += J.transpose() * w.cwiseProduct(e);
+  }
+  if (view.fix_scale) s.H(6, 6) = 1;  // its step is 0
+  return s;
+}
+
+// False: too few matches, or a system without a solution.
+bool descend(Sim3& S_12, const View& view, const std::vector<uint8_t>& use, double huber_bound, int iterations) {
+  double lambda = 1e-6;
+  System s = accumulate(S_12, view, use, huber_bound);
+  for (int k = 0; k < iterations; ++k) {
+    if (s.used < 3) return false;
+    Matrix7d H = s.H;
+    H.diagonal() *= 1 + lambda;
+    const Vector7d step = H.ldlt().solve(s.b);
+    if (!step.allFinite()) return false;
+    const Sim3 candidate = Sim3::exp(step) * S_12;
+    const System next = accumulate(candidate, view, use, huber_bound);
+    // A step may not gain by taking points behind a camera.
+    if (candidate.all_finite() && next.used >= s.used && next.cost <= s.cost) {
+      S_12 = candidate;
+      s = next;
+      lambda = std::max(lambda * 0.1, 1e-9);
+    } else {
+      lambda = std::max(lambda * 10, 1e-4);
+    }
+  }
+  S_12 = S_12.normalized();
+  return true;
+}
+
+int classify(const Sim3& S_12, const View& view, double max_chi2, std::vector<uint8_t>& inlier) {
+  int count = 0;
+  Eigen::Vector4d e;
+  for (size_t i = 0; i < inlier.size(); ++i) {
+    const Sim3Match& match = view.matches[i];
+    inlier[i] = sim3_residual(S_12, match, view.camera_1, view.camera_2, e) &&
+                e.head<2>().squaredNorm() * match.inv_sigma2_1 <= max_chi2 &&
+                e.tail<2>().squaredNorm() * match.inv_sigma2_2 <= max_chi2;
+    count += inlier[i];
+  }
+  return count;
+}
+
+std::optional<Sim3> closed_form(const std::vector<Eigen::Vector3d>& from, const std::vector<Eigen::Vector3d>& to,
+                                bool fix_scale) {
+  const std::optional<Alignment> alignment = align(from, to, !fix_scale);
+  if (!alignment || !alignment->unique) return std::nullopt;
+  const Sim3 S(alignment->T_ba, alignment->scale);
+  return S.all_finite() ? std::optional(S) : std::nullopt;
+}
+
+std::array<uint32_t, 3> draw_three(Random& random, uint32_t n) {
+  std::array<uint32_t, 3> drawn{random.below(n), random.below(n - 1), random.below(n - 2)};
+  // Each number moves up past those taken before it.
+  drawn[1] += drawn[1] >= drawn[0];
+  const auto [low, high] = std::minmax(drawn[0], drawn[1]);
+  drawn[2] += drawn[2] >= low;
+  drawn[2] += drawn[2] >= high;
+  return drawn;
+}
+
+// How many samples of 3 make it 99 % sure that one has inliers only.
+double samples_needed(double inlier_share) {
+  const double good = inlier_share * inlier_share * inlier_share;
+  return good >= 1 ? 1 : std::log(0.01) / std::log1p(-good);
+}
+
+}  // namespace
+
+Sim3Result refine_sim3(const Sim3& S_12, std::span<const Sim3Match> matches, const Pinhole& camera_1,
+                       const Pinhole& camera_2, bool fix_scale, double max_chi2) {
+  const View view{matches, camera_1, camera_2, fix_scale};
+  Sim3Result result;
+  result.S_12 = S_12;
+  result.inlier.assign(matches.size(), 1);
+  Sim3 S = S_12;
+  if (!descend(S, view, result.inlier, max_chi2, 5)) return result;
+  const bool dropped = classify(S, view, max_chi2, result.inlier) < static_cast<int>(matches.size());
+  if (!descend(S, view, result.inlier, 0, dropped ? 10 : 5)) return result;
+  result.inliers = classify(S, view, max_chi2, result.inlier);
+  if (result.inliers < 3) return result;
+  result.S_12 = S;
+  result.cost = accumulate(S, view, result.inlier, 0).cost;
+  result.ok = true;
+  return result;
+}
+
+std::optional<Sim3Result> ransac_sim3(std::span<const Sim3Match> matches, const Pinhole& camera_1,
+                                      const Pinhole& camera_2, bool fix_scale, uint64_t seed, int min_inliers) {
+  constexpr int kTries = 300;
+  const auto n = static_cast<uint32_t>(matches.size());
+  if (n < 3 || static_cast<int>(n) < min_inliers) return std::nullopt;
+  const View view{matches, camera_1, camera_2, fix_scale};
+  Random random(seed);
+  Sim3Result best;
+  std::vector<uint8_t> inlier(n);
+  std::vector<Eigen::Vector3d> from, to;
+  const auto consider = [&] {
+    const std::optional<Sim3> S = closed_form(from, to, fix_scale);
+    if (!S) return;
+    const int count = classify(*S, view, kRansacChi2, inlier);
+    if (count <= best.inliers) return;
+    best.S_12 = *S;
+    best.inliers = count;
+    best.inlier = inlier;
+  };
+  double needed = kTries;
+  for (int tries = 0; tries < std::min<double>(needed, kTries); ++tries) {
+    from.clear();
+    to.clear();
+    for (const uint32_t k : draw_three(random, n)) {
+      from.push_back(matches[k].p_2);
+      to.push_back(matches[k].p_1);
+    }
+    consider();
+    if (best.inliers > 0) needed = samples_needed(static_cast<double>(best.inliers) / n);
+  }
+  if (best.inliers < 3) return std::nullopt;
+  from.clear();
+  to.clear();
+  for (size_t k = 0; k < n; ++k) {
+    if (!best.inlier[k]) continue;
+    from.push_back(matches[k].p_2);
+    to.push_back(matches[k].p_1);
+  }
+  consider();  // kept when more agree with it
+  if (best.inliers < min_inliers) return std::nullopt;
+  best.cost = accumulate(best.S_12, view, best.inlier, 0).cost;
+  best.ok = true;
+  return best;
+}
+
+}  // namespace covis

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/optimization/sim3_optimization.h"
+
+#include <ceres/ceres.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "covis/core/random.h"
+
+namespace covis {
+namespace {
+
+const Pinhole kCamera1{500, 510, 320, 240, 0}, kCamera2{450, 440, 310, 250, 0};
+
+Sim3 random_sim3(Random& random, double distance, double angle, double log_scale) {
+  Vector7d xi;
+  for (int k = 0; k < 3; ++k) {
+    xi(k) = random.uniform(-distance, distance);
+    xi(k + 3) = random.uniform(-angle, angle);
+  }
+  xi(6) = random.uniform(-log_scale, log_scale);
+  return Sim3::exp(xi);
+}
+
+struct Case {
+  Sim3 truth;  // S_12
+  std::vector<Sim3Match> matches;
+  std::vector<uint8_t> wrong;
+};
+
+// Points before both cameras; each map has them off by a little, each image by a pixel's noise.
+Case make_case(uint64_t seed, int count, double outliers, bool fix_scale) {
+  Random random(seed);
+  Case c;
+  c.truth = random_sim3(random, 0.6, 0.2, fix_scale ? 0 : 0.7);
+  const auto noise = [&](double size) {
+    return Eigen::Vector3d(size * random.normal(), size * random.normal(), size * random.normal());
+  };
+  for (int k = 0; k < count; ++k) {
+    Sim3Match match;
+    const Eigen::Vector3d p(random.uniform(-2, 2), random.uniform(-1.5, 1.5), random.uniform(3, 8));
+    const Eigen::Vector3d q = c.truth.inverse() * p;
+    match.p_1 = p + noise(0.003);
+    match.p_2 = q + noise(0.003);
+    match.z_1 = kCamera1.project(p) + noise(0.7).head<2>();
+    match.z_2 = kCamera2.project(q) + noise(0.7).head<2>();
+    match.inv_sigma2_1 = k % 3 == 0 ? 0.7 : 1;
+    c.wrong.push_back(random.uniform() < outliers);
+    if (c.wrong.back()) {  // matched to another point
+      const Eigen::Vector3d other(random.uniform(-2, 2), random.uniform(-1.5, 1.5), random.uniform(3, 8));
+      match.p_2 = c.truth.inverse() * other;
+      match.z_2 = kCamera2.project(match.p_2);
+    }
+    c.matches.push_back(match);
+  }
+  return c;
+}
+
+template <int N>
+struct Residual {
+  Sim3 S_12;
+  Sim3Match match;
+  bool operator()(const double* parameters, double* out) const {
+    Vector7d xi = Vector7d::Zero();
+    std::copy_n(parameters, N, xi.data());
+    Eigen::Vector4d e;
+    if (!sim3_residual(Sim3::exp(xi) * S_12, match, kCamera1, kCamera2, e)) return false;
+    e.head<2>() *= std::sqrt(match.inv_sigma2_1);
+    e.tail<2>() *= std::sqrt(match.inv_sigma2_2);
+    std::copy_n(e.data(), 4, out);
+    return true;
+  }
+};
+
+template <int N>
+double ceres_cost(const Sim3& start, const Case& c, const std::vector<uint8_t>& use) {
+  double xi[N] = {};
+  ceres::Problem theirs;
+  for (size_t k = 0; k < c.matches.size(); ++k) {
+    if (!use[k]) continue;
+    theirs.AddResidualBlock(
+        new ceres::NumericDiffCostFunction<Residual<N>, ceres::CENTRAL, 4, N>(new Residual<N>{start, c.matches[k]}),
+        nullptr, xi);
+  }
+  ceres::Solver::Options options;
+  options.function_tolerance = options.gradient_tolerance = options.parameter_tolerance = 1e-14;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &theirs, &summary);
+  return 2 * summary.final_cost;
+}
+
+TEST(Sim3Optimization, JacobiansAgreeWithDifferences) {
+  const Case c = make_case(1, 100, 0.3, false);
+  for (const Sim3Match& match : c.matches) {
+    Eigen::Vector4d e, plus, minus;
+    Eigen::Matrix<double, 4, 7> J;
+    ASSERT_TRUE(sim3_residual(c.truth, match, kCamera1, kCamera2, e, &J));
+    constexpr double kStep = 1e-6;
+    for (int k = 0; k < 7; ++k) {
+      const Vector7d xi = kStep * Vector7d::Unit(k);
+      ASSERT_TRUE(sim3_residual(Sim3::exp(xi) * c.truth, match, kCamera1, kCamera2, plus));
+      ASSERT_TRUE(sim3_residual(Sim3::exp(-xi) * c.truth, match, kCamera1, kCamera2, minus));
+      EXPECT_LT(((minus - plus) / (2 * kStep) - J.col(k)).norm(), 1e-5 * (1 + J.col(k).norm()));
+    }
+  }
+}
+
+TEST(Sim3Optimization, EndsWhereCeresEnds) {
+  for (const bool fix_scale : {false, true}) {
+    for (uint64_t seed = 1; seed <= 10; ++seed) {
+      const Case c = make_case(seed, 120, 0.2, fix_scale);
+      Random random(seed + 100);
+      const Sim3 start = random_sim3(random, 0.1, 0.05, fix_scale ? 0 : 0.1) * c.truth;
+      const Sim3Result result = refine_sim3(start, c.matches, kCamera1, kCamera2, fix_scale);
+      ASSERT_TRUE(result.ok);
+      // The minimum over the same matches. One that came in or went out in the last look would count otherwise.
+      const double theirs = fix_scale ? ceres_cost<6>(start, c, result.inlier) : ceres_cost<7>(start, c, result.inlier);
+      EXPECT_GE(result.cost, theirs * (1 - 1e-9));
+      EXPECT_LE(result.cost, theirs * (1 + 1e-3));
+      EXPECT_LT((result.S_12 * c.truth.inverse()).log().norm(), 0.02);
+      if (fix_scale) {
+        EXPECT_EQ(result.S_12.scale(), start.scale());
+      }
+      for (size_t k = 0; k < c.wrong.size(); ++k) EXPECT_FALSE(c.wrong[k] && result.inlier[k]);
+      EXPECT_GE(result.inliers, 0.9 * static_cast<double>(std::count(c.wrong.begin(), c.wrong.end(), 0)));
+    }
+    // With a bound that drops nothing: the minimum exactly.
+    const Case clean = make_case(50, 120, 0, fix_scale);
+    const Sim3Result all = refine_sim3(clean.truth, clean.matches, kCamera1, kCamera2, fix_scale, 1000);
+    ASSERT_EQ(all.inliers, 120);
+    const double theirs =
+        fix_scale ? ceres_cost<6>(clean.truth, clean, all.inlier) : ceres_cost<7>(clean.truth, clean, all.inlier);
+    EXPECT_NEAR(all.cost, theirs, 1e-9 * theirs);
+  }
+}
+
+TEST(Sim3Optimization, RansacFindsItAmongWrongMatches) {
+  for (const bool fix_scale : {false, true}) {
+    for (uint64_t seed = 1; seed <= 30; ++seed) {
+      const Case c = make_case(seed, 100, 0.5, fix_scale);
+      const auto found = ransac_sim3(c.matches, kCamera1, kCamera2, fix_scale, seed);
+      ASSERT_TRUE(found) << seed;
+      EXPECT_LT((found->S_12 * c.truth.inverse()).log().norm(), 0.05) << seed;
+      std::vector<Sim3Match> agreeing;
+      for (size_t k = 0; k < c.matches.size(); ++k) {
+        if (found->inlier[k]) agreeing.push_back(c.matches[k]);
+      }
+      const Sim3Result refined = refine_sim3(found->S_12, agreeing, kCamera1, kCamera2, fix_scale);
+      ASSERT_TRUE(refined.ok);
+      EXPECT_LT((refined.S_12 * c.truth.inverse()).log().norm(), 0.02) << seed;
+      const auto again = ransac_sim3(c.matches, kCamera1, kCamera2, fix_scale, seed);
+      EXPECT_EQ(again->S_12.t(), found->S_12.t());
+      EXPECT_EQ(again->inlier, found->inlier);
+    }
+  }
+}
+
+TEST(Sim3Optimization, NothingIsFoundWhereNothingIs) {
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    EXPECT_FALSE(ransac_sim3(make_case(seed, 100, 1, false).matches, kCamera1, kCamera2, false, seed));
+  }
+  const Case few = make_case(1, 15, 0, false);
+  EXPECT_FALSE(ransac_sim3(few.matches, kCamera1, kCamera2, false, 1));
+  EXPECT_TRUE(ransac_sim3(few.matches, kCamera1, kCamera2, false, 1, 10));
+  EXPECT_FALSE(ransac_sim3({}, kCamera1, kCamera2, false, 1, 0));
+  EXPECT_FALSE(refine_sim3(Sim3(), {}, kCamera1, kCamera2, false).ok);
+  std::vector<Sim3Match> same(30, few.matches[0]);
+  EXPECT_FALSE(ransac_sim3(same, kCamera1, kCamera2, false, 1));
+}
+
+TEST(Sim3Optimization, BadMatchesDoNotPoisonIt) {
+  Case c = make_case(3, 60, 0, false);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  c.matches[3].z_1.x() = nan;
+  c.matches[4].p_2.y() = nan;
+  c.matches[5].p_1.z() = -2;  // behind
+  const auto found = ransac_sim3(c.matches, kCamera1, kCamera2, false, 3);
+  ASSERT_TRUE(found);
+  const Sim3Result refined = refine_sim3(found->S_12, c.matches, kCamera1, kCamera2, false);
+  EXPECT_TRUE(refined.ok);
+  EXPECT_LT((refined.S_12 * c.truth.inverse()).log().norm(), 0.02);
+  for (const size_t k : {3, 4, 5}) EXPECT_FALSE(refined.inlier[k] || found->inlier[k]);
+}
+
+}  // namespace
+}  // namespace covis
