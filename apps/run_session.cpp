@@ -48,7 +48,34 @@ json to_json(const MappingReport& m) {
           {"ba_points", m.ba_points},
           {"ba_observations", m.ba_observations},
           {"ba_interrupted", m.ba_interrupted},
+          {"loop_candidates", m.loop.candidates},
+          {"loop_matches", m.loop.matches},
+          {"loop_inliers", m.loop.inliers},
+          {"loop_found_again", m.loop.found_again},
+          {"loop_closed", m.loop.loop.valid()},
+          {"loop_ms", m.loop_ms},
           {"total_ms", m.total_ms}};
+}
+
+json loops(const RunRecord& run) {
+  json list = json::array();
+  for (const MappingReport& m : run.mapping) {
+    if (!m.loop.loop.valid()) continue;
+    list.push_back({{"frame", m.frame},
+                    {"matches", m.loop.matches},
+                    {"inliers", m.loop.inliers},
+                    {"found_again", m.loop.found_again},
+                    {"fused", m.loop.fused},
+                    {"path_m", m.loop.path},
+                    {"correction_m", m.loop.correction},
+                    {"rotation_deg", m.loop.rotation_deg},
+                    {"scale", m.loop.scale},
+                    {"query_ms", m.loop.query_ms},
+                    {"verify_ms", m.loop.verify_ms},
+                    {"correct_ms", m.loop.correct_ms},
+                    {"pose_graph_ms", m.loop.pose_graph_ms}});
+  }
+  return list;
 }
 
 json to_json(const FrameStats& f) {
@@ -121,6 +148,7 @@ json mapping_times(const RunRecord& run) {
           {"fuse", stage([](const MappingReport& m) { return m.fuse_ms; })},
           {"local_ba", stage([](const MappingReport& m) { return m.ba_ms; })},
           {"cull_key_frames", stage([](const MappingReport& m) { return m.cull_key_frames_ms; })},
+          {"loop", stage([](const MappingReport& m) { return m.loop_ms; })},
           {"total", stage([](const MappingReport& m) { return m.total_ms; })}};
 }
 
@@ -172,6 +200,7 @@ json summarise(const RunRecord& run, const System& system) {
           {"frame_ms", spread(done, [](const FrameStats& f) { return f.timing.total_ms; })},
           {"stage_ms", stage_times(run)},
           {"mapping_ms", mapping_times(run)},
+          {"loops", loops(run)},
           {"frames_per_second", static_cast<double>(run.frames.size()) / std::max(run.wall_seconds, 1e-9)},
           {"wall_s", run.wall_seconds},
           {"peak_rss_mb", peak_rss_mb()},

@@ -39,6 +39,8 @@ MappingReport Mapper::process(const KeyFrameRequest& request, const std::atomic<
     report.key_frames_culled = cull_key_frames(report.key_frame);
     report.cull_key_frames_ms = lap(watch);
   }
+  close_loop(report.key_frame, report);
+  report.loop_ms = lap(watch);
   report.total_ms = total.ms();
   return report;
 }
@@ -142,7 +144,28 @@ int Mapper::cull_key_frames(KeyFrameId current) {
   return culled;
 }
 
+// The result of a full bundle adjustment is taken over a fixed number of key frames later, so that it does not depend on
+// how fast the machine is; in real time as soon as it is there.
+void Mapper::close_loop(KeyFrameId current, MappingReport& report) {
+  if (!vocabulary_ || !options_.loop.close) return;
+  if (global_.running()) {
+    ++global_age_;
+    if (options_.realtime ? global_.ready() : global_age_ >= options_.loop.ba_key_frames)
+      report.loop.full_ba_ms = global_.commit(map_);
+  }
+  if (!closer_.process(current, report.loop)) return;
+  global_.abandon();
+  if (options_.loop.ba_iterations > 0) global_.start(map_, options_.loop.ba_iterations);
+  global_age_ = 0;
+}
+
+void Mapper::finish() {
+  if (global_.running()) global_.commit(map_);
+}
+
 void Mapper::reset() {
+  global_.abandon();
+  closer_.reset();
   recent_.clear();
   map_.write()->clear();
 }

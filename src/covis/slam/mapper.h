@@ -12,10 +12,12 @@
 #include <vector>
 
 #include "covis/map/shared_map.h"
-#include "covis/matching/window_match.h"
 #include "covis/optimization/bundle_adjustment.h"
+#include "covis/slam/global_adjuster.h"
+#include "covis/slam/loop_closer.h"
 #include "covis/slam/messages.h"
 #include "covis/slam/options.h"
+#include "covis/slam/point_fuser.h"
 
 namespace covis {
 
@@ -23,7 +25,7 @@ class Mapper {
  public:
   // Without a vocabulary (null) key frames have no words and places are not recognised.
   Mapper(SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
-      : map_(map), options_(options), vocabulary_(std::move(vocabulary)) {}
+      : map_(map), options_(options), vocabulary_(std::move(vocabulary)), closer_(map, options) {}
 
   // The whole of local mapping for one key frame. `interrupt` (may be null) becomes true when another waits: bundle
   // adjustment is then cut short.
@@ -31,6 +33,8 @@ class Mapper {
   // Two key frames and their points, adjusted and scaled to a median depth of 1. The report's key frame is invalid, and
   // the map left empty, when too little survives.
   MappingReport initialise(const InitialMapRequest& request);
+  // Waits for what runs in the background and takes it over.
+  void finish();
   // Everything is forgotten (a monocular map that failed in its first moments).
   void reset();
   // Bundle adjustment of the whole map; the root stays. Returns its summary.
@@ -49,9 +53,7 @@ class Mapper {
   int fuse_neighbours(KeyFrameId current);
   void local_bundle_adjustment(KeyFrameId current, const std::atomic<bool>* interrupt, MappingReport& report);
   int cull_key_frames(KeyFrameId current);
-
-  // Projects `points` into a key frame and merges what matches; returns the number of points joined or added.
-  int fuse_into(KeyFrameId target, const std::vector<MapPointId>& points);
+  void close_loop(KeyFrameId current, MappingReport& report);
 
   bool monocular() const { return options_.sensor == Sensor::monocular; }
   double close_depth(const Features& features) const {
@@ -62,12 +64,11 @@ class Mapper {
   const SystemOptions options_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
   std::vector<Recent> recent_;
+  LoopCloser closer_;
+  GlobalAdjuster global_;
+  int global_age_ = 0;  // key frames since the full bundle adjustment began
   BundleAdjuster adjuster_;
-  WindowMatcher matcher_;
-  std::vector<WindowQuery> queries_;     // scratch of fuse_into
-  std::vector<Descriptor> descriptors_;  // likewise
-  std::vector<MapPointId> candidates_;   // likewise
-  std::vector<int32_t> match_;           // likewise
+  PointFuser fuser_;
 };
 
 }  // namespace covis

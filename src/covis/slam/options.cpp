@@ -68,10 +68,27 @@ Fields fields(MapperOptions& o) {
   };
 }
 
+Fields fields(LoopOptions& o) {
+  return {
+      {"loop.close", &o.close, "close loops (needs a vocabulary)"},
+      {"loop.min_matches", &o.min_matches, "matches of points of both places", 3, 1000},
+      {"loop.min_inliers", &o.min_inliers, "of them that agree with a similarity", 3, 1000},
+      {"loop.min_found", &o.min_found, "points of the old place found in the new view", 3, 10000},
+      {"loop.min_found_share", &o.min_found_share, "the same as a share of those in view", 0, 1},
+      {"loop.max_drift", &o.max_drift, "greatest correction as a share of the path since (stereo, RGB-D)", 0, 100},
+      {"loop.max_drift_mono", &o.max_drift_mono, "the same, monocular", 0, 100},
+      {"loop.max_rotation", &o.max_rotation, "greatest correction of orientation, degrees", 0, 180},
+      {"loop.max_scale", &o.max_scale, "greatest change of scale, a factor", 1, 100},
+      {"loop.ba_iterations", &o.ba_iterations, "iterations of the full bundle adjustment after a loop; 0: none", 0, 100},
+      {"loop.ba_key_frames", &o.ba_key_frames, "key frames after which its result is taken over", 1, 100},
+  };
+}
+
 Fields fields(SystemOptions& o) {
   Fields all = fields(o.orb);
   for (Field& field : fields(o.tracker)) all.push_back(std::move(field));
   for (Field& field : fields(o.mapper)) all.push_back(std::move(field));
+  for (Field& field : fields(o.loop)) all.push_back(std::move(field));
   all.push_back({"system.mapping_delay", &o.mapping_delay,
                  "frames after a key frame at which its mapping becomes visible to tracking", 1, 100});
   all.push_back({"system.realtime", &o.realtime, "frames at their own times, mapping visible when ready"});

@@ -57,11 +57,27 @@ struct MapperOptions {
 };
 Fields fields(MapperOptions& options);
 
+struct LoopOptions {
+  bool close = true;              // close loops (needs a vocabulary)
+  int min_matches = 20;           // by descriptor, of points of both places
+  int min_inliers = 20;           // that agree with a similarity
+  int min_found = 40;             // of the old place's points found in the new view
+  double min_found_share = 0.15;  // of those in view
+  double max_drift = 0.1;         // greatest correction, as a share of the path travelled since (stereo, RGB-D)
+  double max_drift_mono = 0.3;    // the same, monocular
+  double max_rotation = 45;       // greatest correction of orientation, degrees
+  double max_scale = 3;           // greatest change of scale, a factor
+  int ba_iterations = 10;         // of the full bundle adjustment after a loop
+  int ba_key_frames = 5;          // key frames after which its result is taken over
+};
+Fields fields(LoopOptions& options);
+
 struct SystemOptions {
   Sensor sensor = Sensor::monocular;
   OrbOptions orb;
   TrackerOptions tracker;
   MapperOptions mapper;
+  LoopOptions loop;
   int mapping_delay = 2;  // frames after a key frame at which what mapping made of it becomes visible to tracking
   bool realtime = false;  // instead: as soon as it is ready; mapping is interrupted by new key frames
   bool localize = false;  // localisation only: the map is not touched (algorithms.md §3.7)

@@ -147,6 +147,10 @@ void System::take(const MappingReport& report) {
 std::vector<MappingReport> System::finish() {
   FrameReport report;
   collect(report, true);
+  if (tracker_.state() != TrackState::not_initialised) {
+    mapping_.mapper().finish();
+    tracker_.map_moved();
+  }
   return std::move(report.mapping);
 }
 

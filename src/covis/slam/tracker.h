@@ -64,6 +64,8 @@ class Tracker {
   // The pose of one image in the map, from nothing: its T_cw, or nothing when its place is not recognised. Leaves the
   // state of tracking aside: use a tracker of its own for it.
   std::optional<SE3> locate(FeaturesPtr features, int64_t frame);
+  // The map was changed beside mapping.
+  void map_moved() { map_changed_ = true; }
   // A map was put in place that this tracker knows nothing of: the camera is to be found in it.
   void start_lost();
 

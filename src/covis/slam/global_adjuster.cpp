@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/slam/global_adjuster.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "covis/core/log.h"
+#include "covis/core/time.h"
+
+namespace covis {
+
+void GlobalAdjuster::start(const SharedMap& shared, int iterations) {
+  abandon();
+  problem_ = {};
+  {
+    const auto map = shared.read();
+    const std::vector<KeyFrameId> frames = map->key_frames();
+    if (frames.size() < 2) return;
+    problem_.gather(*map, frames, frames.size());
+  }
+  interrupt_ = done_ = false;
+  thread_ = std::thread([this, iterations] {
+    const Stopwatch watch;
+    BundleAdjuster adjuster;
+    summary_ = adjuster.solve(problem_.problem, {.iterations = iterations, .interrupt = &interrupt_});
+    classify_observations(problem_.problem);
+    ms_ = watch.ms();
+    done_ = true;
+  });
+}
+
+void GlobalAdjuster::abandon() {
+  if (!thread_.joinable()) return;
+  interrupt_ = true;
+  thread_.join();
+}
+
+double GlobalAdjuster::commit(SharedMap& map) {
+  thread_.join();
+  if (summary_.ok) {
+    take_over(*map.write());
+  } else {
+    log(LogLevel::warning, "the full bundle adjustment after a loop failed; the map stays as it was");
+  }
+  problem_ = {};
+  return ms_;
+}
+
+void GlobalAdjuster::take_over(Map& map) const {
+  std::vector<SE3> before, after;    // by slot
+  std::vector<uint8_t> adjusted;     // by slot: has an adjusted pose
+  const auto room = [&](KeyFrameId id) {
+    if (id.slot < before.size()) return;
+    before.resize(id.slot + size_t{1});
+    after.resize(before.size());
+    adjusted.resize(before.size(), 0);
+  };
+  map.for_each_key_frame([&](KeyFrameId id, const KeyFrame& key_frame) {
+    room(id);
+    before[id.slot] = after[id.slot] = key_frame.T_cw;
+  });
+  for (size_t k = 0; k < problem_.key_frames.size(); ++k) {
+    const KeyFrameId id = problem_.key_frames[k];
+    if (!map.find(id)) continue;
+    after[id.slot] = problem_.problem.poses[k].normalized();
+    adjusted[id.slot] = 1;
+  }
+  // From the root down: what is newer than the copy keeps its place beside its parent.
+  std::vector<KeyFrameId> open{map.root()};
+  for (size_t k = 0; k < open.size(); ++k) {
+    const KeyFrame& key_frame = map.at(open[k]);
+    if (!adjusted[open[k].slot] && key_frame.parent.valid()) {
+      const uint32_t parent = key_frame.parent.slot;
+      after[open[k].slot] = (key_frame.T_cw * before[parent].inverse() * after[parent]).normalized();
+    }
+    open.insert(open.end(), key_frame.children.begin(), key_frame.children.end());
+  }
+  std::vector<std::pair<MapPointId, Eigen::Vector3d>> places;
+  map.for_each_point([&](MapPointId id, const MapPoint& point) {
+    const auto at = std::lower_bound(problem_.points.begin(), problem_.points.end(), id);
+    if (at != problem_.points.end() && *at == id) {
+      places.emplace_back(id, problem_.problem.points[static_cast<size_t>(at - problem_.points.begin())]);
+    } else {
+      const uint32_t reference = point.reference.slot;
+      places.emplace_back(id, after[reference].inverse() * (before[reference] * point.position_w));
+    }
+  });
+  for (const KeyFrameId& id : open) map.set_pose(id, after[id.slot]);
+  for (const auto& [id, position] : places) map.set_position(id, position);
+  for (const BundleObservation& observation : problem_.problem.observations) {
+    if (!observation.active) {
+      map.erase_observation(problem_.points[static_cast<size_t>(observation.point)],
+                            problem_.key_frames[static_cast<size_t>(observation.pose)]);
+    }
+  }
+  for (const auto& [id, position] : places) {
+    if (map.find(id)) map.refresh_point_geometry(id);
+  }
+}
+
+}  // namespace covis

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recognising a loop. The correction is in loop_correction.cpp.
+#include "covis/slam/loop_closer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "covis/core/random.h"
+#include "covis/core/time.h"
+#include "covis/matching/descriptor_match.h"
+#include "covis/slam/point_geometry.h"
+
+namespace covis {
+namespace {
+
+constexpr uint32_t kBetweenLoops = 10;  // key frames
+constexpr size_t kCandidates = 3;       // places verified for a key frame
+constexpr int kGroupMatching = 5;       // covisible key frames of a candidate matched against
+constexpr int kGroupPoints = 15;        // covisible key frames of a candidate whose points are projected
+constexpr float kRatio = 0.75f;
+
+}  // namespace
+
+bool LoopCloser::process(KeyFrameId current, LoopReport& report) {
+  const Stopwatch watch;
+  std::vector<KeyFrameId> places;
+  View view;
+  {
+    const auto map = map_.read();
+    const KeyFrame* key_frame = map->find(current);
+    if (!key_frame || !key_frame->words) return false;
+    if (last_loop_serial_ && key_frame->serial < *last_loop_serial_ + kBetweenLoops) return false;
+    places = candidates(*map, current);
+    report.query_ms = watch.ms();
+    if (places.empty()) return false;
+    view = copy_view(*map, current);
+  }
+  report.candidates = static_cast<int>(places.size());
+  std::optional<Found> found;
+  for (const KeyFrameId& place : places) {
+    if ((found = verify(view, place, report))) break;
+  }
+  report.verify_ms = watch.ms() - report.query_ms;
+  if (!found) return false;
+  report.loop = found->place.key_frame;
+  correct(view, *found, report);
+  fuse(view, *found, report);
+  {
+    const auto map = map_.write();
+    map->add_loop_edge(current, found->place.key_frame);
+    last_loop_serial_ = map->at(current).serial;
+  }
+  report.correct_ms = watch.ms() - report.query_ms - report.verify_ms;
+  return true;
+}
+
+std::vector<KeyFrameId> LoopCloser::candidates(const Map& map, KeyFrameId current) const {
+  const KeyFrame& key_frame = map.at(current);
+  double min_score = 1;
+  std::vector<KeyFrameId> excluded{current};
+  for (const Neighbour& n : map.neighbours(current)) {
+    excluded.push_back(n.key_frame);
+    min_score = std::min(min_score, word_score(key_frame.words->words, map.at(n.key_frame).words->words));
+  }
+  std::sort(excluded.begin(), excluded.end());
+  std::vector<KeyFrameId> result;
+  for (const auto& candidate : map.database().query(map, *key_frame.words, excluded, min_score)) {
+    if (result.size() < kCandidates) result.push_back(candidate.key_frame);
+  }
+  return result;
+}
+
+LoopCloser::View LoopCloser::copy_view(const Map& map, KeyFrameId id) const {
+  const KeyFrame& source = map.at(id);
+  View view{id, source.T_cw, source.features, source.points, {}, {}};
+  view.positions.resize(view.points.size());
+  view.has_point.resize(view.points.size());
+  for (size_t i = 0; i < view.points.size(); ++i) {
+    view.has_point[i] = view.points[i].valid();
+    if (view.has_point[i]) view.positions[i] = map.at(view.points[i]).position_w;
+  }
+  return view;
+}
+
+LoopCloser::Place LoopCloser::copy_place(const Map& map, KeyFrameId id) const {
+  const KeyFrame& source = map.at(id);
+  Place place{id, source.T_cw, source.features, {id}, {}, {}};
+  for (const Neighbour& n : map.best_neighbours(id, kGroupPoints)) place.group.push_back(n.key_frame);
+  for (const KeyFrameId& member : place.group) {
+    for (const MapPointId& point : map.at(member).points) {
+      if (point.valid()) place.points.push_back(point);
+    }
+  }
+  std::sort(place.points.begin(), place.points.end());
+  place.points.erase(std::unique(place.points.begin(), place.points.end()), place.points.end());
+  place.copies.reserve(place.points.size());
+  for (const MapPointId& id_ : place.points) {
+    const MapPoint& p = map.at(id_);
+    MapPoint& copy = place.copies.emplace_back();
+    copy.position_w = p.position_w;
+    copy.normal_w = p.normal_w;
+    copy.descriptor = p.descriptor;
+    copy.d_min = p.d_min;
+    copy.d_max = p.d_max;
+  }
+  return place;
+}
+
+// Points of the key frame against points of the place, by descriptor: for each feature the most alike of all the
+// group's features.
+std::vector<Sim3Match> LoopCloser::match_points(const View& current, const Place& place) const {
+  std::vector<MapPointId> matched(current.points.size());
+  std::vector<int> distance(current.points.size(), 257);
+  const auto map = map_.read();
+  for (size_t g = 0; g < place.group.size() && g <= kGroupMatching; ++g) {
+    const KeyFrame* member = map->find(place.group[g]);
+    if (!member) continue;
+    std::vector<uint8_t> use(member->points.size());
+    for (size_t i = 0; i < use.size(); ++i) use[i] = member->points[i].valid();
+    for (const FeatureMatch& m : match_descriptors(*current.features, current.has_point, *member->features, use,
+                                                   {.max_distance = kHammingLow, .ratio = kRatio})) {
+      const auto a = static_cast<size_t>(m.a), b = static_cast<size_t>(m.b);
+      const int d = hamming(current.features->descriptor[a], member->features->descriptor[b]);
+      if (d >= distance[a] || member->points[b] == current.points[a]) continue;
+      distance[a] = d;
+      matched[a] = member->points[b];
+    }
+  }
+  std::vector<Sim3Match> matches;
+  const Features& f = *current.features;
+  const Pinhole& camera = place.features->camera;
+  for (size_t i = 0; i < matched.size(); ++i) {
+    if (!matched[i].valid()) continue;
+    const auto at = std::lower_bound(place.points.begin(), place.points.end(), matched[i]);
+    if (at == place.points.end() || *at != matched[i]) continue;
+    const MapPoint& point = place.copies[static_cast<size_t>(at - place.points.begin())];
+    Sim3Match m;
+    m.p_1 = current.T_cw * current.positions[i];
+    m.p_2 = place.T_cw * point.position_w;
+    if (!(m.p_1.z() > 0) || !(m.p_2.z() > 0)) continue;
+    // Others of the group may see the point where the key frame itself does not: its place there is where it projects.
+    m.z_1 = {f.x[i], f.y[i]};
+    m.z_2 = camera.project(m.p_2);
+    const int level = f.pyramid->predict_level(point.d_max, static_cast<float>(m.p_2.norm()));
+    m.inv_sigma2_1 = f.pyramid->inv_sigma2[f.level[i]];
+    m.inv_sigma2_2 = f.pyramid->inv_sigma2[static_cast<size_t>(level)];
+    matches.push_back(m);
+  }
+  return matches;
+}
+
+LoopCloser::Projection LoopCloser::project(const Place& place, const View& view, const SE3& T_cw, double window) {
+  Projection result;
+  const Features& f = *view.features;
+  const Eigen::Vector3d centre = T_cw.centre();
+  std::vector<WindowQuery> queries;
+  std::vector<size_t> source;
+  for (size_t p = 0; p < place.copies.size(); ++p) {
+    const MapPoint& point = place.copies[p];
+    const auto seen = predict_view({point.position_w, point.normal_w.cast<float>(), point.d_min, point.d_max}, T_cw, centre, f);
+    if (!seen) continue;
+    ++result.in_view;
+    queries.push_back({seen->u, seen->v, seen->u_right,
+                       static_cast<float>(window) * f.pyramid->scale[static_cast<size_t>(seen->level)], seen->level - 1,
+                       seen->level, &point.descriptor});
+    source.push_back(p);
+  }
+  std::vector<int32_t> match;
+  matcher_.match(f, queries, {}, {.max_distance = kHammingLow}, match);
+  for (size_t q = 0; q < match.size(); ++q) {
+    if (match[q] >= 0) result.matches.emplace_back(static_cast<uint32_t>(match[q]), source[q]);
+  }
+  return result;
+}
+
+bool LoopCloser::refine(const Place& place, const View& view, SE3& T_cw, Projection& projection) const {
+  const Features& f = *view.features;
+  PoseObservations observations;
+  for (const auto& [feature, p] : projection.matches) {
+    observations.add(place.copies[p].position_w, f.x[feature], f.y[feature], f.u_right[feature],
+                     f.pyramid->inv_sigma2[f.level[feature]]);
+  }
+  std::vector<uint8_t> inlier;
+  const PoseResult pose = optimize_pose(T_cw, observations, f.camera, {}, inlier);
+  if (!pose.ok) return false;
+  T_cw = pose.T_cw;
+  size_t kept = 0;
+  for (size_t k = 0; k < inlier.size(); ++k) {
+    if (inlier[k]) projection.matches[kept++] = projection.matches[k];
+  }
+  projection.matches.resize(kept);
+  return true;
+}
+
+std::optional<LoopCloser::Found> LoopCloser::verify(const View& current, KeyFrameId candidate, LoopReport& report) {
+  const LoopOptions& o = options_.loop;
+  Found found;
+  found.place = copy_place(*map_.read(), candidate);
+  const Place& place = found.place;
+  const std::vector<Sim3Match> matches = match_points(current, place);
+  report.matches = std::max(report.matches, static_cast<int>(matches.size()));
+  if (static_cast<int>(matches.size()) < o.min_matches) return std::nullopt;
+  const Pinhole& camera = current.features->camera;
+  const uint64_t seed = hash_seed(static_cast<uint64_t>(options_.seed), 3, candidate.slot);
+  const auto start = ransac_sim3(matches, camera, place.features->camera, !monocular(), seed, o.min_inliers);
+  if (!start) return std::nullopt;
+  std::vector<Sim3Match> agreeing;
+  for (size_t k = 0; k < matches.size(); ++k) {
+    if (start->inlier[k]) agreeing.push_back(matches[k]);
+  }
+  const Sim3Result fine = refine_sim3(start->S_12, agreeing, camera, place.features->camera, !monocular());
+  report.inliers = std::max(report.inliers, fine.inliers);
+  if (!fine.ok || fine.inliers < o.min_inliers) return std::nullopt;
+
+  // Twice, the second time from a better pose and so in narrower windows. The scale is the similarity's: what is refined
+  // here is the pose in the old place's unit.
+  const double scale = fine.S_12.scale();
+  SE3 T_cw = (fine.S_12 * Sim3(place.T_cw)).as_pose();
+  Projection projection;
+  for (const double window : {10.0, 4.0}) {
+    projection = project(place, current, T_cw, window);
+    if (static_cast<int>(projection.matches.size()) < o.min_inliers || !refine(place, current, T_cw, projection))
+      return std::nullopt;
+  }
+  const int count = static_cast<int>(projection.matches.size());
+  report.found_again = std::max(report.found_again, count);
+  if (count < o.min_found || count < o.min_found_share * projection.in_view) return std::nullopt;
+  found.S_cw = Sim3(T_cw.R(), scale * T_cw.t(), scale);
+  for (const auto& [feature, p] : projection.matches) found.matches.emplace_back(feature, place.points[p]);
+  const auto map = map_.read();
+  if (!neighbours_agree(*map, current, found) || !drift_explains(*map, current, found, report)) return std::nullopt;
+  return found;
+}
+
+// The best covisible key frames, moved along with the current one, must find the place's points too: two of the first
+// five, or as many as there are.
+bool LoopCloser::neighbours_agree(const Map& map, const View& current, const Found& found) {
+  constexpr int kAsked = 5, kWanted = 2;
+  int asked = 0, agree = 0;
+  for (const Neighbour& n : map.best_neighbours(current.id, kAsked)) {
+    const View view = copy_view(map, n.key_frame);
+    const Sim3 S_nw = Sim3(view.T_cw * current.T_cw.inverse()) * found.S_cw;
+    const Projection projection = project(found.place, view, S_nw.as_pose(), 8);
+    ++asked;
+    agree += static_cast<int>(projection.matches.size()) >= options_.loop.min_found / 2 &&
+             static_cast<double>(projection.matches.size()) >= options_.loop.min_found_share * projection.in_view;
+  }
+  return agree >= std::min(asked, kWanted);
+}
+
+bool LoopCloser::drift_explains(const Map& map, const View& current, const Found& found, LoopReport& report) const {
+  const uint32_t first = map.at(found.place.key_frame).serial, last = map.at(current.id).serial;
+  double path = 0;
+  std::optional<Eigen::Vector3d> before;
+  for (const KeyFrameId& id : map.key_frames()) {
+    const KeyFrame& key_frame = map.at(id);
+    if (key_frame.serial < std::min(first, last) || key_frame.serial > std::max(first, last)) continue;
+    const Eigen::Vector3d centre = key_frame.T_cw.centre();
+    if (before) path += (centre - *before).norm();
+    before = centre;
+  }
+  const SE3 corrected = found.S_cw.as_pose();
+  report.path = path;
+  report.correction = (corrected.centre() - current.T_cw.centre()).norm();
+  report.rotation_deg = so3_log(corrected.R() * current.T_cw.R().transpose()).norm() * 180 / std::numbers::pi;
+  report.scale = found.S_cw.scale();
+  const double share = monocular() ? options_.loop.max_drift_mono : options_.loop.max_drift;
+  return report.correction <= share * path && report.rotation_deg <= options_.loop.max_rotation &&
+         std::abs(std::log(report.scale)) <= std::log(options_.loop.max_scale);
+}
+
+}  // namespace covis

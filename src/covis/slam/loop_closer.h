@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loop closing: recognises that a new key frame sees a place mapped before, and bends the map so that both are one.
+// Synchronous; works on copies and commits under short write guards. Called by the mapping thread after local mapping of
+// a key frame, so that there is one writer of the map.
+//
+// A false loop is worse than a missed one. A loop is taken only when
+//   1. the words of both places are alike (the database's query; at least as alike as the key frame's worst neighbour),
+//   2. RANSAC finds a similarity that at least 20 matched points agree with, and its refinement keeps 20,
+//   3. the old place's points, projected by it, are found again: 40 at least, and a share of all that are in view,
+//   4. the neighbours of the key frame, moved along, find the old place's points too,
+//   5. the correction is one that drift can explain: a share of the path travelled since. What looks alike but is another
+//      place (the same poster on two walls, two equal rooms) fails here.
+//
+// Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VII; verification at once by several covisible key
+// frames: Campos et al., "ORB-SLAM3", T-RO 2021, section VI; Strasdat et al., RSS 2010 (pose graph over Sim(3)).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "covis/geometry/sim3.h"
+#include "covis/map/shared_map.h"
+#include "covis/matching/window_match.h"
+#include "covis/optimization/pose_optimization.h"
+#include "covis/optimization/sim3_optimization.h"
+#include "covis/slam/messages.h"
+#include "covis/slam/options.h"
+#include "covis/slam/point_fuser.h"
+
+namespace covis {
+
+class LoopCloser {
+ public:
+  LoopCloser(SharedMap& map, const SystemOptions& options) : map_(map), options_(options) {}
+
+  // Looks whether `current`, just mapped, closes a loop, and closes it. True when the map was corrected.
+  bool process(KeyFrameId current, LoopReport& report);
+  void reset() { last_loop_serial_.reset(); }
+
+ private:
+  // The place a loop leads to, copied out of the map: a key frame and those round it.
+  struct Place {
+    KeyFrameId key_frame;
+    SE3 T_cw;
+    FeaturesPtr features;
+    std::vector<KeyFrameId> group;           // the key frame first
+    std::vector<MapPointId> points;          // of the group, sorted
+    std::vector<MapPoint> copies;            // of each point, without observations
+  };
+  // The key frame in question, likewise.
+  struct View {
+    KeyFrameId id;
+    SE3 T_cw;
+    FeaturesPtr features;
+    std::vector<MapPointId> points;          // for each feature
+    std::vector<Eigen::Vector3d> positions;  // for each feature with a point
+    std::vector<uint8_t> has_point;
+  };
+  struct Found {
+    Place place;
+    Sim3 S_cw;                               // the current key frame as the old place's map would have it
+    std::vector<std::pair<uint32_t, MapPointId>> matches;  // feature of the current key frame, point of the place
+  };
+  // Which of the place's points were found in a view at a pose.
+  struct Projection {
+    int in_view = 0;
+    std::vector<std::pair<uint32_t, size_t>> matches;  // feature, index into place.points
+  };
+
+  std::vector<KeyFrameId> candidates(const Map& map, KeyFrameId current) const;
+  View copy_view(const Map& map, KeyFrameId id) const;
+  Place copy_place(const Map& map, KeyFrameId id) const;
+  std::optional<Found> verify(const View& current, KeyFrameId candidate, LoopReport& report);
+  std::vector<Sim3Match> match_points(const View& current, const Place& place) const;
+  Projection project(const Place& place, const View& view, const SE3& T_cw, double window);
+  // Refines the pose on the matches and keeps those that agree.
+  bool refine(const Place& place, const View& view, SE3& T_cw, Projection& projection) const;
+  bool neighbours_agree(const Map& map, const View& current, const Found& found);
+  bool drift_explains(const Map& map, const View& current, const Found& found, LoopReport& report) const;
+  void correct(const View& current, const Found& found, LoopReport& report);
+  void fuse(const View& current, const Found& found, LoopReport& report);
+
+  bool monocular() const { return options_.sensor == Sensor::monocular; }
+
+  SharedMap& map_;
+  const SystemOptions options_;
+  std::optional<uint32_t> last_loop_serial_;
+  WindowMatcher matcher_;
+  PointFuser fuser_;
+};
+
+}  // namespace covis

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// A part of the map as a bundle adjustment problem, and its way back.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "covis/map/map.h"
+#include "covis/optimization/bundle_adjustment.h"
+
+namespace covis {
+
+// A bundle problem, and which thing of the map each entry is.
+struct MapProblem {
+  BundleProblem problem;
+  std::vector<KeyFrameId> key_frames;  // for each pose
+  std::vector<MapPointId> points;      // for each point
+
+  // Of the points that the first `moving` of `frames` see: all observations from any of `frames`. Key frames from the
+  // `moving`th on, and the root, stay fixed.
+  void gather(const Map& map, const std::vector<KeyFrameId>& frames, size_t moving);
+  // Writes the result to what still exists; observations found to be outliers go.
+  void commit(Map& map) const;
+};
+
+}  // namespace covis
