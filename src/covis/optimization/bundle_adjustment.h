@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bundle adjustment, local and full: poses and points that minimise the robust reprojection error. Plain problem in,
 // plain result out; knows no map.
-// Source: Triggs et al., "Bundle adjustment, a modern synthesis", 2000 (Schur complement, section 6); Mur-Artal and Tardós,
-// "ORB-SLAM2", T-RO 2017, section III-C. Levenberg-Marquardt damping: Nielsen, "Damping parameter in Marquardt's method", 1999.
+// Source: Triggs et al., "Bundle adjustment, a modern synthesis", 2000 (Schur complement, section 6); Mur-Artal and
+// Tardós, "ORB-SLAM2", T-RO 2017, section III-C. Levenberg-Marquardt damping: Nielsen, "Damping parameter in
+// Marquardt's method", 1999.
 #pragma once
 
 #include <atomic>
@@ -16,12 +17,12 @@
 namespace covis {
 
 struct BundleObservation {
-  int32_t pose = 0;         // index into poses
-  int32_t point = 0;        // index into points
-  float u = 0, v = 0;       // pixels, undistorted
-  float u_right = -1;       // pixels; negative: 2 rows only
-  float inv_sigma2 = 1;     // 1 / pixels^2
-  uint8_t active = 1;       // 0: left out (an outlier)
+  int32_t pose = 0;      // index into poses
+  int32_t point = 0;     // index into points
+  float u = 0, v = 0;    // pixels, undistorted
+  float u_right = -1;    // pixels; negative: 2 rows only
+  float inv_sigma2 = 1;  // 1 / pixels^2
+  uint8_t active = 1;    // 0: left out (an outlier)
 };
 
 struct BundleProblem {
@@ -33,9 +34,9 @@ struct BundleProblem {
 };
 
 struct BundleOptions {
-  int iterations = 10;                         // accepted or rejected Levenberg-Marquardt steps, at most
-  bool robust = true;                          // Huber at sqrt(5.991) (2 rows) and sqrt(7.815) (3 rows)
-  double relative_cost_change = 1e-6;          // stop when a step gains less
+  int iterations = 10;                           // accepted or rejected Levenberg-Marquardt steps, at most
+  bool robust = true;                            // Huber at sqrt(5.991) (2 rows) and sqrt(7.815) (3 rows)
+  double relative_cost_change = 1e-6;            // stop when a step gains less
   const std::atomic<bool>* interrupt = nullptr;  // when it becomes true the solver returns the last accepted state soon
 };
 
@@ -43,7 +44,7 @@ struct BundleSummary {
   double initial_cost = 0, final_cost = 0;  // sum of rho(chi2), active observations
   int iterations = 0;
   bool interrupted = false;
-  bool ok = true;                           // false: nothing to solve, or no step could be made
+  bool ok = true;  // false: nothing to solve, or no step could be made
 };
 
 // Keeps its work space between calls. Not thread-safe.
@@ -61,8 +62,8 @@ class BundleAdjuster {
   std::unique_ptr<Workspace> workspace_;
 };
 
-// Marks observations whose chi-square exceeds the 95 % bound, or whose point is behind the camera, inactive (and the others
-// active). Returns the number inactive.
+// Marks observations whose chi-square exceeds the 95 % bound, or whose point is behind the camera, inactive (and the
+// others active). Returns the number inactive.
 int classify_observations(BundleProblem& problem);
 
 }  // namespace covis

@@ -83,10 +83,12 @@ World make_world(uint64_t seed, int poses, int points, Rows rows, double outlier
   problem.camera = kCamera;
   for (int c = 0; c < poses; ++c) {
     const double s = static_cast<double>(c) / poses;
-    const SE3 base = loop ? SE3(so3_exp({0, 6.283 * s, 0}), Eigen::Vector3d(0, 0, 4)) : SE3(so3_exp({0, 0.5 * (s - 0.5), 0}), Eigen::Vector3d(1.5 - 3 * s, 0.1 * s, 0));
+    const SE3 base = loop ? SE3(so3_exp({0, 6.283 * s, 0}), Eigen::Vector3d(0, 0, 4))
+                          : SE3(so3_exp({0, 0.5 * (s - 0.5), 0}), Eigen::Vector3d(1.5 - 3 * s, 0.1 * s, 0));
     world.true_poses.push_back(random_pose(random, 0.02, 0.05) * base);
     problem.fixed.push_back(c < 2);
-    problem.poses.push_back(c < 2 ? world.true_poses.back() : random_pose(random, 0.01, 0.03) * world.true_poses.back());
+    problem.poses.push_back(c < 2 ? world.true_poses.back()
+                                  : random_pose(random, 0.01, 0.03) * world.true_poses.back());
   }
   for (int p = 0; p < points; ++p) {
     Eigen::Vector3d at;
@@ -116,7 +118,8 @@ World make_world(uint64_t seed, int poses, int points, Rows rows, double outlier
     }
     if (seen.size() < 3) continue;
     problem.observations.insert(problem.observations.end(), seen.begin(), seen.end());
-    problem.points.push_back(at + Eigen::Vector3d(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1)));
+    problem.points.push_back(
+        at + Eigen::Vector3d(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1)));
   }
   return world;
 }
@@ -129,8 +132,9 @@ double ceres_cost(const BundleProblem& problem, bool robust) {
   for (const BundleObservation& o : problem.observations) {
     if (!o.active) continue;
     const double bound = std::sqrt(o.u_right >= 0 ? kChi2Stereo : kChi2Mono);
-    theirs.AddResidualBlock(make_cost(o.u, o.v, o.u_right, o.inv_sigma2), robust ? new ceres::HuberLoss(bound) : nullptr,
-                            poses[static_cast<size_t>(o.pose)].v, points[static_cast<size_t>(o.point)].data());
+    theirs.AddResidualBlock(make_cost(o.u, o.v, o.u_right, o.inv_sigma2),
+                            robust ? new ceres::HuberLoss(bound) : nullptr, poses[static_cast<size_t>(o.pose)].v,
+                            points[static_cast<size_t>(o.point)].data());
   }
   for (size_t c = 0; c < poses.size(); ++c) {
     if (problem.fixed[c] && theirs.HasParameterBlock(poses[c].v)) theirs.SetParameterBlockConstant(poses[c].v);
@@ -159,7 +163,8 @@ TEST(Reprojection, JacobiansAgreeWithDifferences) {
         Vector6d xi = Vector6d::Zero();
         xi(k) = kStep;
         const Eigen::Vector3d difference = (reprojection_residual(SE3::exp(-xi) * p, kCamera, 300, 200, u_right) -
-                                            reprojection_residual(SE3::exp(xi) * p, kCamera, 300, 200, u_right)) / (2 * kStep);
+                                            reprojection_residual(SE3::exp(xi) * p, kCamera, 300, 200, u_right)) /
+                                           (2 * kStep);
         EXPECT_LT((difference - J.col(k)).norm(), 1e-5 * (1 + J.col(k).norm()));
       }
     }
@@ -180,9 +185,11 @@ PoseCase make_pose_case(uint64_t seed, int count, double outliers, Rows rows) {
     const Eigen::Vector3d p_c(random.uniform(-2, 2), random.uniform(-1.5, 1.5), random.uniform(2, 8));
     const Eigen::Vector2d pixel = kCamera.project(p_c);
     const bool wrong = random.uniform() < outliers, stereo = rows == Rows::stereo || (rows == Rows::mixed && i % 2);
-    const double u = pixel.x() + (wrong ? random.uniform(-100, 100) : 0.7 * random.normal()), v = pixel.y() + (wrong ? random.uniform(-100, 100) : 0.7 * random.normal());
+    const double u = pixel.x() + (wrong ? random.uniform(-100, 100) : 0.7 * random.normal()),
+                 v = pixel.y() + (wrong ? random.uniform(-100, 100) : 0.7 * random.normal());
     const double u_right = pixel.x() - kCamera.bf / p_c.z() + 0.7 * random.normal();
-    c.observations.add(c.truth.inverse() * p_c, static_cast<float>(u), static_cast<float>(v), stereo ? static_cast<float>(std::max(0.0, u_right)) : -1.0f, 1);
+    c.observations.add(c.truth.inverse() * p_c, static_cast<float>(u), static_cast<float>(v),
+                       stereo ? static_cast<float>(std::max(0.0, u_right)) : -1.0f, 1);
   }
   return c;
 }
@@ -192,15 +199,18 @@ TEST(PoseOptimization, EndsWhereCeresEnds) {
     for (uint64_t seed = 1; seed <= 8; ++seed) {
       const PoseCase c = make_pose_case(seed, 200, 0.2, rows);
       std::vector<uint8_t> inlier;
-      const PoseResult result = optimize_pose(c.start, c.observations, kCamera, {.rounds = 6, .iterations = 30}, inlier);
+      const PoseResult result =
+          optimize_pose(c.start, c.observations, kCamera, {.rounds = 6, .iterations = 30}, inlier);
       ASSERT_TRUE(result.ok);
       CeresPose pose(result.T_cw);
       ceres::Problem theirs;
       std::vector<Eigen::Vector3d> points;
-      for (size_t i = 0; i < inlier.size(); ++i) points.emplace_back(c.observations.px[i], c.observations.py[i], c.observations.pz[i]);
+      for (size_t i = 0; i < inlier.size(); ++i)
+        points.emplace_back(c.observations.px[i], c.observations.py[i], c.observations.pz[i]);
       for (size_t i = 0; i < inlier.size(); ++i) {
         if (!inlier[i]) continue;
-        theirs.AddResidualBlock(make_cost(c.observations.u[i], c.observations.v[i], c.observations.u_right[i], 1), nullptr, pose.v, points[i].data());
+        theirs.AddResidualBlock(make_cost(c.observations.u[i], c.observations.v[i], c.observations.u_right[i], 1),
+                                nullptr, pose.v, points[i].data());
         theirs.SetParameterBlockConstant(points[i].data());
       }
       ceres::Solver::Options options;
@@ -258,7 +268,8 @@ TEST(BundleAdjustment, EndsWhereCeresEnds) {
     for (const bool robust : {true, false}) {
       World world = make_world(7, 10, 200, rows, robust ? 0.1 : 0);
       const double theirs = ceres_cost(world.problem, robust);
-      const BundleSummary summary = adjuster.solve(world.problem, {.iterations = 100, .robust = robust, .relative_cost_change = 1e-12});
+      const BundleSummary summary =
+          adjuster.solve(world.problem, {.iterations = 100, .robust = robust, .relative_cost_change = 1e-12});
       EXPECT_TRUE(summary.ok);
       EXPECT_NEAR(summary.final_cost, theirs, 1e-6 * theirs) << static_cast<int>(rows) << robust;
       EXPECT_LT(summary.final_cost, summary.initial_cost);
@@ -266,11 +277,41 @@ TEST(BundleAdjustment, EndsWhereCeresEnds) {
   }
 }
 
+// More poses than the dense solver takes.
+World make_sparse_world(uint64_t seed) {
+  World world = make_world(seed, 70, 150, Rows::mixed, 0, true);
+  for (int k = 0; k < 20; ++k) {  // seen twice by one camera
+    BundleObservation twice = world.problem.observations[static_cast<size_t>(k) * 7];
+    twice.u += 0.5f;
+    world.problem.observations.push_back(twice);
+  }
+  return world;
+}
+
 TEST(BundleAdjustment, SparseLoopEndsWhereCeresEnds) {
-  World world = make_world(8, 90, 900, Rows::stereo, 0, true);
+  World world = make_sparse_world(8);
   const double theirs = ceres_cost(world.problem, true);
-  const BundleSummary summary = BundleAdjuster().solve(world.problem, {.iterations = 100, .relative_cost_change = 1e-12});
+  const BundleSummary summary =
+      BundleAdjuster().solve(world.problem, {.iterations = 100, .relative_cost_change = 1e-12});
   EXPECT_NEAR(summary.final_cost, theirs, 1e-6 * theirs);
+  for (const size_t c : {0, 1}) EXPECT_EQ(world.problem.poses[c].t(), world.true_poses[c].t());
+}
+
+TEST(BundleAdjustment, SparseAndDenseProblemsTakeTurnsWithTheSameBits) {
+  BundleAdjuster adjuster;
+  World dense_first = make_world(13, 10, 100, Rows::mixed, 0.05), sparse_first = make_sparse_world(14);
+  World dense_again = dense_first, sparse_again = sparse_first;
+  for (World* world : {&sparse_first, &dense_first, &sparse_again, &dense_again}) {
+    // A point that comes behind cameras that should see it.
+    world->problem.points[5] = -3 * world->problem.points[5];
+    EXPECT_TRUE(adjuster.solve(world->problem, {.iterations = 5}).ok);
+  }
+  EXPECT_EQ(sparse_first.problem.points, sparse_again.problem.points);
+  EXPECT_EQ(dense_first.problem.points, dense_again.problem.points);
+  for (size_t c = 0; c < sparse_first.problem.poses.size(); ++c) {
+    EXPECT_EQ(sparse_first.problem.poses[c].t(), sparse_again.problem.poses[c].t());
+    EXPECT_EQ(sparse_first.problem.poses[c].R(), sparse_again.problem.poses[c].R());
+  }
 }
 
 TEST(BundleAdjustment, ClassifiesOutliers) {
@@ -299,9 +340,9 @@ TEST(BundleAdjustment, DegenerateProblemsEndWell) {
   EXPECT_FALSE(adjuster.solve(empty, {}).ok);
   World world = make_world(11, 6, 60, Rows::mono, 0);
   for (auto& fixed : world.problem.fixed) fixed = 0;  // nothing holds it
-  world.problem.poses.push_back(SE3());                // a pose nobody observes from
+  world.problem.poses.push_back(SE3());               // a pose nobody observes from
   world.problem.fixed.push_back(0);
-  world.problem.points.emplace_back(0, 0, 6);          // a point seen once
+  world.problem.points.emplace_back(0, 0, 6);  // a point seen once
   BundleObservation once;
   once.point = static_cast<int32_t>(world.problem.points.size()) - 1;
   once.u = 320;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/optimization/pose_optimization.h"
 
-#include <cmath>
-
 #include <Eigen/Cholesky>
+#include <cmath>
 
 namespace covis {
 namespace {
@@ -72,8 +71,8 @@ System accumulate(const SE3& T_cw, const PoseObservations& o, const Pinhole& cam
 }
 
 bool finite(const PoseObservations& o, size_t i) {
-  return std::isfinite(o.u[i]) && std::isfinite(o.v[i]) && std::isfinite(o.u_right[i]) && std::isfinite(o.inv_sigma2[i]) &&
-         std::isfinite(o.px[i]) && std::isfinite(o.py[i]) && std::isfinite(o.pz[i]);
+  return std::isfinite(o.u[i]) && std::isfinite(o.v[i]) && std::isfinite(o.u_right[i]) &&
+         std::isfinite(o.inv_sigma2[i]) && std::isfinite(o.px[i]) && std::isfinite(o.py[i]) && std::isfinite(o.pz[i]);
 }
 
 int classify(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera, std::vector<uint8_t>& inlier) {

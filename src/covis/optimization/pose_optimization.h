@@ -20,9 +20,9 @@ inline constexpr double kChi2Stereo = 7.815;
 
 // Flat arrays, one entry an observation.
 struct PoseObservations {
-  AlignedVector<float> u, v, u_right;     // pixels, undistorted; u_right < 0: none
-  AlignedVector<float> inv_sigma2;        // 1 / pixels^2
-  AlignedVector<double> px, py, pz;       // world point, metres
+  AlignedVector<float> u, v, u_right;  // pixels, undistorted; u_right < 0: none
+  AlignedVector<float> inv_sigma2;     // 1 / pixels^2
+  AlignedVector<double> px, py, pz;    // world point, metres
 
   int size() const { return static_cast<int>(u.size()); }
   void clear();
@@ -37,9 +37,10 @@ struct PoseOptions {
 
 struct PoseResult {
   SE3 T_cw;
-  int inliers = 0;      // observations within their chi-square bound at the end, in front of the camera
-  double cost = 0;      // robust cost over the inliers
-  bool ok = false;      // false: fewer than 3 usable observations, or a singular or non-finite system; T_cw is the start then
+  int inliers = 0;  // observations within their chi-square bound at the end, in front of the camera
+  double cost = 0;  // robust cost over the inliers
+  bool ok =
+      false;  // false: fewer than 3 usable observations, or a singular or non-finite system; T_cw is the start then
 };
 
 // inlier[i] (resized) tells which observations agree at the end. Allocates nothing once `inlier` has the capacity.

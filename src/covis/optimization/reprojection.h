@@ -3,9 +3,8 @@
 // Source: Solà et al., "A micro Lie theory", 2018; h as in Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, eq. 3 and 4.
 #pragma once
 
-#include <cmath>
-
 #include <Eigen/Core>
+#include <cmath>
 
 #include "covis/geometry/camera.h"
 #include "covis/geometry/se3.h"
