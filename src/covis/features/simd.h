@@ -18,4 +18,8 @@ bool simd_enabled();
 // 3 pixels left and right, and 64 readable bytes behind.
 void fast_score_row(const uint8_t* pixel, ptrdiff_t stride, int count, int threshold, uint8_t* out);
 
+// Columns of `row` in [0, count) that are greater than all eight neighbours, in rising order; returns how many. One byte must be
+// there to the left, 64 readable ones behind. `columns`: room for count.
+int local_maxima_row(const uint8_t* above, const uint8_t* row, const uint8_t* below, int count, uint16_t* columns);
+
 }  // namespace covis
