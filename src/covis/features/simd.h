@@ -3,6 +3,7 @@
 // scalar twin that gives the same bits; the tests compare them all.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -21,5 +22,27 @@ void fast_score_row(const uint8_t* pixel, ptrdiff_t stride, int count, int thres
 // Columns of `row` in [0, count) that are greater than all eight neighbours, in rising order; returns how many. One byte must be
 // there to the left, 64 readable ones behind. `columns`: room for count.
 int local_maxima_row(const uint8_t* above, const uint8_t* row, const uint8_t* below, int count, uint16_t* columns);
+
+// --- The pyramid (pyramid.cpp has the scalar twins and chooses) ---
+
+inline constexpr int kResizeBits = 11;  // of a bilinear weight
+// Weights of exp(-x^2 / 8) for x = -3 ... 3, scaled to a sum of 256.
+inline constexpr std::array<uint16_t, 7> kGauss = {18, 33, 49, 56, 49, 33, 18};
+inline constexpr int kWidestRow = 32;  // least width of rows given to resize_rows and blur_row
+
+// Eight neighbouring pixels of a row made smaller: the pairs each is mixed from, out of 16 bytes, and their weights.
+struct alignas(16) ResizeGroup {
+  std::array<uint8_t, 16> pick{};
+  std::array<int16_t, 16> weight{};
+  int32_t base = 0;  // column of the first byte
+};
+
+// out: 8 a group, scaled by 2^kResizeBits.
+void resize_columns(const uint8_t* row, const ResizeGroup* groups, size_t count, uint32_t* out);
+// Mixes two such rows; weight: of the one below.
+void resize_rows(const uint32_t* above, const uint32_t* below, uint32_t weight, int width, uint8_t* out);
+
+// One row blurred from the seven round it. line: scratch with room for 3 before and width + 40 from it on.
+void blur_row(const uint8_t* const* rows, int width, int16_t* line, uint8_t* out);
 
 }  // namespace covis
