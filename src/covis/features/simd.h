@@ -45,4 +45,21 @@ void resize_rows(const uint32_t* above, const uint32_t* below, uint32_t weight, 
 // One row blurred from the seven round it. line: scratch with room for 3 before and width + 40 from it on.
 void blur_row(const uint8_t* const* rows, int width, int16_t* line, uint8_t* out);
 
+// --- Patches (orb.cpp and stereo_matcher.cpp have the scalar twins and choose) ---
+
+// Half widths of the rows 0 ... 15 of the disc whose centroid gives the orientation, symmetric about the diagonal.
+inline constexpr std::array<int, 16> kDiscHalfWidth = {15, 15, 15, 15, 14, 14, 14, 13, 13, 12, 11, 10, 9, 8, 6, 3};
+
+struct Moments {
+  int x = 0, y = 0;  // sums of grey times column, grey times row
+};
+// 15 rows must be there above and below, 15 pixels left and 16 right.
+Moments patch_moments(const uint8_t* pixel, ptrdiff_t stride);
+
+// offsets[i] = round(x s + y c) * stride + round(x c - y s), for count points (a multiple of 16; arrays 64-byte aligned).
+void turn_points(const float* x, const float* y, size_t count, float c, float s, int32_t stride, int32_t* offsets);
+
+// sad[k], k in [0, 11): of the 11x11 patch with top left `a` and the one at b + k. 16 bytes are read from a and from each place.
+void slide_sad(const uint8_t* a, ptrdiff_t stride_a, const uint8_t* b, ptrdiff_t stride_b, int* sad);
+
 }  // namespace covis
