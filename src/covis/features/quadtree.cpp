@@ -40,19 +40,21 @@ void Quadtree::make_roots(int x0, int y0, int x1, int y1) {
   const auto root_of = [&](const Corner& c) {
     return std::clamp(static_cast<int>(static_cast<float>(c.x - x0) / root_width), 0, roots - 1);
   };
-  places_.clear();
-  nodes_.clear();
-  for (int root = 0; root < roots; ++root) {
-    const auto first = static_cast<uint32_t>(places_.size());
-    for (uint32_t k = 0; k < sorted_.size(); ++k) {
-      if (roots > 1 && root_of(sorted_[k]) != root) continue;
-      places_.push_back({sorted_[k].x, sorted_[k].y, k});
-    }
-    const auto last = static_cast<uint32_t>(places_.size());
-    if (first == last) continue;
-    const float left = static_cast<float>(x0) + static_cast<float>(root) * root_width;
-    nodes_.push_back({left, static_cast<float>(y0), left + root_width, static_cast<float>(y1), first, last});
+  starts_.assign(static_cast<size_t>(roots) + 1, 0);
+  root_of_.resize(sorted_.size());
+  for (size_t k = 0; k < sorted_.size(); ++k) {
+    root_of_[k] = static_cast<uint32_t>(root_of(sorted_[k]));
+    ++starts_[root_of_[k] + 1];
   }
+  nodes_.clear();
+  for (size_t root = 0; root < static_cast<size_t>(roots); ++root) {
+    starts_[root + 1] += starts_[root];
+    if (starts_[root] == starts_[root + 1]) continue;
+    const float left = static_cast<float>(x0) + static_cast<float>(root) * root_width;
+    nodes_.push_back({left, static_cast<float>(y0), left + root_width, static_cast<float>(y1), starts_[root], starts_[root + 1]});
+  }
+  places_.resize(sorted_.size());
+  for (uint32_t k = 0; k < sorted_.size(); ++k) places_[starts_[root_of_[k]]++] = {sorted_[k].x, sorted_[k].y, k};
 }
 
 void Quadtree::sort_by_size() {

@@ -35,7 +35,7 @@ class Quadtree {
   std::vector<Place> places_, scratch_;
   std::vector<Node> nodes_, next_;
   std::vector<uint64_t> keys_;
-  std::vector<uint32_t> best_;
+  std::vector<uint32_t> root_of_, starts_, best_;
 };
 
 }  // namespace covis
