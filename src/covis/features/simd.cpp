@@ -29,8 +29,7 @@ HWY_INLINE V best_run(const std::array<V, 16>& d) {
 }
 
 void FastScoreRow(const uint8_t* pixel, ptrdiff_t stride, int count, int threshold, uint8_t* out) {
-  // Wider vectors than 32 bytes gain nothing here and slow some machines down.
-  const hn::CappedTag<uint8_t, 32> tag;
+  const hn::CappedTag<uint8_t, 64> tag;
   using V = hn::Vec<decltype(tag)>;
   const auto step = static_cast<int>(hn::Lanes(tag));
   const V t = hn::Set(tag, static_cast<uint8_t>(threshold));
@@ -70,7 +69,7 @@ void FastScoreRow(const uint8_t* pixel, ptrdiff_t stride, int count, int thresho
 }
 
 int LocalMaximaRow(const uint8_t* above, const uint8_t* row, const uint8_t* below, int count, uint16_t* columns) {
-  const hn::CappedTag<uint8_t, 32> tag;
+  const hn::CappedTag<uint8_t, 64> tag;
   using V = hn::Vec<decltype(tag)>;
   const auto step = static_cast<int>(hn::Lanes(tag));
   int found = 0;
