@@ -29,7 +29,8 @@ struct MomentWeights {
 };
 inline constexpr MomentWeights kMomentWeights;
 // The 11 columns of a patch.
-alignas(16) inline constexpr std::array<uint8_t, 16> kPatchColumns = {255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255};
+alignas(16) inline constexpr std::array<uint8_t, 16> kPatchColumns = {255, 255, 255, 255, 255, 255,
+                                                                      255, 255, 255, 255, 255};
 }  // namespace covis
 #endif
 
@@ -103,7 +104,9 @@ HWY_EXPORT(SlideSad);
 
 }  // namespace
 
-Moments patch_moments(const uint8_t* pixel, ptrdiff_t stride) { return HWY_DYNAMIC_DISPATCH(PatchMoments)(pixel, stride); }
+Moments patch_moments(const uint8_t* pixel, ptrdiff_t stride) {
+  return HWY_DYNAMIC_DISPATCH(PatchMoments)(pixel, stride);
+}
 
 void turn_points(const float* x, const float* y, size_t count, float c, float s, int32_t stride, int32_t* offsets) {
   HWY_DYNAMIC_DISPATCH(TurnPoints)(x, y, count, c, s, stride, offsets);

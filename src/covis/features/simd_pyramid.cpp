@@ -36,7 +36,8 @@ HWY_INLINE void mix_group(D16 d16, const uint8_t* row, const ResizeGroup& group,
 }
 
 void ResizeColumns(const uint8_t* row, const ResizeGroup* groups, size_t count, uint32_t* out) {
-  for (size_t g = 0; g < count; ++g) mix_group(hn::CappedTag<int16_t, 16>(), row, groups[g], reinterpret_cast<int32_t*>(out + 8 * g));
+  for (size_t g = 0; g < count; ++g)
+    mix_group(hn::CappedTag<int16_t, 16>(), row, groups[g], reinterpret_cast<int32_t*>(out + 8 * g));
 }
 
 void ResizeRows(const uint32_t* above, const uint32_t* below, uint32_t weight, int width, uint8_t* out) {
@@ -63,7 +64,8 @@ void BlurRow(const uint8_t* const* rows, int width, int16_t* line, uint8_t* out)
   const auto step = static_cast<int>(hn::Lanes(d));
   {
     // Down the columns: up to 65280, kept 32768 lower to fit a signed number.
-    const auto w0 = hn::Set(d, kGauss[0]), w1 = hn::Set(d, kGauss[1]), w2 = hn::Set(d, kGauss[2]), w3 = hn::Set(d, kGauss[3]);
+    const auto w0 = hn::Set(d, kGauss[0]), w1 = hn::Set(d, kGauss[1]), w2 = hn::Set(d, kGauss[2]),
+               w3 = hn::Set(d, kGauss[3]);
     const auto sign = hn::Set(d, 0x8000);
     for (int x = 0; x < width; x += step) {
       if (x + step > width) x = width - step;
@@ -77,7 +79,8 @@ void BlurRow(const uint8_t* const* rows, int width, int16_t* line, uint8_t* out)
     line[-k] = line[k];
     line[width - 1 + k] = line[width - 1 - k];
   }
-  // Along the row by pairs of neighbours, even and odd pixels apart: each weighs eight from its first on, the last with 0.
+  // Along the row by pairs of neighbours, even and odd pixels apart: each weighs eight from its first on, the last with
+  // 0.
   std::array<hn::Vec<decltype(di)>, 4> w;
   for (size_t k = 0; k < 4; ++k) {
     const uint32_t first = kGauss[2 * k], second = k == 3 ? 0 : kGauss[2 * k + 1];

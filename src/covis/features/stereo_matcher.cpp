@@ -53,10 +53,10 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
   }
   for (size_t y = 1; y < row_offsets_.size(); ++y) row_offsets_[y] += row_offsets_[y - 1];
   row_items_.resize(row_offsets_.back());
-  std::vector<uint32_t> next(row_offsets_.begin(), row_offsets_.end() - 1);
+  next_.assign(row_offsets_.begin(), row_offsets_.end() - 1);
   for (size_t j = 0; j < r.size(); ++j) {
     const auto [first, last] = rows_of(j);
-    for (int y = first; y <= last; ++y) row_items_[next[static_cast<size_t>(y)]++] = static_cast<uint32_t>(j);
+    for (int y = first; y <= last; ++y) row_items_[next_[static_cast<size_t>(y)]++] = static_cast<uint32_t>(j);
   }
 
   accepted_.clear();
