@@ -13,9 +13,9 @@ constexpr int kCellSize = 30;
 
 // Shares of the levels: proportional to factor^-l, the last level what is left. What a level can't fill goes to the others in
 // proportion, finest first.
-std::vector<int> share_budget(int total, double factor, const std::vector<int>& available) {
+void share_budget(int total, double factor, const std::vector<int>& available, std::vector<int>& share) {
   const size_t levels = available.size();
-  std::vector<int> share(levels);
+  share.assign(levels, 0);
   double weight = 0;
   for (size_t l = 0; l < levels; ++l) weight += std::pow(factor, -static_cast<double>(l));
   int given = 0;
@@ -43,7 +43,6 @@ std::vector<int> share_budget(int total, double factor, const std::vector<int>& 
       left -= more;
     }
   }
-  return share;
 }
 
 }  // namespace
@@ -60,13 +59,13 @@ OrbExtractor::OrbExtractor(const OrbOptions& options)
       levels_(static_cast<size_t>(options.levels)),
       stretch_(levels_.size()),
       resizers_(levels_.size()),
+      available_(levels_.size()),
       corners_(levels_.size()),
       kept_(levels_.size()) {}
 
 const KeyPoints& OrbExtractor::extract(ImageView<const uint8_t> image) {
   image_ = image;
   key_points_.clear();
-  std::vector<int> available(levels_.size());
   for (size_t l = 0; l < levels_.size(); ++l) {
     if (l > 0) {
       const int width = static_cast<int>(std::lround(static_cast<float>(image.width) / pyramid_->scale[l]));
@@ -79,12 +78,12 @@ const KeyPoints& OrbExtractor::extract(ImageView<const uint8_t> image) {
                    static_cast<float>(image.height) / static_cast<float>(at.height)};
     detector_.detect(level(static_cast<int>(l)), kEdgeBorder, kCellSize, options_.fast_threshold, options_.fast_threshold_low,
                      corners_[l]);
-    available[l] = static_cast<int>(corners_[l].size());
+    available_[l] = static_cast<int>(corners_[l].size());
   }
-  const std::vector<int> share = share_budget(options_.features, options_.scale_factor, available);
+  share_budget(options_.features, options_.scale_factor, available_, share_);
   for (size_t l = 0; l < levels_.size(); ++l) {
     const ImageView<const uint8_t> from = level(static_cast<int>(l));
-    quadtree_.distribute(corners_[l], kEdgeBorder, kEdgeBorder, from.width - kEdgeBorder, from.height - kEdgeBorder, share[l],
+    quadtree_.distribute(corners_[l], kEdgeBorder, kEdgeBorder, from.width - kEdgeBorder, from.height - kEdgeBorder, share_[l],
                          kept_[l]);
     if (kept_[l].empty()) continue;
     blur_.apply(from, blurred_);

@@ -52,6 +52,7 @@ class OrbExtractor {
   std::vector<ImageU8> levels_;  // [0] unused
   std::vector<Eigen::Vector2f> stretch_;  // image pixels a level's pixel, for each level
   std::vector<BilinearResizer> resizers_;
+  std::vector<int> available_, share_;  // corners found and wanted, for each level
   std::vector<std::vector<Corner>> corners_, kept_;
   ImageU8 blurred_;
   GaussianBlur blur_;

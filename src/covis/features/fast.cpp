@@ -47,46 +47,42 @@ void FastDetector::detect(ImageView<const uint8_t> image, int border, int cell_s
   all_.clear();
   const int x0 = border, y0 = border, x1 = image.width - border, y1 = image.height - border;
   if (x1 <= x0 || y1 <= y0) return;
-  // Scores outside [x0, x1) x [y0, y1) count too where they neighbour it.
-  scores_.resize(image.width, image.height);
+  // Scores outside [x0, x1) x [y0, y1) count too where they neighbour it. Three rows of them are held.
+  scores_.resize(image.width, 3);
+  std::memset(scores_.row(0), 0, static_cast<size_t>(3 * scores_.stride()));
   const int sx0 = std::max(3, x0 - 1), sx1 = std::min(image.width - 3, x1 + 1);
-  const int sy0 = std::max(3, y0 - 1), sy1 = std::min(image.height - 3, y1 + 1);
-  for (int y = y0 - 1; y <= y1; ++y) {
-    uint8_t* out = scores_.row(y);
-    std::memset(out, 0, static_cast<size_t>(image.width));
-    if (y < sy0 || y >= sy1) continue;
-    fast_score_row(image.row(y) + sx0, image.stride, sx1 - sx0, low_threshold, out + sx0);
-  }
-  const int columns = std::max(1, (x1 - x0) / cell_size), rows = std::max(1, (y1 - y0) / cell_size);
-  const auto cell_of = [&](int x, int y) {
-    return static_cast<size_t>((y - y0) * rows / (y1 - y0) * columns + (x - x0) * columns / (x1 - x0));
+  const auto score = [&](int y) {
+    uint8_t* out = scores_.row(y % 3);
+    if (y < 3 || y >= image.height - 3) {
+      std::memset(out, 0, static_cast<size_t>(image.width));
+    } else {
+      fast_score_row(image.row(y) + sx0, image.stride, sx1 - sx0, low_threshold, out + sx0);
+    }
   };
+  const int columns = std::max(1, (x1 - x0) / cell_size), rows = std::max(1, (y1 - y0) / cell_size);
+  cell_column_.resize(static_cast<size_t>(image.width));
+  for (int x = x0; x < x1; ++x) cell_column_[static_cast<size_t>(x)] = static_cast<uint16_t>((x - x0) * columns / (x1 - x0));
+  const auto cell_row = [&](int y) { return static_cast<size_t>((y - y0) * rows / (y1 - y0) * columns); };
   cell_has_.assign(static_cast<size_t>(columns * rows), 0);
+  maxima_.resize(static_cast<size_t>(x1 - x0));
+  score(y0 - 1);
+  score(y0);
   for (int y = y0; y < y1; ++y) {
-    const uint8_t* up = scores_.row(y - 1);
-    const uint8_t* row = scores_.row(y);
-    const uint8_t* down = scores_.row(y + 1);
-    for (int x = x0; x < x1; ++x) {
-      if (x + 8 <= x1) {  // most are 0: look at eight at once
-        uint64_t eight;
-        std::memcpy(&eight, row + x, 8);
-        if (eight == 0) {
-          x += 7;
-          continue;
-        }
-      }
+    score(y + 1);
+    const uint8_t* up = scores_.row((y - 1) % 3);
+    const uint8_t* row = scores_.row(y % 3);
+    const uint8_t* down = scores_.row((y + 1) % 3);
+    const size_t cells = cell_row(y);
+    const int found = local_maxima_row(up + x0, row + x0, down + x0, x1 - x0, maxima_.data());
+    for (int k = 0; k < found; ++k) {
+      const int x = x0 + maxima_[static_cast<size_t>(k)];
       const uint8_t s = row[x];
-      if (s == 0) continue;
-      if (s <= row[x - 1] || s <= row[x + 1] || s <= up[x - 1] || s <= up[x] || s <= up[x + 1] || s <= down[x - 1] ||
-          s <= down[x] || s <= down[x + 1]) {
-        continue;
-      }
       all_.push_back({static_cast<int16_t>(x), static_cast<int16_t>(y), s, peak(row[x - 1], s, row[x + 1]), peak(up[x], s, down[x])});
-      if (s >= threshold) cell_has_[cell_of(x, y)] = 1;
+      if (s >= threshold) cell_has_[cells + cell_column_[static_cast<size_t>(x)]] = 1;
     }
   }
   for (const Corner& c : all_) {
-    if (c.score >= threshold || !cell_has_[cell_of(c.x, c.y)]) corners.push_back(c);
+    if (c.score >= threshold || !cell_has_[cell_row(c.y) + cell_column_[static_cast<size_t>(c.x)]]) corners.push_back(c);
   }
 }
 

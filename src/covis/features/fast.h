@@ -23,7 +23,8 @@ class FastDetector {
               std::vector<Corner>& corners);
 
  private:
-  ImageU8 scores_;
+  ImageU8 scores_;  // of the rows above, at and below the current one
+  std::vector<uint16_t> maxima_, cell_column_;
   std::vector<Corner> all_;
   std::vector<uint8_t> cell_has_;
 };

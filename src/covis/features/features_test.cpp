@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <set>
+
+#include <hwy/highway.h>
 
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -84,27 +87,106 @@ TEST(Fast, LowThresholdServesCellsWithoutCornersOnly) {
   for (const Corner& c : corners) EXPECT_GE(c.score, 20);
 }
 
-TEST(Simd, ScoresAndDistancesAreTheScalarOnes) {
+// Runs `check` with every instruction set this machine and this build have.
+template <class Check>
+void for_each_target(Check&& check) {
+  const int64_t all = hwy::SupportedTargets() & HWY_TARGETS;
+  for (int64_t rest = all; rest != 0; rest &= rest - 1) {
+    const int64_t target = rest & -rest;
+    SCOPED_TRACE(hwy::TargetName(target));
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    check();
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+// What `make` returns by the scalar twins; every target must return the same.
+template <class Make>
+void expect_scalar_twin(Make&& make) {
+  set_simd_enabled(false);
+  const auto expected = make();
+  set_simd_enabled(true);
+  for_each_target([&] { EXPECT_TRUE(make() == expected); });
+}
+
+TEST(Simd, ScoresAndMaximaAreTheScalarOnes) {
   Random random(3);
   for (int trial = 0; trial < 40; ++trial) {
     cv::Mat mat(7, 100 + trial, CV_8U);
     cv::randu(mat, 0, trial % 2 ? 256 : 60);
     const ImageU8 image = to_image(mat);
     const int count = mat.cols - 6, threshold = static_cast<int>(random.below(50));
-    std::vector<uint8_t> fast(static_cast<size_t>(count)), slow(static_cast<size_t>(count));
-    fast_score_row(image.row(3) + 3, image.stride(), count, threshold, fast.data());
-    set_simd_enabled(false);
-    fast_score_row(image.row(3) + 3, image.stride(), count, threshold, slow.data());
-    set_simd_enabled(true);
-    EXPECT_EQ(fast, slow);
+    expect_scalar_twin([&] {
+      std::vector<uint8_t> scores(static_cast<size_t>(count));
+      fast_score_row(image.row(3) + 3, image.stride(), count, threshold, scores.data());
+      return scores;
+    });
+    // Few grey levels: equal neighbours, which are no maxima, and rows of zeros.
+    cv::randu(mat, 0, trial % 3 == 0 ? 256 : 4);
+    if (trial % 5 == 0) mat.colRange(10, 90) = 0;
+    const ImageU8 scores = to_image(mat);
+    expect_scalar_twin([&] {
+      std::vector<uint16_t> columns(static_cast<size_t>(count));
+      columns.resize(static_cast<size_t>(local_maxima_row(scores.row(1) + 3, scores.row(2) + 3, scores.row(3) + 3, count, columns.data())));
+      return columns;
+    });
   }
+}
+
+std::vector<uint8_t> pixels(const ImageU8& image) {
+  std::vector<uint8_t> all;
+  for (int y = 0; y < image.height(); ++y) all.insert(all.end(), image.row(y), image.row(y) + image.width());
+  return all;
+}
+
+TEST(Simd, PyramidAndBlurAreTheScalarOnes) {
+  Random random(31);
+  for (int trial = 0; trial < 60; ++trial) {
+    cv::Mat mat(8 + static_cast<int>(random.below(30)), 5 + static_cast<int>(random.below(150)), CV_8U);
+    cv::randu(mat, trial % 4 ? 0 : 255, 256);  // all white too: the greatest sums
+    const ImageU8 image = to_image(mat);
+    // Exactly the pixels, nothing readable behind them that a sanitizer would let pass.
+    const std::vector<uint8_t> bare = pixels(image);
+    const ImageView<const uint8_t> view{bare.data(), mat.cols, mat.rows, mat.cols};
+    const double factor = random.uniform(1, 2.3);  // beyond what the groups of SIMD span as well
+    const int width = std::max(1, static_cast<int>(mat.cols / factor)), height = std::max(1, static_cast<int>(mat.rows / factor));
+    expect_scalar_twin([&] {
+      ImageU8 small(width, height);
+      BilinearResizer().resize(view, small.view());
+      return pixels(small);
+    });
+    expect_scalar_twin([&] {
+      ImageU8 blurred;
+      GaussianBlur().apply(view, blurred);
+      return pixels(blurred);
+    });
+  }
+}
+
+TEST(Simd, OrientationAndDescriptorsAreTheScalarOnes) {
+  Random random(32);
+  const ImageU8 image = to_image(texture(300, 200, 33));
+  for (int trial = 0; trial < 500; ++trial) {
+    const int x = kEdgeBorder + static_cast<int>(random.below(300 - 2 * kEdgeBorder)), y = kEdgeBorder + static_cast<int>(random.below(200 - 2 * kEdgeBorder));
+    const uint8_t* pixel = image.row(y) + x;
+    const auto angle = static_cast<float>(random.uniform(0, 2 * CV_PI));
+    expect_scalar_twin([&] { return std::pair(orientation(pixel, image.stride()), describe(pixel, image.stride(), angle)); });
+  }
+}
+
+TEST(Simd, DistancesAreTheScalarOnes) {
+  Random random(34);
   AlignedVector<Descriptor> many(57);
   for (Descriptor& d : many) {
     for (uint64_t& word : d.bits) word = random.next();
   }
   std::vector<uint16_t> row(many.size());
-  hamming_row(many[0], many.data(), static_cast<int>(many.size()), row.data());
-  for (size_t j = 0; j < many.size(); ++j) EXPECT_EQ(row[j], hamming(many[0], many[j]));
+  for_each_target([&] {
+    hamming_row(many[0], many.data(), static_cast<int>(many.size()), row.data());
+    for (size_t j = 0; j < many.size(); ++j) EXPECT_EQ(row[j], hamming(many[0], many[j]));
+  });
   EXPECT_EQ(row[0], 0);
 }
 
@@ -248,16 +330,41 @@ TEST(Extractor, TheWantedNumberIsReached) {
 }
 
 TEST(Extractor, ScalarAndSimdGiveTheSameFeatures) {
-  const ImageU8 image = to_image(texture(640, 480, 8));
-  OrbExtractor a{OrbOptions{}}, b{OrbOptions{}};
-  const KeyPoints& fast = a.extract(image.view());
-  set_simd_enabled(false);
-  const KeyPoints& slow = b.extract(image.view());
-  set_simd_enabled(true);
-  EXPECT_EQ(fast.x, slow.x);
-  EXPECT_EQ(fast.y, slow.y);
-  EXPECT_EQ(fast.angle, slow.angle);
-  EXPECT_EQ(fast.descriptor, slow.descriptor);
+  for (const auto& [width, height] : {std::pair{640, 480}, std::pair{333, 251}, std::pair{97, 71}, std::pair{41, 200}, std::pair{20, 20}}) {
+    const ImageU8 image = to_image(texture(width, height, 8));
+    expect_scalar_twin([&] {
+      OrbExtractor extractor{OrbOptions{}};
+      const KeyPoints& k = extractor.extract(image.view());
+      return std::tuple(k.x, k.y, k.angle, k.level, k.descriptor);
+    });
+  }
+}
+
+// Whole numbers and IEEE arithmetic alone lead to the places, so their hash is the same everywhere; angles and descriptors follow
+// from them by the mathematics library's arc tangent, sine and cosine. A change of this value changes every trajectory.
+TEST(Extractor, PlacesAreThoseOfEver) {
+  uint64_t hash = 14695981039346656037u;  // FNV-1a
+  const auto add = [&](uint64_t value) { hash = (hash ^ value) * 1099511628211u; };
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    Random random(seed);
+    ImageU8 image(400 + 37 * static_cast<int>(seed), 300), blurred;
+    std::fill(image.row(0), image.row(299) + image.stride(), uint8_t{128});
+    for (int k = 0; k < 400; ++k) {
+      const auto w = 3 + random.below(40), h = 3 + random.below(40), x = random.below(360), y = random.below(250);
+      const auto grey = static_cast<uint8_t>(random.below(256));
+      for (uint32_t row = y; row < y + h; ++row) std::fill_n(image.row(static_cast<int>(row)) + x, w, grey);
+    }
+    GaussianBlur().apply(image.view(), blurred);
+    OrbExtractor extractor{OrbOptions{}};
+    const KeyPoints& k = extractor.extract(blurred.view());
+    for (size_t i = 0; i < k.size(); ++i) {
+      add(std::bit_cast<uint32_t>(k.x[i]));
+      add(std::bit_cast<uint32_t>(k.y[i]));
+      add(k.level[i]);
+    }
+    add(k.size());
+  }
+  EXPECT_EQ(hash, 13400720980037767191u);
 }
 
 TEST(ScalePyramid, PredictsTheCeilingOfTheLogarithm) {
@@ -317,6 +424,22 @@ TEST(Frontend, StereoFindsTheDisparity) {
     EXPECT_GT(matched, f->size() / 3) << disparity;
     EXPECT_LT(wrong, matched / 50) << disparity;
   }
+}
+
+TEST(Frontend, StereoByScalarAndSimdIsTheSame) {
+  Camera camera;
+  camera.width = 333;
+  camera.height = 250;
+  camera.pinhole = {300, 300, 166, 125, 50};
+  const cv::Mat left = texture(333, 250, 14);
+  cv::Mat right;
+  const cv::Mat shift = (cv::Mat_<double>(2, 3) << 1, 0, -9.3, 0, 1, 0);
+  cv::warpAffine(left, right, shift, left.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  expect_scalar_twin([&] {
+    Frontend frontend(camera, {}, Sensor::stereo);
+    const FeaturesPtr f = frontend.stereo(to_image(left).view(), to_image(right).view());
+    return std::tuple(f->u_right, f->depth, f->descriptor);
+  });
 }
 
 TEST(Frontend, DepthIsLookedUpAtTheKeyPoint) {

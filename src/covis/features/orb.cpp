@@ -6,36 +6,39 @@
 #include <numbers>
 
 #include "covis/features/orb_pattern.h"
+#include "covis/features/simd.h"
 
 namespace covis {
 namespace {
 
-// Half widths of the disc's rows, symmetric about the diagonal.
-constexpr std::array<int, kPatchRadius + 1> kHalfWidth = {15, 15, 15, 15, 14, 14, 14, 13, 13, 12, 11, 10, 9, 8, 6, 3};
+Moments scalar_moments(const uint8_t* pixel, ptrdiff_t stride) {
+  Moments m;
+  for (int x = -kPatchRadius; x <= kPatchRadius; ++x) m.x += x * pixel[x];
+  for (int y = 1; y <= kPatchRadius; ++y) {
+    const uint8_t* below = pixel + y * stride;
+    const uint8_t* above = pixel - y * stride;
+    const int w = kDiscHalfWidth[static_cast<size_t>(y)];
+    int difference = 0;
+    for (int x = -w; x <= w; ++x) {
+      difference += below[x] - above[x];
+      m.x += x * (below[x] + above[x]);
+    }
+    m.y += y * difference;
+  }
+  return m;
+}
 
 }  // namespace
 
 float orientation(const uint8_t* pixel, ptrdiff_t stride) {
-  int m01 = 0, m10 = 0;
-  for (int x = -kPatchRadius; x <= kPatchRadius; ++x) m10 += x * pixel[x];
-  for (int y = 1; y <= kPatchRadius; ++y) {
-    const uint8_t* below = pixel + y * stride;
-    const uint8_t* above = pixel - y * stride;
-    const int w = kHalfWidth[static_cast<size_t>(y)];
-    int difference = 0;
-    for (int x = -w; x <= w; ++x) {
-      difference += below[x] - above[x];
-      m10 += x * (below[x] + above[x]);
-    }
-    m01 += y * difference;
-  }
-  const float angle = std::atan2(static_cast<float>(m01), static_cast<float>(m10));
+  const Moments m = simd_enabled() ? patch_moments(pixel, stride) : scalar_moments(pixel, stride);
+  const float angle = std::atan2(static_cast<float>(m.y), static_cast<float>(m.x));
   return angle < 0 ? angle + 2 * std::numbers::pi_v<float> : angle;
 }
 
 namespace {
 
-// The pattern's 512 points, x and y apart: the loop that turns them is one a compiler vectorises.
+// The pattern's 512 points, x and y apart for SIMD.
 struct PatternPoints {
   alignas(64) std::array<float, 512> x, y;
   constexpr PatternPoints() : x(), y() {
@@ -55,16 +58,20 @@ Descriptor describe(const uint8_t* pixel, ptrdiff_t stride, float angle) {
   const float c = std::cos(angle), s = std::sin(angle);
   const int pitch = static_cast<int>(stride);
   alignas(64) std::array<int32_t, 512> offset;
-  for (size_t i = 0; i < 512; ++i) {
-    const float column = std::nearbyint(kPoints.x[i] * c - kPoints.y[i] * s), row = std::nearbyint(kPoints.x[i] * s + kPoints.y[i] * c);
-    offset[i] = static_cast<int32_t>(row) * pitch + static_cast<int32_t>(column);
+  if (simd_enabled()) {
+    turn_points(kPoints.x.data(), kPoints.y.data(), 512, c, s, pitch, offset.data());
+  } else {
+    for (size_t i = 0; i < 512; ++i) {
+      const float column = std::nearbyint(kPoints.x[i] * c - kPoints.y[i] * s), row = std::nearbyint(kPoints.x[i] * s + kPoints.y[i] * c);
+      offset[i] = static_cast<int32_t>(row) * pitch + static_cast<int32_t>(column);
+    }
   }
   Descriptor d;
   for (size_t word = 0; word < 4; ++word) {
     uint64_t bits = 0;
-    for (size_t i = 0; i < 64; ++i) {
+    for (size_t i = 64; i-- > 0;) {  // from the last bit on: doubling and adding the carry of a comparison is one instruction
       const size_t k = 2 * (64 * word + i);
-      bits |= static_cast<uint64_t>(pixel[offset[k]] < pixel[offset[k + 1]]) << i;
+      bits += bits + static_cast<uint64_t>(pixel[offset[k]] < pixel[offset[k + 1]]);
     }
     d.bits[word] = bits;
   }

@@ -11,7 +11,7 @@ namespace covis {
 inline constexpr int kPatchRadius = 15;  // of the disc whose centroid gives the orientation
 inline constexpr int kEdgeBorder = 19;   // pixels clear of the border, so that a rotated pattern stays inside
 
-// Angle of the intensity centroid round `pixel`, radians in [0, 2 pi). 15 pixels must be there on all sides.
+// Angle of the intensity centroid round `pixel`, radians in [0, 2 pi). 15 pixels must be there on all sides, 16 to the right.
 float orientation(const uint8_t* pixel, ptrdiff_t stride);
 
 // The 256 comparisons round `pixel` of the blurred level, turned by `angle`. 19 pixels must be there on all sides.

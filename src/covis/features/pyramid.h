@@ -7,6 +7,7 @@
 
 #include "covis/core/image.h"
 #include "covis/features/features.h"
+#include "covis/features/simd.h"
 
 namespace covis {
 
@@ -22,8 +23,12 @@ class BilinearResizer {
   void resize(ImageView<const uint8_t> from, ImageView<uint8_t> to);
 
  private:
+  void make_groups();
+  void mix_columns(const uint8_t* in, uint32_t* out) const;
+
   int from_width_ = 0, from_height_ = 0, to_width_ = 0, to_height_ = 0;
   std::vector<Tap> columns_, rows_;
+  std::vector<ResizeGroup> groups_;  // the columns for SIMD; empty where 16 bytes do not span eight
   std::array<std::vector<uint32_t>, 2> lines_;  // the two source rows in use, resized along x
   std::array<int, 2> held_{};
 };
@@ -34,7 +39,10 @@ class GaussianBlur {
   void apply(ImageView<const uint8_t> from, ImageU8& to);
 
  private:
-  std::vector<uint16_t> rows_;  // 7 horizontally blurred rows, a ring
+  void apply_scalar(ImageView<const uint8_t> from, ImageU8& to);
+
+  std::vector<int16_t> line_;   // SIMD: a row blurred along y
+  std::vector<uint16_t> rows_;  // scalar: 7 rows blurred along x, a ring
 };
 
 }  // namespace covis

@@ -16,16 +16,26 @@ class Quadtree {
   void distribute(const std::vector<Corner>& corners, int x0, int y0, int x1, int y1, int budget, std::vector<Corner>& kept);
 
  private:
+  struct Place {
+    int16_t x, y;
+    uint32_t index;  // of the corner, in order of y, then x
+  };
   struct Node {
     float x0, y0, x1, y1;
-    uint32_t first, last;  // its corners in order_
+    uint32_t first, last;  // its corners in places_
     bool open() const { return last - first > 1; }
   };
   // Appends the children of a node that hold corners.
   void split(const Node& node, std::vector<Node>& out);
+  void make_roots(int x0, int y0, int x1, int y1);
+  // Moves the nodes with most corners to the front, equals in their order.
+  void sort_by_size();
 
-  std::vector<Corner> order_, scratch_;
+  std::vector<Corner> sorted_;
+  std::vector<Place> places_, scratch_;
   std::vector<Node> nodes_, next_;
+  std::vector<uint64_t> keys_;
+  std::vector<uint32_t> root_of_, starts_, best_;
 };
 
 }  // namespace covis

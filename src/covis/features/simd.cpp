@@ -29,8 +29,7 @@ HWY_INLINE V best_run(const std::array<V, 16>& d) {
 }
 
 void FastScoreRow(const uint8_t* pixel, ptrdiff_t stride, int count, int threshold, uint8_t* out) {
-  // Wider vectors than 32 bytes gain nothing here and slow some machines down.
-  const hn::CappedTag<uint8_t, 32> tag;
+  const hn::CappedTag<uint8_t, 64> tag;
   using V = hn::Vec<decltype(tag)>;
   const auto step = static_cast<int>(hn::Lanes(tag));
   const V t = hn::Set(tag, static_cast<uint8_t>(threshold));
@@ -69,6 +68,27 @@ void FastScoreRow(const uint8_t* pixel, ptrdiff_t stride, int count, int thresho
   }
 }
 
+int LocalMaximaRow(const uint8_t* above, const uint8_t* row, const uint8_t* below, int count, uint16_t* columns) {
+  const hn::CappedTag<uint8_t, 64> tag;
+  using V = hn::Vec<decltype(tag)>;
+  const auto step = static_cast<int>(hn::Lanes(tag));
+  int found = 0;
+  for (int x = 0; x < count; x += step) {
+    const V at = hn::LoadU(tag, row + x);
+    if (hn::AllTrue(tag, hn::Eq(at, hn::Zero(tag)))) continue;  // most are no corners
+    const auto three = [&](const uint8_t* p) {
+      return hn::Max(hn::LoadU(tag, p + x), hn::Max(hn::LoadU(tag, p + x - 1), hn::LoadU(tag, p + x + 1)));
+    };
+    const V sides = hn::Max(hn::LoadU(tag, row + x - 1), hn::LoadU(tag, row + x + 1));
+    auto mask = hn::Gt(at, hn::Max(sides, hn::Max(three(above), three(below))));
+    if (x + step > count) mask = hn::And(mask, hn::FirstN(tag, static_cast<size_t>(count - x)));
+    uint64_t bits = 0;
+    hn::StoreMaskBits(tag, mask, reinterpret_cast<uint8_t*>(&bits));
+    for (; bits != 0; bits &= bits - 1) columns[found++] = static_cast<uint16_t>(x + __builtin_ctzll(bits));
+  }
+  return found;
+}
+
 void HammingRow(const Descriptor& a, const Descriptor* b, int n, uint16_t* out) {
   const hn::FixedTag<uint64_t, 2> two;
   const auto a0 = hn::LoadU(two, a.bits.data()), a1 = hn::LoadU(two, a.bits.data() + 2);
@@ -91,6 +111,7 @@ namespace {
 bool enabled = true;
 
 HWY_EXPORT(FastScoreRow);
+HWY_EXPORT(LocalMaximaRow);
 HWY_EXPORT(HammingRow);
 
 }  // namespace
@@ -104,6 +125,17 @@ void fast_score_row(const uint8_t* pixel, ptrdiff_t stride, int count, int thres
   } else {
     for (int x = 0; x < count; ++x) out[x] = static_cast<uint8_t>(fast_score(pixel + x, stride, threshold));
   }
+}
+
+int local_maxima_row(const uint8_t* above, const uint8_t* row, const uint8_t* below, int count, uint16_t* columns) {
+  if (enabled) return HWY_DYNAMIC_DISPATCH(LocalMaximaRow)(above, row, below, count, columns);
+  int found = 0;
+  for (int x = 0; x < count; ++x) {
+    const uint8_t s = row[x];
+    const auto below_s = [&](const uint8_t* p) { return p[x - 1] < s && p[x] < s && p[x + 1] < s; };
+    if (row[x - 1] < s && row[x + 1] < s && below_s(above) && below_s(below)) columns[found++] = static_cast<uint16_t>(x);
+  }
+  return found;
 }
 
 void hamming_row(const Descriptor& a, const Descriptor* b, int n, uint16_t* out) {

@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <limits>
 
+#include "covis/features/simd.h"
+
 namespace covis {
 namespace {
 
@@ -14,12 +16,17 @@ constexpr int kHalfPatch = 5;  // of the 11x11 patches compared
 constexpr int kSlide = 5;      // pixels either way
 constexpr int kMaxHamming = 75;
 
-int patch_sad(const uint8_t* a, ptrdiff_t stride_a, const uint8_t* b, ptrdiff_t stride_b) {
-  int sum = 0;
-  for (int y = -kHalfPatch; y <= kHalfPatch; ++y) {
-    for (int x = -kHalfPatch; x <= kHalfPatch; ++x) sum += std::abs(a[y * stride_a + x] - b[y * stride_b + x]);
+using Sads = std::array<int, 2 * kSlide + 1>;
+
+// The patch with top left `a` against those at b, b + 1, ...
+void slide(const uint8_t* a, ptrdiff_t stride_a, const uint8_t* b, ptrdiff_t stride_b, Sads& sad) {
+  if (simd_enabled()) return slide_sad(a, stride_a, b, stride_b, sad.data());
+  sad.fill(0);
+  for (int s = 0; s <= 2 * kSlide; ++s) {
+    for (int y = 0; y <= 2 * kHalfPatch; ++y) {
+      for (int x = 0; x <= 2 * kHalfPatch; ++x) sad[static_cast<size_t>(s)] += std::abs(a[y * stride_a + x] - b[y * stride_b + x + s]);
+    }
   }
-  return sum;
 }
 
 }  // namespace
@@ -46,10 +53,10 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
   }
   for (size_t y = 1; y < row_offsets_.size(); ++y) row_offsets_[y] += row_offsets_[y - 1];
   row_items_.resize(row_offsets_.back());
-  std::vector<uint32_t> next(row_offsets_.begin(), row_offsets_.end() - 1);
+  next_.assign(row_offsets_.begin(), row_offsets_.end() - 1);
   for (size_t j = 0; j < r.size(); ++j) {
     const auto [first, last] = rows_of(j);
-    for (int y = first; y <= last; ++y) row_items_[next[static_cast<size_t>(y)]++] = static_cast<uint32_t>(j);
+    for (int y = first; y <= last; ++y) row_items_[next_[static_cast<size_t>(y)]++] = static_cast<uint32_t>(j);
   }
 
   accepted_.clear();
@@ -78,12 +85,10 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     const int xl = static_cast<int>(std::lround(in_a.x())), y = static_cast<int>(std::lround(in_a.y()));
     const int xr = static_cast<int>(std::lround(right.to_level(level, r.x[best_j], r.y[best_j]).x()));
     if (xr - kSlide - kHalfPatch < 0 || xr + kSlide + kHalfPatch >= b.width) continue;
-    std::array<int, 2 * kSlide + 1> sad{};
-    int at = 0;
-    for (int s = -kSlide; s <= kSlide; ++s) {
-      sad[static_cast<size_t>(s + kSlide)] = patch_sad(a.row(y) + xl, a.stride, b.row(y) + xr + s, b.stride);
-      if (sad[static_cast<size_t>(s + kSlide)] < sad[static_cast<size_t>(at + kSlide)] || s == -kSlide) at = s;
-    }
+    Sads sad;
+    // Of a row of 11 bytes 16 are read: key points keep clear of the last rows.
+    slide(a.row(y - kHalfPatch) + xl - kHalfPatch, a.stride, b.row(y - kHalfPatch) + xr - kSlide - kHalfPatch, b.stride, sad);
+    const int at = static_cast<int>(std::min_element(sad.begin(), sad.end()) - sad.begin()) - kSlide;
     if (at == -kSlide || at == kSlide) continue;
     const auto m = static_cast<size_t>(at + kSlide);
     const float s0 = static_cast<float>(sad[m - 1]), s1 = static_cast<float>(sad[m]), s2 = static_cast<float>(sad[m + 1]);

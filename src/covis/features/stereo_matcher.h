@@ -15,7 +15,7 @@ class StereoMatcher {
              AlignedVector<float>& depth);
 
  private:
-  std::vector<uint32_t> row_offsets_, row_items_;
+  std::vector<uint32_t> row_offsets_, row_items_, next_;
   std::vector<std::pair<int, uint32_t>> accepted_;  // SAD, left index
 };
 
