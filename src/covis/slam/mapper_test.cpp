@@ -45,7 +45,7 @@ class MapperTest : public testing::Test {
     return count;
   }
 
-  TestFrames frames{Sensor::rgbd};
+  TestFrames& frames = TestFrames::of(Sensor::rgbd);
   SharedMap shared;
   Mapper mapper{shared, options_of(Sensor::rgbd)};
 };
@@ -165,7 +165,7 @@ TEST_F(MapperTest, ResetForgetsEverything) {
 
 // Two views and no depth: an initial map, then points by triangulation with a third.
 TEST(MonocularMapper, MakesAMapOfMedianDepthOneAndTriangulatesMore) {
-  TestFrames mono(Sensor::monocular), depth(Sensor::rgbd);
+  TestFrames &mono = TestFrames::of(Sensor::monocular), &depth = TestFrames::of(Sensor::rgbd);
   SharedMap shared;
   Mapper mapper(shared, options_of(Sensor::monocular));
   constexpr int kSecond = 6;
@@ -222,7 +222,7 @@ TEST(MonocularMapper, MakesAMapOfMedianDepthOneAndTriangulatesMore) {
 }
 
 TEST(MonocularMapper, AnInitialMapOfWrongMatchesIsRefusedAndLeavesNothing) {
-  TestFrames mono(Sensor::monocular);
+  TestFrames& mono = TestFrames::of(Sensor::monocular);
   SharedMap shared;
   Mapper mapper(shared, options_of(Sensor::monocular));
   InitialMapRequest r;

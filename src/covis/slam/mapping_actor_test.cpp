@@ -36,7 +36,7 @@ class MappingActorTest : public testing::Test {
     return r;
   }
 
-  TestFrames frames{Sensor::rgbd};
+  TestFrames& frames = TestFrames::of(Sensor::rgbd);
   SystemOptions options;
   SharedMap shared;
   std::unique_ptr<MappingActor> actor;

@@ -16,6 +16,12 @@ namespace covis {
 
 class TestFrames {
  public:
+  // The one there is for this sensor: making the world is dear.
+  static TestFrames& of(Sensor sensor) {
+    static TestFrames mono(Sensor::monocular), rgbd(Sensor::rgbd);
+    return sensor == Sensor::rgbd ? rgbd : mono;
+  }
+
   explicit TestFrames(Sensor sensor) : synth_(make(sensor)), frontend_(synth_.camera(), {}, sensor) {}
 
   FeaturesPtr features(int i) {

@@ -13,10 +13,13 @@ namespace {
 
 using testing::HasSubstr;
 
-class TrackerTest : public testing::TestWithParam<Sensor> {
+class TrackerTest : public testing::Test {
  protected:
   explicit TrackerTest(Sensor sensor = Sensor::rgbd)
-      : frames(sensor), options(options_of(sensor)), tracker(shared, options), mapper(shared, options) {}
+      : frames(TestFrames::of(sensor)),
+        options(options_of(sensor)),
+        tracker(shared, options),
+        mapper(shared, options) {}
 
   static SystemOptions options_of(Sensor sensor) {
     SystemOptions options;
@@ -35,7 +38,7 @@ class TrackerTest : public testing::TestWithParam<Sensor> {
   TrackResult track(int i) { return track(frames.features(i), i); }
   TrackResult track_blank(int i) { return track(frames.blank(), i); }
 
-  TestFrames frames;
+  TestFrames& frames;
   SharedMap shared;
   SystemOptions options;
   Tracker tracker;
