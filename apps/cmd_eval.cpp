@@ -9,13 +9,14 @@
 #include "commands.h"
 #include "covis/core/log.h"
 #include "covis/eval/evaluation.h"
+#include "covis/eval/report.h"
 
 namespace covis::app {
 namespace {
 
 struct EvalArguments {
   std::string trajectory, truth, align = "se3", format = "auto", truth_format = "auto", stamps, truth_stamps,
-                                 delta_unit = "frames";
+                                 delta_unit = "frames", plot;
   double max_difference = 0.02, delta = 1;
   bool json = false;
 };
@@ -46,6 +47,10 @@ int run(const EvalArguments& a) {
   options.delta_unit = kUnits.at(a.delta_unit);
   const auto evaluation = evaluate(*estimate, *truth, options);
   if (!evaluation) return fail_with(evaluation.error());
+  if (!a.plot.empty()) {
+    const std::string title = a.trajectory + " against " + a.truth;
+    if (const auto written = write_picture(a.plot, title, *evaluation); !written) return fail_with(written.error());
+  }
   if (a.json) {
     std::cout << to_json(*evaluation).dump(2) << "\n";
   } else {
@@ -78,6 +83,9 @@ void add_eval_command(CLI::App& app, int& exit_code) {
       ->capture_default_str()
       ->check(CLI::IsMember(keys(kAligns)));
   command->add_flag("--json", a->json, "JSON on stdout");
+  command->add_option(
+      "--plot", a->plot,
+      "picture of the path from above beside the truth and of the error over time: a .png or .html file");
   command->add_option("--max-difference", a->max_difference, "seconds between a pose and its truth")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
@@ -97,7 +105,7 @@ void add_eval_command(CLI::App& app, int& exit_code) {
   command->add_option("--truth-stamps", a->truth_stamps, "times.txt of a KITTI truth");
   command->footer(
       "Examples:\n"
-      "  covis eval out/trajectory.txt groundtruth.txt\n"
+      "  covis eval out/trajectory.txt groundtruth.txt --plot errors.png\n"
       "  covis eval out/trajectory_online.txt groundtruth.txt --align sim3 --json\n"
       "  covis eval out/trajectory.txt poses.txt --truth-stamps times.txt");
   command->callback([a, &exit_code] { exit_code = run(*a); });

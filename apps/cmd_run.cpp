@@ -25,11 +25,11 @@
 namespace covis::app {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
+volatile std::sig_atomic_t interrupted = 0;  // the signal's number
 
 // The first Ctrl-C asks the run to end well, the second ends the process.
 void on_interrupt(int signal) {
-  interrupted = 1;
+  interrupted = signal;
   std::signal(signal, SIG_DFL);
 }
 
@@ -241,6 +241,9 @@ int run(const RunArguments& arguments) {
   reading.first = arguments.first;
   reading.count = arguments.count;
   reading.stride = arguments.stride;
+  // From here on Ctrl-C is an end like the recording's own.
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
   auto sequence = io::open_sequence(arguments.path, reading);
   if (!sequence) return fail_with(sequence.error().message);
   options.sensor = (*sequence)->sensor();
@@ -260,8 +263,6 @@ int run(const RunArguments& arguments) {
   if (access(arguments.out.c_str(), W_OK) != 0)
     return fail_with(arguments.out + ": the output folder can't be written to");
 
-  std::signal(SIGINT, on_interrupt);
-  std::signal(SIGTERM, on_interrupt);
   RunRecord record;
   record.source = (*sequence)->description();
   record.sensor = options.sensor;
@@ -272,7 +273,7 @@ int run(const RunArguments& arguments) {
   track_all(**sequence, system, arguments, record);
   record.wall_seconds = wall.ms() / 1000;
   record.interrupted = interrupted != 0;
-  if (record.frames.empty()) return fail_with(arguments.path + ": no frame could be read");
+  if (record.frames.empty() && !record.interrupted) return fail_with(arguments.path + ": no frame could be read");
 
   OutputOptions output;
   output.directory = arguments.out;
@@ -300,7 +301,11 @@ int run(const RunArguments& arguments) {
   } else if (!arguments.quiet) {
     print_summary(*summary, arguments.out);
   }
-  if (record.interrupted) log(LogLevel::warning, "interrupted; what was done until then is written");
+  // Nothing but Ctrl-C ends a camera; a recording that was cut short is told by the shell's code for the signal.
+  if (record.interrupted && (*sequence)->kind() != io::SequenceKind::camera) {
+    log(LogLevel::warning, "interrupted; what was done until then is written");
+    return 128 + interrupted;
+  }
   return (*summary)["frames_tracked"].get<int64_t>() > 0 ? 0 : 1;
 }
 

@@ -4,6 +4,9 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 #include <string>
 
@@ -33,7 +36,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "covis COMMAND --help tells more, with examples.\nExit codes: 0 done; 1 the input or the result is not right; 2 "
-      "wrong usage.");
+      "wrong usage; 130 `run` ended by Ctrl-C, all its files written.");
   int exit_code = 0;
   add_run_command(app, exit_code);
   add_eval_command(app, exit_code);
@@ -50,6 +53,11 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     covis::log(covis::LogLevel::error, error.what());
     return 1;
+  }
+  // Results that did not get out (a full disk, a closed pipe) are not done.
+  if (std::fflush(stdout) != 0 || std::ferror(stdout)) {
+    covis::log(covis::LogLevel::error, std::string("stdout: it can't be written: ") + std::strerror(errno));
+    return exit_code != 0 ? exit_code : 1;
   }
   return exit_code;
 }

@@ -129,9 +129,7 @@ void draw_legend(const Canvas& c, const Plot& plot) {
   }
 }
 
-}  // namespace
-
-std::string draw(const Plot& plot) {
+cv::Mat paint(const Plot& plot) {
   Canvas c;
   c.image = cv::Mat(plot.height, plot.width, CV_8UC3, cv::Scalar::all(255));
   c.box = cv::Rect2d(kLeft, kTop, plot.width - kLeft - kRight, plot.height - kTop - kBottom);
@@ -156,9 +154,25 @@ std::string draw(const Plot& plot) {
   inner.image(box).copyTo(c.image(box));
   cv::rectangle(c.image, box, kFrame, 1, cv::LINE_AA);
   draw_legend(c, plot);
+  return c.image;
+}
+
+std::string encoded(const cv::Mat& image) {
   std::vector<uint8_t> bytes;
-  cv::imencode(".png", c.image, bytes);
+  cv::imencode(".png", image, bytes);
   return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace
+
+std::string draw(const Plot& plot) { return encoded(paint(plot)); }
+
+std::string draw_stacked(const std::vector<Plot>& plots) {
+  std::vector<cv::Mat> images;
+  for (const Plot& plot : plots) images.push_back(paint(plot));
+  cv::Mat all;
+  cv::vconcat(images, all);
+  return encoded(all);
 }
 
 }  // namespace covis

@@ -33,5 +33,7 @@ struct Plot {
 
 // The bytes of a PNG file.
 std::string draw(const Plot& plot);
+// One below the other; they must be equally wide.
+std::string draw_stacked(const std::vector<Plot>& plots);
 
 }  // namespace covis

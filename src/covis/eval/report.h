@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report of a run for people: pictures and figures in one HTML file that needs nothing else.
+// The report of a run, and of a comparison with the truth, for people: pictures and figures in one HTML file that needs
+// nothing else.
 #pragma once
 
 #include <filesystem>
@@ -32,5 +33,9 @@ struct ReportInput {
 
 // Writes report.html and trajectory.png into a folder.
 Result<void> write_report(const std::filesystem::path& folder, const ReportInput& input);
+
+// Writes the picture of an evaluation, the path from above beside the truth and the error over time: as PNG, or with
+// the table as a page when the file is named .html. Error: another ending.
+Result<void> write_picture(const std::filesystem::path& file, const std::string& title, const Evaluation& evaluation);
 
 }  // namespace covis

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tracker with the mapper called in turn: no threads.
+#include "covis/slam/tracker.h"
+
+#include <gmock/gmock.h>
+
+#include <string>
+
+#include "covis/slam/test_frames.h"
+
+namespace covis {
+namespace {
+
+using testing::HasSubstr;
+
+class TrackerTest : public testing::Test {
+ protected:
+  explicit TrackerTest(Sensor sensor = Sensor::rgbd)
+      : frames(TestFrames::of(sensor)),
+        options(options_of(sensor)),
+        tracker(shared, options),
+        mapper(shared, options) {}
+
+  static SystemOptions options_of(Sensor sensor) {
+    SystemOptions options;
+    options.sensor = sensor;
+    return options;
+  }
+  TrackResult track(FeaturesPtr features, int i) {
+    Tracker::Outcome outcome = tracker.track(std::move(features), i, frames.stamp(i), true, true);
+    EXPECT_FALSE(outcome.key_frame && outcome.initial_map);
+    if (outcome.key_frame) tracker.key_frame_made(mapper.process(*outcome.key_frame, nullptr), i);
+    if (outcome.initial_map) tracker.key_frame_made(mapper.initialise(*outcome.initial_map), i);
+    if (outcome.discard_map) mapper.reset();
+    EXPECT_EQ(outcome.result.state == TrackState::tracking, outcome.result.reason.empty()) << outcome.result.reason;
+    return outcome.result;
+  }
+  TrackResult track(int i) { return track(frames.features(i), i); }
+  TrackResult track_blank(int i) { return track(frames.blank(), i); }
+
+  TestFrames& frames;
+  SharedMap shared;
+  SystemOptions options;
+  Tracker tracker;
+  Mapper mapper;
+};
+
+class MonocularTrackerTest : public TrackerTest {
+ protected:
+  MonocularTrackerTest() : TrackerTest(Sensor::monocular) {}
+};
+
+TEST_F(TrackerTest, FollowsTheTruth) {
+  for (int i = 0; i < frames.count(); ++i) {
+    const TrackResult result = track(i);
+    ASSERT_EQ(result.state, TrackState::tracking) << "frame " << i << ": " << result.reason;
+    if (i == 0) {
+      EXPECT_EQ(result.method, TrackMethod::initialised);
+      continue;
+    }
+    EXPECT_LT((result.T_cw.inverse().t() - frames.T_cw(i).inverse().t()).norm(), 0.01) << "frame " << i;
+    EXPECT_GE(result.inliers, options.tracker.min_inliers);
+    EXPECT_LE(result.inliers, result.features);
+    EXPECT_LE(result.local_in_view, result.local_points);
+    // The pose hangs on its reference.
+    const SE3 by_reference = result.T_cr * shared.read()->at(result.reference).T_cw;
+    EXPECT_LT((by_reference.t() - result.T_cw.t()).norm(), 0.02);
+  }
+}
+
+TEST_F(TrackerTest, NothingToSeeIsNoFirstKeyFrame) {
+  const TrackResult result = track_blank(0);
+  EXPECT_EQ(result.state, TrackState::not_initialised);
+  EXPECT_EQ(result.reason, "too few features for a first key frame");
+  EXPECT_EQ(shared.read()->key_frame_count(), 0u);
+  EXPECT_EQ(track(1).state, TrackState::tracking) << "the next one may be";
+}
+
+TEST_F(TrackerTest, FeaturesWithoutDepthAreNoFirstKeyFrame) {
+  Features flat = *frames.features(0);
+  std::fill(flat.depth.begin(), flat.depth.end(), 0.0f);
+  std::fill(flat.u_right.begin(), flat.u_right.end(), -1.0f);
+  const TrackResult result = track(std::make_shared<Features>(flat), 0);
+  EXPECT_EQ(result.state, TrackState::not_initialised);
+  EXPECT_EQ(result.reason, "too few features with depth for a first key frame");
+}
+
+TEST_F(TrackerTest, LossKeepsTheMapSaysWhyAndEndsWhenAKnownViewComes) {
+  for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
+  EXPECT_FALSE(tracker.wants_more_features());
+  const size_t points = shared.read()->point_count();
+  for (int i = 6; i < 9; ++i) {
+    const TrackResult lost = track_blank(i);
+    EXPECT_EQ(lost.state, TrackState::lost);
+    EXPECT_THAT(std::string(lost.reason), HasSubstr("matches"));
+    EXPECT_EQ(lost.inliers, 0);
+    EXPECT_FALSE(lost.key_frame);
+  }
+  EXPECT_TRUE(tracker.wants_more_features());
+  EXPECT_EQ(shared.read()->point_count(), points);
+  const TrackResult found = track(frames.features(5), 9);
+  EXPECT_EQ(found.state, TrackState::tracking);
+  EXPECT_EQ(found.method, TrackMethod::recovered);
+  EXPECT_GE(found.inliers, options.tracker.min_inliers_recovered);
+  EXPECT_LT((found.T_cw.inverse().t() - frames.T_cw(5).inverse().t()).norm(), 0.01);
+}
+
+TEST_F(TrackerTest, AJumpOfTheCameraIsSurvivedByTheReferenceKeyFrame) {
+  for (int i = 0; i < 6; ++i) track(i);
+  const TrackResult jumped = track(frames.features(0), 6);
+  ASSERT_EQ(jumped.state, TrackState::tracking) << jumped.reason;
+  EXPECT_LT((jumped.T_cw.inverse().t() - frames.T_cw(0).inverse().t()).norm(), 0.01);
+}
+
+TEST_F(MonocularTrackerTest, SaysWhatItWaitsFor) {
+  EXPECT_EQ(track_blank(0).reason, "too few features for a first view");
+  EXPECT_TRUE(tracker.wants_more_features());
+  const TrackResult still = track(frames.features(0), 1);
+  EXPECT_EQ(still.state, TrackState::not_initialised);
+  EXPECT_THAT(std::string(track(frames.features(0), 2).reason), HasSubstr("parallax")) << "the same view twice";
+  EXPECT_EQ(shared.read()->key_frame_count(), 0u);
+}
+
+TEST_F(MonocularTrackerTest, AYoungMapThatIsLostIsGivenUp) {
+  int i = 0;
+  while (i < frames.count() - 1 && track(i).state != TrackState::tracking) ++i;
+  ASSERT_EQ(tracker.state(), TrackState::tracking);
+  ASSERT_GE(shared.read()->key_frame_count(), 2u);
+  const int first_lost = ++i;
+  TrackResult last;
+  for (; i < first_lost + 16; ++i) last = track(frames.blank(), i);
+  EXPECT_EQ(last.state, TrackState::not_initialised);
+  EXPECT_EQ(shared.read()->key_frame_count(), 0u);
+}
+
+}  // namespace
+}  // namespace covis

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// For tests: the covis command as people run it, in a process of its own.
+#pragma once
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace covis {
+
+namespace fs = std::filesystem;
+
+inline std::string text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+// A child process. Ends with its owner.
+class Process {
+ public:
+  // one_core: on the first core this process may use, as `taskset` does.
+  Process(const std::vector<std::string>& command, const fs::path& standard_out, const fs::path& standard_error,
+          bool one_core = false) {
+    std::vector<char*> arguments;
+    for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    id_ = fork();
+    if (id_ != 0) return;
+    if (one_core) keep_one_core();
+    redirect(standard_out, STDOUT_FILENO);
+    redirect(standard_error, STDERR_FILENO);
+    execv(arguments[0], arguments.data());
+    _exit(127);
+  }
+  ~Process() {
+    if (id_ <= 0) return;
+    ::kill(id_, SIGKILL);
+    waitpid(id_, nullptr, 0);
+  }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void send(int signal) const { ::kill(id_, signal); }
+  bool ended() {
+    if (id_ > 0 && waitpid(id_, &status_, WNOHANG) == id_) id_ = 0;
+    return id_ <= 0;
+  }
+  // The exit code; 128 and its number for the signal that ended it; -1 when it runs on after `limit`.
+  int wait(std::chrono::duration<double> limit) {
+    const auto until = std::chrono::steady_clock::now() + limit;
+    while (!ended()) {
+      if (std::chrono::steady_clock::now() > until) return -1;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return WIFSIGNALED(status_) ? 128 + WTERMSIG(status_) : WEXITSTATUS(status_);
+  }
+
+ private:
+  static void redirect(const fs::path& file, int descriptor) {
+    const int opened = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    if (opened < 0 || dup2(opened, descriptor) < 0) _exit(126);
+    close(opened);
+  }
+  static void keep_one_core() {
+    cpu_set_t allowed, one;
+    CPU_ZERO(&one);
+    if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) _exit(126);
+    for (int core = 0; core < CPU_SETSIZE; ++core) {
+      if (!CPU_ISSET(core, &allowed)) continue;
+      CPU_SET(core, &one);
+      break;
+    }
+    if (sched_setaffinity(0, sizeof one, &one) != 0) _exit(126);
+  }
+
+  pid_t id_ = -1;
+  int status_ = 0;
+};
+
+struct Outcome {
+  int code = 0;
+  std::string out, error;  // what it said on stdout and stderr
+};
+
+// Each case has a folder of its own.
+class CommandTest : public testing::Test {
+ protected:
+  static constexpr std::chrono::seconds kPatience{240};  // a run under the thread sanitizer on a busy machine
+
+  void SetUp() override {
+    const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
+    folder = fs::path(testing::TempDir()) / ("covis_" + std::string(test.test_suite_name()) + "_" + test.name());
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+  }
+  void TearDown() override { fs::remove_all(folder); }
+
+  static std::vector<std::string> command(std::vector<std::string> words) {
+    words.insert(words.begin(), COVIS_COMMAND);
+    return words;
+  }
+  Outcome covis(const std::vector<std::string>& words, bool one_core = false) const {
+    Process process(command(words), folder / "stdout", folder / "stderr", one_core);
+    const int code = process.wait(kPatience);
+    return {code, text_of(folder / "stdout"), text_of(folder / "stderr")};
+  }
+  // A recording in the case's folder.
+  fs::path render(const std::string& sensor, int frames) const {
+    const fs::path recording = folder / sensor;
+    const Outcome made = covis({"synth", "desk", "--sensor", sensor, "--frames", std::to_string(frames), "--width",
+                                "320", "--height", "240", "--quiet", "--out", recording});
+    EXPECT_EQ(made.code, 0) << made.error;
+    return recording;
+  }
+
+  fs::path folder;
+};
+
+}  // namespace covis
