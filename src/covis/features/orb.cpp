@@ -69,9 +69,9 @@ Descriptor describe(const uint8_t* pixel, ptrdiff_t stride, float angle) {
   Descriptor d;
   for (size_t word = 0; word < 4; ++word) {
     uint64_t bits = 0;
-    for (size_t i = 64; i-- > 0;) {  // from the last bit on: doubling and adding the carry of a comparison is one instruction
+    for (size_t i = 0; i < 64; ++i) {
       const size_t k = 2 * (64 * word + i);
-      bits += bits + static_cast<uint64_t>(pixel[offset[k]] < pixel[offset[k + 1]]);
+      bits |= static_cast<uint64_t>(pixel[offset[k]] < pixel[offset[k + 1]]) << i;
     }
     d.bits[word] = bits;
   }
