@@ -103,7 +103,8 @@ class CommandTest : public testing::Test {
 
   void SetUp() override {
     const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
-    folder = fs::path(testing::TempDir()) / ("covis_" + std::string(test.test_suite_name()) + "_" + test.name());
+    folder = fs::path(testing::TempDir()) /
+             ("covis_" + std::string(test.test_suite_name()) + "_" + test.name() + "_" + std::to_string(getpid()));
     fs::remove_all(folder);
     fs::create_directories(folder);
   }

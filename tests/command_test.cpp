@@ -56,8 +56,11 @@ int expect_results(const fs::path& out) {
   for (const json& line : stats) {
     EXPECT_TRUE(line.is_object());
     if (!line.is_object()) break;
-    for (const char* key : {"frame", "stamp", "state", "reason", "inliers", "features", "ms"})
+    for (const char* key : {"frame", "stamp", "state", "reason"})
       EXPECT_TRUE(line.contains(key)) << key << " is missing in " << line;
+    // What came too late (a busy machine, in real time) was not looked at.
+    for (const char* key : {"inliers", "features", "ms"})
+      EXPECT_EQ(line.contains(key), line["state"] != "late" && line["state"] != "unreadable") << key << " in " << line;
     EXPECT_EQ(line["state"] == "tracking", line["reason"] == "") << line;
   }
   EXPECT_THAT(text_of(out / "map.ply"),
