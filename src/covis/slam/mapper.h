@@ -24,7 +24,7 @@ namespace covis {
 class Mapper {
  public:
   // Without a vocabulary (null) key frames have no words and places are not recognised.
-  Mapper(SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
+  Mapper(SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary = nullptr)
       : map_(map), options_(options), vocabulary_(std::move(vocabulary)), closer_(map, options) {}
 
   // The whole of local mapping for one key frame. `interrupt` (may be null) becomes true when another waits: bundle

@@ -15,7 +15,7 @@ namespace covis {
 
 class MappingActor {
  public:
-  MappingActor(SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary);
+  MappingActor(SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary = nullptr);
   // Works off what is in the inbox, then ends.
   ~MappingActor();
 

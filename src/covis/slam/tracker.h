@@ -42,7 +42,7 @@ struct TrackedFrame {
 class Tracker {
  public:
   // Without a vocabulary (null) a lost camera is looked for at the nearest key frames only.
-  Tracker(const SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary);
+  Tracker(const SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary = nullptr);
 
   // What should be done after a frame; at most one of the requests is set.
   struct Outcome {
