@@ -1,104 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The whole system, threads and all, on rendered recordings with exact truth.
-#include "covis/slam/system.h"
-
 #include <gmock/gmock.h>
 
-#include <cstring>
-#include <limits>
-
-#include "covis/geometry/alignment.h"
-#include "covis/synth/synth.h"
+#include "rendered.h"
 
 namespace covis {
 namespace {
-
-struct Size {
-  int width = 320, height = 240;
-};
-
-// Rendered frames, kept: rendering is the larger part of a test's time under the sanitizers.
-class Recording {
- public:
-  explicit Recording(Sensor sensor, int frames, double fps = 8, const std::string& world = "room", Size size = {})
-      : synth(make(sensor, world, frames, fps, size)), frames_(static_cast<size_t>(frames)) {}
-
-  int size() const { return static_cast<int>(frames_.size()); }
-  System::Input frame(int i) {
-    Images& images = frames_[static_cast<size_t>(i)];
-    if (images.left.empty()) render(i, images);
-    return input(i, images);
-  }
-  // A lens cap.
-  System::Input black(int i) {
-    if (black_.left.empty()) render(0, black_);
-    for (ImageU8* image : {&black_.left, &black_.right}) {
-      if (!image->empty()) std::memset(image->row(0), 0, static_cast<size_t>(image->stride() * image->height()));
-    }
-    return input(i, black_);
-  }
-
-  Synth synth;
-
- private:
-  struct Images {
-    ImageU8 left, right;
-    ImageF depth;
-  };
-
-  static Synth make(Sensor sensor, const std::string& world, int frames, double fps, Size size) {
-    SynthOptions options;
-    options.world = world;
-    options.sensor = sensor == Sensor::monocular ? "mono" : sensor == Sensor::stereo ? "stereo" : "rgbd";
-    options.frames = frames;
-    options.fps = fps;
-    options.width = size.width;
-    options.height = size.height;
-    options.noise = 2;
-    return std::move(Synth::create(options).value());
-  }
-  void render(int i, Images& images) {
-    synth.render(i, images.left, synth.sensor() == Sensor::stereo ? &images.right : nullptr,
-                 synth.sensor() == Sensor::rgbd ? &images.depth : nullptr);
-  }
-  System::Input input(int i, const Images& images) const {
-    return {.frame = i,
-            .stamp = synth.stamp(i),
-            .image = images.left.view(),
-            .right = images.right.view(),
-            .depth = images.depth.view()};
-  }
-
-  std::vector<Images> frames_;
-  Images black_;
-};
-
-SystemOptions options_for(Sensor sensor) {
-  SystemOptions options;
-  options.sensor = sensor;
-  return options;
-}
-
-// Root mean square distance to the truth after the best alignment (with scale when monocular), metres.
-double error(const std::vector<PoseOfFrame>& poses, const Synth& synth, bool with_scale) {
-  std::vector<Eigen::Vector3d> estimate, truth;
-  for (const PoseOfFrame& pose : poses) {
-    estimate.push_back(pose.T_wc.t());
-    truth.push_back(synth.T_wc(static_cast<int>(pose.frame)).t());
-  }
-  const auto alignment = align(estimate, truth, with_scale);
-  return alignment ? alignment->rmse : std::numeric_limits<double>::quiet_NaN();
-}
-
-// The bytes of a trajectory: equal only when every bit is.
-std::string bytes(const std::vector<PoseOfFrame>& poses) {
-  std::string text;
-  for (const PoseOfFrame& pose : poses) {
-    text.append(reinterpret_cast<const char*>(pose.T_wc.R().data()), sizeof(double) * 9);
-    text.append(reinterpret_cast<const char*>(pose.T_wc.t().data()), sizeof(double) * 3);
-  }
-  return text;
-}
 
 class EachSensor : public testing::TestWithParam<Sensor> {};
 

@@ -13,7 +13,7 @@ TEST(SystemOptions, EveryFieldIsNamedOnceWithItsMeaning) {
   std::set<std::string> names;
   for (const Field& field : fields(options)) {
     EXPECT_TRUE(names.insert(field.name).second) << field.name << " stands twice";
-    EXPECT_THAT(field.name, testing::MatchesRegex("(orb|tracker|mapper|system)\\.[a-z_]+"));
+    EXPECT_THAT(field.name, testing::MatchesRegex("(orb|tracker|mapper|loop|system)\\.[a-z_]+"));
     EXPECT_GE(field.doc.size(), 8u) << field.name;
   }
   EXPECT_GE(names.size(), 40u);
