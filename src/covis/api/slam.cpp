@@ -6,6 +6,7 @@
 #include "covis/core/fields.h"
 #include "covis/covis.h"
 #include "covis/slam/system.h"
+#include "covis/vocabulary/vocabulary.h"
 
 namespace covis {
 namespace {
@@ -47,7 +48,8 @@ std::optional<std::string> check(const CameraParameters& c, SensorType sensor) {
 }  // namespace
 
 struct Slam::Impl {
-  Impl(const Camera& c, const SystemOptions& options) : camera(c), sensor(options.sensor), system(c, options) {}
+  Impl(const Camera& c, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
+      : camera(c), sensor(options.sensor), system(c, options, std::move(vocabulary)) {}
 
   template <class Image>
   std::optional<std::string> check_image(const Image& image, const char* which) const {
@@ -85,7 +87,7 @@ Slam::Slam(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Slam::~Slam() = default;
 
 tl::expected<std::unique_ptr<Slam>, std::string> Slam::create(const CameraParameters& parameters, SensorType sensor,
-                                                              const Settings& settings) {
+                                                              const Settings& settings, const std::string& vocabulary) {
   if (const auto problem = check(parameters, sensor)) return Failure(*problem);
   SystemOptions options;
   const Fields known = fields(options);
@@ -104,7 +106,13 @@ tl::expected<std::unique_ptr<Slam>, std::string> Slam::create(const CameraParame
                       : parameters.lens == LensType::brown_conrady ? Distortion::brown_conrady
                                                                    : Distortion::kannala_brandt;
   std::copy(std::begin(parameters.distortion), std::end(parameters.distortion), camera.coefficients.begin());
-  return std::unique_ptr<Slam>(new Slam(std::make_unique<Impl>(camera, options)));
+  std::shared_ptr<const Vocabulary> words;
+  if (!vocabulary.empty()) {
+    auto loaded = Vocabulary::load(vocabulary);
+    if (!loaded) return Failure(loaded.error().message);
+    words = std::move(*loaded);
+  }
+  return std::unique_ptr<Slam>(new Slam(std::make_unique<Impl>(camera, options, std::move(words))));
 }
 
 tl::expected<FrameResult, std::string> Slam::track_monocular(int64_t stamp, const GreyImage& image) {
