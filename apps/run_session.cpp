@@ -59,8 +59,13 @@ json to_json(const MappingReport& m) {
 
 json loops(const RunRecord& run) {
   json list = json::array();
-  for (const MappingReport& m : run.mapping) {
+  for (size_t k = 0; k < run.mapping.size(); ++k) {
+    const MappingReport& m = run.mapping[k];
     if (!m.loop.loop.valid()) continue;
+    // Its full bundle adjustment came some key frames later, unless another loop or the end was first.
+    double full_ba_ms = 0;
+    for (size_t later = k + 1; later < run.mapping.size() && !run.mapping[later].loop.loop.valid(); ++later)
+      full_ba_ms += run.mapping[later].loop.full_ba_ms;
     list.push_back({{"frame", m.frame},
                     {"matches", m.loop.matches},
                     {"inliers", m.loop.inliers},
@@ -73,7 +78,8 @@ json loops(const RunRecord& run) {
                     {"query_ms", m.loop.query_ms},
                     {"verify_ms", m.loop.verify_ms},
                     {"correct_ms", m.loop.correct_ms},
-                    {"pose_graph_ms", m.loop.pose_graph_ms}});
+                    {"pose_graph_ms", m.loop.pose_graph_ms},
+                    {"full_ba_ms", full_ba_ms}});
   }
   return list;
 }

@@ -66,6 +66,8 @@ std::vector<KeyFrameId> LoopCloser::candidates(const Map& map, KeyFrameId curren
   std::sort(excluded.begin(), excluded.end());
   std::vector<KeyFrameId> result;
   for (const auto& candidate : map.database().query(map, *key_frame.words, excluded, min_score)) {
+    // What was mapped a moment ago is no place come back to.
+    if (map.at(candidate.key_frame).serial + kBetweenLoops > key_frame.serial) continue;
     if (result.size() < kCandidates) result.push_back(candidate.key_frame);
   }
   return result;

@@ -12,8 +12,8 @@ namespace covis {
 
 enum class TrackState { not_initialised, tracking, lost };
 
-// `bridged`: in localisation only, from the last frame's own depth where the map has too little.
-// How the first pose of a tracked frame was found.
+// How the first pose of a tracked frame was found. `bridged`: in localisation only, from the last frame's own depth where
+// the map has too little.
 enum class TrackMethod { none, initialised, motion_model, reference_key_frame, recovered, bridged };
 
 constexpr std::string_view name(TrackState state) {
