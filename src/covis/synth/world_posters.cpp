@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A long hall of nearly plain walls on which the same few doors, posters and boards hang again and again, in the same
-// groups. The camera walks along it once and looks to both sides: much looks alike, but no place is seen twice.
+// groups. The camera walks along it once and looks to both sides: much looks alike, but the camera is nowhere twice.
 #include <array>
 #include <numbers>
 

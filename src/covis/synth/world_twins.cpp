@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Two rooms equal in everything, with a passage between them and a short one at either end. The camera walks through
-// both on the same way: the second room looks like the first, but no place is seen twice.
+// both on the same way: the second room looks like the first, but the camera is nowhere twice.
 #include <numbers>
 
 #include "covis/synth/furniture.h"
