@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/synth/camera_path.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -37,8 +38,14 @@ CameraPath::CameraPath(std::vector<CameraPose> control, double interval, int tur
   }
 }
 
+CameraPath::CameraPath(std::vector<CameraPose> control, double interval, const Sway& sway, uint64_t seed)
+    : CameraPath(std::move(control), interval, 0, sway, seed) {
+  open_ = true;
+}
+
 CameraPose CameraPath::control(int64_t i) const {
   const int64_t n = static_cast<int64_t>(control_.size());
+  if (open_) return control_[static_cast<size_t>(std::clamp<int64_t>(i + 1, 0, n - 1))];
   const int64_t round = i >= 0 ? i / n : -((n - 1 - i) / n);
   CameraPose pose = control_[static_cast<size_t>(i - round * n)];
   pose.heading += 2 * std::numbers::pi * turns_ * static_cast<double>(round);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Smooth camera motion: a uniform cubic B-spline over control points equally spaced in time (position, heading, pitch,
-// roll), twice continuously differentiable, plus the sway of a hand or a car. The path is a loop that goes on for ever.
-// Source: Unser, Aldroubi, Eden, "B-spline signal processing", 1993 (the uniform cubic basis).
+// roll), twice continuously differentiable, plus the sway of a hand or a car. The path is a loop that goes on for ever,
+// or open: then it begins in motion and comes to rest at its end. Source: Unser, Aldroubi, Eden, "B-spline signal
+// processing", 1993 (the uniform cubic basis).
 #pragma once
 
 #include <cstdint>
@@ -31,8 +32,11 @@ class CameraPath {
   // Control points one `interval` (seconds) apart; the last is followed by the first, whose heading has then grown by
   // `turns` whole turns.
   CameraPath(std::vector<CameraPose> control, double interval, int turns, const Sway& sway, uint64_t seed);
+  // An open path, from the second control point to the last but one, near which it stays.
+  CameraPath(std::vector<CameraPose> control, double interval, const Sway& sway, uint64_t seed);
 
-  double period() const { return interval_ * static_cast<double>(control_.size()); }
+  // Seconds of one round, or of the way along an open path.
+  double period() const { return interval_ * static_cast<double>(open_ ? control_.size() - 3 : control_.size()); }
   CameraPose at(double seconds) const;
 
  private:
@@ -45,6 +49,7 @@ class CameraPath {
   std::vector<CameraPose> control_;
   double interval_;
   int turns_;
+  bool open_ = false;
   std::vector<Wave> waves_;  // kWaves for each of the six channels
 };
 

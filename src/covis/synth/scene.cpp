@@ -68,6 +68,39 @@ Polygon& Scene::add_rect(const Vector3d& origin, const Vector3d& right, const Ve
   return add_polygon(corners, origin - du * r - dv * d, r, d, skin);
 }
 
+Piece Scene::cut(size_t polygon_count) {
+  assert(polygon_count <= polygons.size());
+  Piece piece;
+  const auto begin = polygons.begin() + static_cast<ptrdiff_t>(polygon_count);
+  if (begin == polygons.end()) return piece;
+  // Polygons and vertices are added in the same order.
+  const int first = begin->first;
+  piece.polygons.assign(begin, polygons.end());
+  piece.vertices.assign(vertices.begin() + first, vertices.end());
+  for (Polygon& p : piece.polygons) p.first -= first;
+  polygons.erase(begin, polygons.end());
+  vertices.resize(static_cast<size_t>(first));
+  return piece;
+}
+
+void Scene::put(const Piece& piece, const Place& place) {
+  const int first = static_cast<int>(vertices.size());
+  const auto moved = [&](const Vector3d& v) { return place(v.x(), v.y(), v.z()); };
+  const auto turned = [&](const Vector3d& v) { return place.turn(v.x(), v.y(), v.z()); };
+  for (const Vector3d& v : piece.vertices) vertices.push_back(moved(v));
+  for (Polygon p : piece.polygons) {
+    p.first += first;
+    p.normal = turned(p.normal);
+    p.offset += p.normal.dot(place.origin);
+    p.u_w = turned(p.u_w);
+    p.v_w = turned(p.v_w);
+    p.u_0 -= p.u_w.dot(place.origin);
+    p.v_0 -= p.v_w.dot(place.origin);
+    p.centre = moved(p.centre);
+    polygons.push_back(p);
+  }
+}
+
 Vector3d Place::turn(double x, double y, double z) const {
   const double c = std::cos(heading), s = std::sin(heading);
   return {c * x - s * y, s * x + c * y, z};

@@ -39,6 +39,22 @@ struct Polygon {
   bool sky = false;  // at infinity for depth
 };
 
+// A place on the floor: origin and heading of a thing. Local x is forward... of the thing's front, y to its left, z up.
+struct Place {
+  Vector3d origin = Vector3d::Zero();
+  double heading = 0;  // radians, of local x, about z
+
+  Vector3d operator()(double x, double y, double z) const;
+  Vector3d turn(double x, double y, double z) const;
+  Place at(double x, double y, double z, double turn = 0) const;
+};
+
+// A piece cut out of a scene, to be put into it at several places. Its textures stay in the scene.
+struct Piece {
+  std::vector<Polygon> polygons;
+  std::vector<Vector3d> vertices;
+};
+
 class Scene {
  public:
   explicit Scene(uint64_t seed);
@@ -52,21 +68,16 @@ class Scene {
   // A rectangle seen from the side from which `right` points right and `down` down; `origin` is its top left corner.
   Polygon& add_rect(const Vector3d& origin, const Vector3d& right, const Vector3d& down, const Skin& skin);
 
+  // Takes everything out of the scene but the first `polygon_count` polygons.
+  Piece cut(size_t polygon_count);
+  // Adds the piece as it was cut, but with the world's origin and axes moved to `place`: the same look, light included.
+  void put(const Piece& piece, const Place& place);
+
   std::vector<Polygon> polygons;
   std::vector<Vector3d> vertices;
   std::vector<Texture> textures;
   Random random;                // for the builders
   double detail_metres = 0.45;  // what a whole detail texture (texture 0) spans on a surface
-};
-
-// A place on the floor: origin and heading of a thing. Local x is forward... of the thing's front, y to its left, z up.
-struct Place {
-  Vector3d origin = Vector3d::Zero();
-  double heading = 0;  // radians, of local x, about z
-
-  Vector3d operator()(double x, double y, double z) const;
-  Vector3d turn(double x, double y, double z) const;
-  Place at(double x, double y, double z, double turn = 0) const;
 };
 
 // Skins of a box's faces: front (+x), back (-x), left (+y), right (-y), top, bottom.

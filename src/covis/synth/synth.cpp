@@ -30,10 +30,10 @@ struct Synth::State {
 
 Fields fields(SynthOptions& o) {
   return {
-      {"synth.world", &o.world, "world to render: room, corridor, street, desk"},
+      {"synth.world", &o.world, "world to render: room, corridor, street, desk, twins, posters"},
       {"synth.sensor", &o.sensor, "camera to imitate: mono, stereo, rgbd"},
       {"synth.seed", &o.seed, "seed of the world, the path and all noise", 0, 2147483647},
-      {"synth.frames", &o.frames, "number of frames; 0: once around the world's path and a little more", 0, 1000000},
+      {"synth.frames", &o.frames, "number of frames; 0: as many as the world's path takes", 0, 1000000},
       {"synth.fps", &o.fps, "frames a second; 0: the world's own (30; street 10)", 0, 1000},
       {"synth.width", &o.width, "image width, pixels", 64, 4096},
       {"synth.height", &o.height, "image height, pixels", 64, 4096},
@@ -52,7 +52,7 @@ Fields fields(SynthOptions& o) {
 }
 
 const std::vector<std::string>& synth_worlds() {
-  static const std::vector<std::string> worlds{"room", "corridor", "street", "desk"};
+  static const std::vector<std::string> worlds{"room", "corridor", "street", "desk", "twins", "posters"};
   return worlds;
 }
 
@@ -65,7 +65,7 @@ Result<Sensor> check(SynthOptions& options) {
   const auto& worlds = synth_worlds();
   if (std::find(worlds.begin(), worlds.end(), options.world) == worlds.end()) {
     return fail("there is no world '" + options.world + "'; did you mean '" + nearest_name(options.world, worlds) +
-                "'? There are room, corridor, street and desk");
+                "'? There are room, corridor, street, desk, twins and posters");
   }
   if (options.sensor == "stereo" && options.distortion > 0) {
     return fail("synth.distortion is " + std::to_string(options.distortion) +
@@ -99,6 +99,8 @@ synth::World make_world(const SynthOptions& options) {
   if (options.world == "corridor") return synth::make_corridor(seed);
   if (options.world == "desk") return synth::make_desk(seed);
   if (options.world == "street") return synth::make_street(seed);
+  if (options.world == "twins") return synth::make_twins(seed);
+  if (options.world == "posters") return synth::make_posters(seed);
   return synth::make_room(seed);
 }
 

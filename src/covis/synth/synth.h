@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Synthetic recordings with exact truth: a camera moves smoothly through a textured world (a room, a corridor loop, a
-// street loop, a desk) and each frame is rendered with its depth or its right image. Everything, the world included, is
-// a pure function of the options, so that tests can use a world without files.
+// street loop, a desk, two equal rooms, a hall of equal posters) and each frame is rendered with its depth or its right
+// image. Everything, the world included, is a pure function of the options, so that tests can use a world without
+// files.
 //
 //   SynthOptions options;
 //   options.world = "corridor";
@@ -25,10 +26,10 @@
 namespace covis {
 
 struct SynthOptions {
-  std::string world = "room";   // room, corridor, street, desk
+  std::string world = "room";   // room, corridor, street, desk, twins, posters
   std::string sensor = "rgbd";  // mono, stereo, rgbd
   int seed = 1;                 // of the world, the path and all noise
-  int frames = 0;               // 0: as many as the world's path takes, once around and a little more
+  int frames = 0;               // 0: as many as the world's path takes: once around and a little more, or to its end
   double fps = 0;               // Hz; 0: the world's own (30; street 10)
   int width = 640;              // pixels
   int height = 480;             // pixels

@@ -20,7 +20,7 @@ struct World {
   Scene scene;
   CameraPath path;
   double fps;       // frames a second
-  int frames;       // once around the path and a little more
+  int frames;       // once around the path and a little more, or to the end of an open one
   double baseline;  // metres, of a stereo camera fit for it
   DepthSensor depth_sensor{};
 };
@@ -29,5 +29,7 @@ World make_room(uint64_t seed);
 World make_corridor(uint64_t seed);
 World make_street(uint64_t seed);
 World make_desk(uint64_t seed);
+World make_twins(uint64_t seed);
+World make_posters(uint64_t seed);
 
 }  // namespace covis::synth

@@ -6,6 +6,7 @@
 #include "covis/synth/furniture.h"
 #include "covis/synth/interior.h"
 #include "covis/synth/materials.h"
+#include "covis/synth/table_group.h"
 #include "covis/synth/world.h"
 
 namespace covis::synth {
@@ -16,31 +17,6 @@ using std::numbers::pi;
 struct Size {
   double length, width, height;  // x, y, z
 };
-
-void add_middle(Scene& scene, const Size& room, std::vector<Floor>& floors) {
-  Random& random = scene.random;
-  const Skin wood = material(scene, planks(random, 1.5, 1.5, 220, random.uniform(90, 180), 0.14));
-  const Place middle{{0.5 * room.length, 0.5 * room.width, 0}, random.uniform(-0.3, 0.3)};
-  // A rug under the table.
-  const Canvas rug = carpet(random, 2.0, 1.5, 190, random.uniform(90, 160));
-  const Skin rug_skin = painted(scene, rug, 0.12);
-  scene.add_rect(middle(-0.75, -1.0, 0.006), middle.turn(0, 2.0, 0), middle.turn(1.5, 0, 0), rug_skin);
-  add_shadow(floors, middle.at(-0.4, 0, 0), 0.8, 1.2);
-  add_table(scene, middle, 0.7, 1.1, 0.72, wood);
-  for (const double side : {-1.0, 1.0}) {
-    const double y = side * random.uniform(0.12, 0.3);
-    add_chair(scene,
-              middle.at(-side * 0.62, y, 0, side > 0 ? random.uniform(-0.3, 0.3) : pi + random.uniform(-0.3, 0.3)),
-              wood);
-  }
-  for (int i = 0; i < 5; ++i) {
-    const double w = random.uniform(0.14, 0.2);
-    BoxSkin book(painted(scene, book_cover(random, w, 0.03, 300)));
-    book.top = painted(scene, book_cover(random, w, w * 1.4, 420));
-    add_box(scene, middle.at(random.uniform(-0.2, 0.2), -0.4 + 0.2 * i, 0.72, random.uniform(-0.8, 0.8)), w * 1.4, w,
-            random.uniform(0.02, 0.08), book);
-  }
-}
 
 CameraPath tour(const Size& room, uint64_t seed) {
   Random random(seed);
@@ -79,7 +55,7 @@ World make_room(uint64_t seed) {
              Kind::bookcase, Kind::door},
             0.5, 0.4);
   }
-  add_middle(scene, room, floors);
+  add_table_group(scene, {0.5 * room.length, 0.5 * room.width}, floors);
   floors[0].canvas.darken_edges(0.5, 0.3);
   add_floor(scene, floors[0], 0.16);
   Canvas ceiling = ceiling_panels(random, room.width, room.length, 90, 0.6);
