@@ -43,6 +43,11 @@ bool LoopCloser::process(KeyFrameId current, LoopReport& report) {
   }
   report.verify_ms = watch.ms() - report.query_ms;
   if (!found) return false;
+  if (nothing_to_correct(view, *found, report)) {
+    fuse(view, *found, report);
+    last_loop_serial_ = map_.read()->at(current).serial;
+    return false;
+  }
   report.loop = found->place.key_frame;
   correct(view, *found, report);
   fuse(view, *found, report);
@@ -249,6 +254,22 @@ bool LoopCloser::neighbours_agree(const Map& map, const View& current, const Fou
              static_cast<double>(projection.matches.size()) >= options_.loop.min_found_share * projection.in_view;
   }
   return agree >= std::min(asked, kWanted);
+}
+
+// A place seen again whose correction would move its points by no more than two pixels: the camera looked away for a
+// moment. Its points are made one, but there is no drift to take out.
+bool LoopCloser::nothing_to_correct(const View& current, const Found& found, const LoopReport& report) const {
+  constexpr double kPixels = 2;
+  std::vector<double> depths;
+  const SE3 T_cw = found.S_cw.as_pose();
+  for (const auto& [feature, id] : found.matches) {
+    const auto at = std::lower_bound(found.place.points.begin(), found.place.points.end(), id);
+    depths.push_back((T_cw * found.place.copies[static_cast<size_t>(at - found.place.points.begin())].position_w).z());
+  }
+  const auto middle = depths.begin() + static_cast<ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  const double angle = report.correction / std::max(*middle, 1e-9) + report.rotation_deg * std::numbers::pi / 180;
+  return angle * current.features->camera.fx < kPixels && std::abs(std::log(report.scale)) < 0.005;
 }
 
 bool LoopCloser::drift_explains(const Map& map, const View& current, const Found& found, LoopReport& report) const {

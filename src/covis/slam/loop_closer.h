@@ -78,6 +78,7 @@ class LoopCloser {
   bool refine(const Place& place, const View& view, SE3& T_cw, Projection& projection) const;
   bool neighbours_agree(const Map& map, const View& current, const Found& found);
   bool drift_explains(const Map& map, const View& current, const Found& found, LoopReport& report) const;
+  bool nothing_to_correct(const View& current, const Found& found, const LoopReport& report) const;
   void correct(const View& current, const Found& found, LoopReport& report);
   void fuse(const View& current, const Found& found, LoopReport& report);
 
