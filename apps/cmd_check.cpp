@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "check_picture.h"
 #include "commands.h"
+#include "common.h"
 #include "covis/core/log.h"
 #include "covis/io/sequence.h"
 
@@ -27,28 +27,6 @@ struct Problem {
   int64_t frame = 0;
   std::string text;
 };
-
-const std::map<std::string, Sensor> kSensors{
-    {"mono", Sensor::monocular}, {"stereo", Sensor::stereo}, {"rgbd", Sensor::rgbd}};
-
-const std::map<std::string, io::SequenceKind> kKinds{
-    {"tum", io::SequenceKind::tum},       {"kitti", io::SequenceKind::kitti}, {"euroc", io::SequenceKind::euroc},
-    {"images", io::SequenceKind::images}, {"video", io::SequenceKind::video}, {"camera", io::SequenceKind::camera}};
-
-template <class Value>
-std::vector<std::string> keys(const std::map<std::string, Value>& map) {
-  std::vector<std::string> names;
-  for (const auto& [name, value] : map) names.push_back(name);
-  return names;
-}
-
-template <class Value>
-std::string name_of(const std::map<std::string, Value>& map, Value wanted) {
-  for (const auto& [name, value] : map) {
-    if (value == wanted) return name;
-  }
-  return {};
-}
 
 double mean_grey(const ImageU8& image) {
   int64_t sum = 0;
@@ -84,20 +62,6 @@ void look_for_gaps(const std::vector<Timestamp>& stamps, double rate, std::vecto
     if (gap * rate > 2.5)
       problems.push_back({frames[i], "comes " + std::to_string(gap) + " s after the frame before it"});
   }
-}
-
-nlohmann::json camera_json(const Camera& c) {
-  const char* models[] = {"pinhole", "brown_conrady", "kannala_brandt"};
-  nlohmann::json json{{"width", c.width},
-                      {"height", c.height},
-                      {"fx", c.pinhole.fx},
-                      {"fy", c.pinhole.fy},
-                      {"cx", c.pinhole.cx},
-                      {"cy", c.pinhole.cy},
-                      {"model", models[static_cast<int>(c.distortion)]}};
-  if (c.pinhole.bf > 0) json["baseline"] = c.pinhole.baseline();
-  if (c.distortion != Distortion::none) json["distortion"] = c.coefficients;
-  return json;
 }
 
 void print(const nlohmann::json& found) {

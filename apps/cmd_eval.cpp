@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "covis/core/log.h"
+#include "common.h"
 #include "covis/eval/evaluation.h"
 #include "covis/eval/report.h"
 
@@ -29,11 +29,6 @@ const std::map<std::string, io::TrajectoryFormat> kFormats{{"auto", io::Trajecto
                                                            {"tum", io::TrajectoryFormat::tum},
                                                            {"kitti", io::TrajectoryFormat::kitti},
                                                            {"euroc", io::TrajectoryFormat::euroc}};
-
-int fail_with(const Error& error) {
-  log(LogLevel::error, error.message);
-  return 1;
-}
 
 int run(const EvalArguments& a) {
   const auto estimate = io::read_trajectory(a.trajectory, kFormats.at(a.format), a.stamps);
@@ -57,13 +52,6 @@ int run(const EvalArguments& a) {
     std::cout << to_text(*evaluation);
   }
   return 0;
-}
-
-template <class Value>
-std::vector<std::string> keys(const std::map<std::string, Value>& map) {
-  std::vector<std::string> names;
-  for (const auto& entry : map) names.push_back(entry.first);
-  return names;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "common.h"
 #include "covis/core/log.h"
 #include "covis/io/files.h"
 #include "covis/io/sequence.h"
@@ -23,14 +24,6 @@ struct LocalizeArguments {
   bool json = false;
 };
 
-const std::map<std::string, Sensor> kSensors{
-    {"mono", Sensor::monocular}, {"stereo", Sensor::stereo}, {"rgbd", Sensor::rgbd}};
-
-int fail_with(const std::string& message) {
-  log(LogLevel::error, message);
-  return 1;
-}
-
 int localize(const LocalizeArguments& arguments) {
   io::SequenceOptions reading;
   if (!arguments.sensor.empty()) reading.sensor = kSensors.at(arguments.sensor);
@@ -39,15 +32,15 @@ int localize(const LocalizeArguments& arguments) {
   reading.count = arguments.count;
   reading.stride = arguments.stride;
   auto sequence = io::open_sequence(arguments.path, reading);
-  if (!sequence) return fail_with(sequence.error().message);
+  if (!sequence) return fail_with(sequence.error());
   SystemOptions options;
   options.sensor = (*sequence)->sensor();
   options.localize = true;
   if (arguments.features > 0) options.orb.features = arguments.features;
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
-  if (!vocabulary) return fail_with(vocabulary.error().message);
+  if (!vocabulary) return fail_with(vocabulary.error());
   auto map = open_map(arguments.map, options);
-  if (!map) return fail_with(map.error().message);
+  if (!map) return fail_with(map.error());
   System system((*sequence)->camera(), options, *vocabulary);
   system.set_map(std::move(*map));
 
@@ -77,12 +70,16 @@ int localize(const LocalizeArguments& arguments) {
   }
   if (frames == 0) return fail_with(arguments.path + ": no frame could be read");
   if (const auto saved = io::write_trajectory(arguments.out, found, io::TrajectoryFormat::tum); !saved)
-    return fail_with(saved.error().message);
+    return fail_with(saved.error());
   std::nth_element(times.begin(), times.begin() + static_cast<ptrdiff_t>(times.size() / 2), times.end());
   const double median = times[times.size() / 2];
   if (arguments.json) {
-    std::cout << nlohmann::json{{"frames", frames}, {"localized", found.size()}, {"unreadable", unreadable},
-                                {"median_ms", median}}.dump(2) << "\n";
+    std::cout << nlohmann::json{{"frames", frames},
+                                {"localized", found.size()},
+                                {"unreadable", unreadable},
+                                {"median_ms", median}}
+                     .dump(2)
+              << "\n";
   } else {
     std::printf("%zu of %lld images localised, %.1f ms each (median); written to %s\n", found.size(),
                 static_cast<long long>(frames), median, arguments.out.c_str());
@@ -100,7 +97,7 @@ void add_localize_command(CLI::App& app, int& exit_code) {
   command->add_option("PATH", arguments->path, "images: a recording's folder or a video")->required();
   command->add_option("--map", arguments->map, "saved map (covis run --save-map)")->required();
   command->add_option("--out", arguments->out, "poses found, TUM format, in the map's world")->capture_default_str();
-  command->add_option("--sensor", arguments->sensor, "mono, stereo or rgbd")->check(CLI::IsMember({"mono", "stereo", "rgbd"}));
+  command->add_option("--sensor", arguments->sensor, "mono, stereo or rgbd")->check(CLI::IsMember(keys(kSensors)));
   command->add_option("--camera", arguments->camera, "camera YAML, for what the recording does not say");
   command->add_option("--vocabulary", arguments->vocabulary, "vocabulary (default: the one that comes along)");
   command->add_option("--features", arguments->features, "key points an image")->check(CLI::Range(50, 100000));

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "commands.h"
-#include "covis/core/log.h"
+#include "common.h"
 #include "covis/io/map_file.h"
 
 namespace covis::app {
@@ -19,26 +19,11 @@ struct MapArguments {
   bool json = false;
 };
 
-nlohmann::json camera_json(const Camera& c) {
-  static constexpr const char* kLenses[] = {"pinhole", "brown_conrady", "kannala_brandt"};
-  nlohmann::json json{{"width", c.width},
-                      {"height", c.height},
-                      {"fx", c.pinhole.fx},
-                      {"fy", c.pinhole.fy},
-                      {"cx", c.pinhole.cx},
-                      {"cy", c.pinhole.cy},
-                      {"model", kLenses[static_cast<int>(c.distortion)]}};
-  if (c.pinhole.bf > 0) json["baseline"] = c.pinhole.baseline();
-  if (c.distortion != Distortion::none) json["distortion"] = c.coefficients;
-  return json;
-}
-
 nlohmann::json to_json(const std::string& file, const io::MapInfo& info) {
-  static constexpr const char* kSensors[] = {"mono", "stereo", "rgbd"};
   return {{"file", file},
           {"version", std::to_string(info.major) + "." + std::to_string(info.minor)},
           {"bytes", info.file_size},
-          {"sensor", kSensors[static_cast<int>(info.header.sensor)]},
+          {"sensor", name_of(kSensors, info.header.sensor)},
           {"camera", camera_json(info.header.camera)},
           {"pyramid", {{"levels", info.header.levels}, {"factor", info.header.factor}}},
           {"vocabulary", info.header.vocabulary},
@@ -66,10 +51,7 @@ void print(const std::string& file, const io::MapInfo& info, const nlohmann::jso
 
 int run_info(const MapArguments& a) {
   const auto info = io::read_map_info(a.file);
-  if (!info) {
-    log(LogLevel::error, info.error().message);
-    return 1;
-  }
+  if (!info) return fail_with(info.error());
   const nlohmann::json json = to_json(a.file, *info);
   if (a.json) {
     std::cout << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
@@ -81,10 +63,7 @@ int run_info(const MapArguments& a) {
 
 int run_check(const MapArguments& a) {
   const auto loaded = io::load_map(a.file);
-  if (!loaded) {
-    log(LogLevel::error, loaded.error().message);
-    return 1;
-  }
+  if (!loaded) return fail_with(loaded.error());
   std::cout << a.file << ": whole\n";
   return 0;
 }

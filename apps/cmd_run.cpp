@@ -14,6 +14,7 @@
 #include <optional>
 
 #include "commands.h"
+#include "common.h"
 #include "covis/core/fields.h"
 #include "covis/core/log.h"
 #include "covis/io/config.h"
@@ -24,14 +25,6 @@
 
 namespace covis::app {
 namespace {
-
-volatile std::sig_atomic_t interrupted = 0;  // the signal's number
-
-// The first Ctrl-C asks the run to end well, the second ends the process.
-void on_interrupt(int signal) {
-  interrupted = signal;
-  std::signal(signal, SIG_DFL);
-}
 
 struct RunArguments {
   std::string path;
@@ -45,25 +38,8 @@ struct RunArguments {
   bool realtime = false, localize = false, quiet = false, json = false, dump_config = false;
 };
 
-const std::map<std::string, Sensor> kSensors{
-    {"mono", Sensor::monocular}, {"stereo", Sensor::stereo}, {"rgbd", Sensor::rgbd}};
-const std::map<std::string, io::SequenceKind> kKinds{
-    {"tum", io::SequenceKind::tum},       {"kitti", io::SequenceKind::kitti}, {"euroc", io::SequenceKind::euroc},
-    {"images", io::SequenceKind::images}, {"video", io::SequenceKind::video}, {"camera", io::SequenceKind::camera}};
 const std::map<std::string, io::TrajectoryFormat> kFormats{
     {"tum", io::TrajectoryFormat::tum}, {"kitti", io::TrajectoryFormat::kitti}, {"euroc", io::TrajectoryFormat::euroc}};
-
-template <class Value>
-std::vector<std::string> keys(const std::map<std::string, Value>& map) {
-  std::vector<std::string> names;
-  for (const auto& [name, value] : map) names.push_back(name);
-  return names;
-}
-
-int fail_with(const std::string& message) {
-  log(LogLevel::error, message);
-  return 1;
-}
 
 // A line that renews itself, on a terminal only.
 class Progress {
@@ -223,7 +199,7 @@ void print_summary(const nlohmann::json& summary, const std::filesystem::path& o
 int run(const RunArguments& arguments) {
   SystemOptions options;
   const Fields known = fields(options);
-  if (const auto applied = apply_settings(arguments, known); !applied) return fail_with(applied.error().message);
+  if (const auto applied = apply_settings(arguments, known); !applied) return fail_with(applied.error());
   if (arguments.features > 0) options.orb.features = arguments.features;
   options.realtime = options.realtime || arguments.realtime;
   options.localize = options.localize || arguments.localize;
@@ -242,18 +218,18 @@ int run(const RunArguments& arguments) {
   reading.count = arguments.count;
   reading.stride = arguments.stride;
   // From here on Ctrl-C is an end like the recording's own.
-  std::signal(SIGINT, on_interrupt);
-  std::signal(SIGTERM, on_interrupt);
+  end_well_on_signals();
   auto sequence = io::open_sequence(arguments.path, reading);
-  if (!sequence) return fail_with(sequence.error().message);
+  if (!sequence) return fail_with(sequence.error());
   options.sensor = (*sequence)->sensor();
-  if (options.localize && arguments.map.empty()) return fail_with("--localize: it needs a map to localise in, --map FILE");
+  if (options.localize && arguments.map.empty())
+    return fail_with("--localize: it needs a map to localise in, --map FILE");
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
-  if (!vocabulary) return fail_with(vocabulary.error().message);
+  if (!vocabulary) return fail_with(vocabulary.error());
   std::optional<Map> map;
   if (!arguments.map.empty()) {
     auto opened = open_map(arguments.map, options);
-    if (!opened) return fail_with(opened.error().message);
+    if (!opened) return fail_with(opened.error());
     map = std::move(*opened);
   }
 
@@ -292,10 +268,9 @@ int run(const RunArguments& arguments) {
   if (!arguments.save_map.empty()) {
     const MapState state = system.map().read()->state();
     const auto header = map_header((*sequence)->camera(), options, vocabulary->get());
-    if (const auto saved = io::save_map(arguments.save_map, state, header); !saved)
-      return fail_with(saved.error().message);
+    if (const auto saved = io::save_map(arguments.save_map, state, header); !saved) return fail_with(saved.error());
   }
-  if (!summary) return fail_with(summary.error().message);
+  if (!summary) return fail_with(summary.error());
   if (arguments.json) {
     std::cout << summary->dump(2) << "\n";
   } else if (!arguments.quiet) {

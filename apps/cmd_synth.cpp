@@ -14,21 +14,13 @@
 #include <variant>
 
 #include "commands.h"
-#include "covis/core/log.h"
+#include "common.h"
 #include "covis/core/time.h"
 #include "covis/synth/sequence_writer.h"
 #include "covis/synth/synth.h"
 
 namespace covis::app {
 namespace {
-
-volatile std::sig_atomic_t synth_interrupted = 0;
-
-// The first Ctrl-C asks to end well, the second ends the process.
-void on_synth_interrupt(int signal) {
-  synth_interrupted = 1;
-  std::signal(signal, SIG_DFL);
-}
 
 struct SynthArguments {
   SynthOptions options;
@@ -37,20 +29,14 @@ struct SynthArguments {
   bool overwrite = false, quiet = false, json = false;
 };
 
-int fail_synth(const std::string& message) {
-  log(LogLevel::error, message);
-  return 1;
-}
-
 int synth(SynthArguments arguments) {
   for (const auto& [name, text] : arguments.settings) {
     if (text.empty()) continue;
-    if (auto ok = set_field(fields(arguments.options), name, text); !ok) return fail_synth(ok.error().message);
+    if (auto ok = set_field(fields(arguments.options), name, text); !ok) return fail_with(ok.error());
   }
   auto world = Synth::create(arguments.options);
-  if (!world) return fail_synth(world.error().message);
-  std::signal(SIGINT, on_synth_interrupt);
-  std::signal(SIGTERM, on_synth_interrupt);
+  if (!world) return fail_with(world.error());
+  end_well_on_signals();
 
   const bool shown = !arguments.quiet && isatty(STDERR_FILENO);
   const int frames = world->frames();
@@ -64,11 +50,11 @@ int synth(SynthArguments arguments) {
                    (frames - done) / std::max(rate, 1e-3));
       std::fflush(stderr);
     }
-    return synth_interrupted == 0;
+    return interrupted == 0;
   };
   const auto report = write_sequence(*world, arguments.out, arguments.overwrite, progress);
   if (shown) std::fputs("\n", stderr);
-  if (!report) return fail_synth(report.error().message);
+  if (!report) return fail_with(report.error());
 
   const SynthOptions& made = world->options();
   const double seconds = all.ms() / 1000;

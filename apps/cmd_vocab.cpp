@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "common.h"
 #include "covis/core/log.h"
 #include "covis/core/time.h"
 #include "covis/vocabulary/train.h"
@@ -24,14 +25,6 @@
 
 namespace covis::app {
 namespace {
-
-volatile std::sig_atomic_t vocab_interrupted = 0;
-
-// The first Ctrl-C asks to end well, the second ends the process.
-void on_vocab_interrupt(int signal) {
-  vocab_interrupted = 1;
-  std::signal(signal, SIG_DFL);
-}
 
 struct TrainArguments {
   TrainOptions options;
@@ -46,11 +39,6 @@ struct FileArguments {
   std::string in, out;
   bool overwrite = false, json = false;
 };
-
-int fail_vocab(const std::string& message) {
-  log(LogLevel::error, message);
-  return 1;
-}
 
 Fields train_fields(TrainArguments& arguments) {
   Fields all = fields(arguments.options);
@@ -90,7 +78,7 @@ class ProgressLine {
       std::fprintf(stderr, "\r\033[K%s %.0f %%  %.0f s", what, 100 * done, all_.ms() / 1000);
       std::fflush(stderr);
     }
-    return vocab_interrupted == 0;
+    return interrupted == 0;
   }
 
  private:
@@ -135,13 +123,12 @@ void print_training(const TrainArguments& arguments, const Vocabulary& vocabular
 int train(TrainArguments arguments) {
   for (const auto& [name, text] : arguments.settings) {
     if (text.empty()) continue;
-    if (auto ok = set_field(train_fields(arguments), name, text); !ok) return fail_vocab(ok.error().message);
+    if (auto ok = set_field(train_fields(arguments), name, text); !ok) return fail_with(ok.error());
   }
-  if (auto ok = may_write(arguments.out, arguments.overwrite); !ok) return fail_vocab(ok.error().message);
+  if (auto ok = may_write(arguments.out, arguments.overwrite); !ok) return fail_with(ok.error());
   const auto files = find_images(arguments.inputs);
-  if (!files) return fail_vocab(files.error().message);
-  std::signal(SIGINT, on_vocab_interrupt);
-  std::signal(SIGTERM, on_vocab_interrupt);
+  if (!files) return fail_with(files.error());
+  end_well_on_signals();
 
   const TrainOptions& options = arguments.options;
   const bool shown = !arguments.quiet && isatty(STDERR_FILENO);
@@ -154,7 +141,7 @@ int train(TrainArguments arguments) {
       return progress("images", static_cast<double>(done) / static_cast<double>(files->size()));
     });
   }
-  if (report.stopped) return fail_vocab("stopped; nothing was written");
+  if (report.stopped) return fail_with("stopped; nothing was written");
   if (!report.skipped.empty()) {
     log(LogLevel::warning, std::to_string(report.skipped.size()) + " of " + std::to_string(files->size()) +
                                " images were passed over, the first because: " + report.skipped.front());
@@ -167,8 +154,8 @@ int train(TrainArguments arguments) {
     vocabulary = train_vocabulary(set.descriptors(), set.offsets(), options,
                                   [&](double done) { return progress("training", done); });
   }
-  if (!vocabulary) return fail_vocab(vocabulary.error().message);
-  if (auto ok = (*vocabulary)->save(arguments.out); !ok) return fail_vocab(ok.error().message);
+  if (!vocabulary) return fail_with(vocabulary.error());
+  if (auto ok = (*vocabulary)->save(arguments.out); !ok) return fail_with(ok.error());
 
   print_training(arguments, **vocabulary, set, files->size(), report, extraction_s, training.ms() / 1000);
   return 0;
@@ -178,7 +165,7 @@ int info(const FileArguments& arguments) {
   const Stopwatch watch;
   const auto vocabulary = Vocabulary::load(arguments.in);
   const double load_ms = watch.ms();
-  if (!vocabulary) return fail_vocab(vocabulary.error().message);
+  if (!vocabulary) return fail_with(vocabulary.error());
   const bool whole = (*vocabulary)->verify();
   nlohmann::json summary = summary_of(**vocabulary, arguments.in);
   summary["whole"] = whole;
@@ -191,19 +178,19 @@ int info(const FileArguments& arguments) {
                 (*vocabulary)->depth(), summary["bytes"].get<double>() / 1e6,
                 checksum_text((*vocabulary)->checksum()).c_str(), load_ms);
   }
-  return whole ? 0 : fail_vocab(arguments.in + ": the vocabulary is damaged: its content does not have its checksum");
+  return whole ? 0 : fail_with(arguments.in + ": the vocabulary is damaged: its content does not have its checksum");
 }
 
 int convert(const FileArguments& arguments) {
-  if (auto ok = may_write(arguments.out, arguments.overwrite); !ok) return fail_vocab(ok.error().message);
+  if (auto ok = may_write(arguments.out, arguments.overwrite); !ok) return fail_with(ok.error());
   const auto vocabulary = Vocabulary::load(arguments.in);
-  if (!vocabulary) return fail_vocab(vocabulary.error().message);
+  if (!vocabulary) return fail_with(vocabulary.error());
   if (!(*vocabulary)->verify()) {
-    return fail_vocab(arguments.in + ": the vocabulary is damaged: its content does not have its checksum");
+    return fail_with(arguments.in + ": the vocabulary is damaged: its content does not have its checksum");
   }
   const bool text = std::filesystem::path(arguments.out).extension() == ".txt";
   const auto saved = text ? (*vocabulary)->save_text(arguments.out) : (*vocabulary)->save(arguments.out);
-  return saved ? 0 : fail_vocab(saved.error().message);
+  return saved ? 0 : fail_with(saved.error());
 }
 
 void add_train(CLI::App& vocab, int& exit_code) {

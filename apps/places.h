@@ -14,8 +14,8 @@
 
 namespace covis::app {
 
-// The vocabulary named; with an empty name the default one, which lies in share/covis beside the installed command or in
-// the source tree; null for "none".
+// The vocabulary named; with an empty name the default one, which lies in share/covis beside the installed command or
+// in the source tree; null for "none".
 Result<std::shared_ptr<const Vocabulary>> open_vocabulary(const std::string& name);
 
 io::MapHeader map_header(const Camera& camera, const SystemOptions& options, const Vocabulary* vocabulary);

@@ -33,8 +33,7 @@ endfunction()
 set(covis_test_environment
   "ASAN_OPTIONS=alloc_dealloc_mismatch=0"
   "UBSAN_OPTIONS=print_stacktrace=1"
-  "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tools/tsan.supp"
-  "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tools/lsan.supp")
+  "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tools/tsan.supp")
 
 # covis_discover_tests(TARGET LABEL): one ctest entry for each GoogleTest case, labelled LABEL. Cases with "Long" in their
 # name are labelled long as well: the sanitizer runs leave them out.

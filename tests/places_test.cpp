@@ -43,17 +43,14 @@ std::string bytes_of(const Map& map) {
 class Places : public testing::TestWithParam<Sensor> {};
 
 INSTANTIATE_TEST_SUITE_P(Sensors, Places, testing::Values(Sensor::monocular, Sensor::stereo, Sensor::rgbd),
-                         [](const auto& instance) {
-                           return instance.param == Sensor::monocular ? "mono"
-                                  : instance.param == Sensor::stereo  ? "stereo"
-                                                                      : "rgbd";
-                         });
+                         [](const auto& instance) { return sensor_name(instance.param); });
 
 TEST_P(Places, ASavedMapIsLocalisedInAndGoneOnWith) {
   const Sensor sensor = GetParam();
   Recording recording(sensor, 40, 15, "desk");
   const SystemOptions options = options_for(sensor);
-  const auto file = std::filesystem::path(testing::TempDir()) / ("covis_places_" + std::to_string(static_cast<int>(sensor)));
+  const auto file =
+      std::filesystem::path(testing::TempDir()) / ("covis_places_" + std::to_string(static_cast<int>(sensor)));
   std::vector<SE3> mapped;
   std::string before;
   {

@@ -13,6 +13,10 @@
 
 namespace covis {
 
+inline std::string sensor_name(Sensor sensor) {
+  return sensor == Sensor::monocular ? "mono" : sensor == Sensor::stereo ? "stereo" : "rgbd";
+}
+
 struct Size {
   int width = 320, height = 240;
 };
@@ -49,7 +53,7 @@ class Recording {
   static Synth make(Sensor sensor, const std::string& world, int frames, double fps, Size size) {
     SynthOptions options;
     options.world = world;
-    options.sensor = sensor == Sensor::monocular ? "mono" : sensor == Sensor::stereo ? "stereo" : "rgbd";
+    options.sensor = sensor_name(sensor);
     options.frames = frames;
     options.fps = fps;
     options.width = size.width;

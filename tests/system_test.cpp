@@ -10,11 +10,7 @@ namespace {
 class EachSensor : public testing::TestWithParam<Sensor> {};
 
 INSTANTIATE_TEST_SUITE_P(Sensors, EachSensor, testing::Values(Sensor::monocular, Sensor::stereo, Sensor::rgbd),
-                         [](const auto& instance) {
-                           return instance.param == Sensor::monocular ? "mono"
-                                  : instance.param == Sensor::stereo  ? "stereo"
-                                                                      : "rgbd";
-                         });
+                         [](const auto& instance) { return sensor_name(instance.param); });
 
 // Tracks the recording and looks at every frame's report and map. `bound` is of the final error, metres.
 void expect_tracked(Recording& recording, Sensor sensor, double bound) {

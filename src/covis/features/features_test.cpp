@@ -5,41 +5,19 @@
 
 #include <bit>
 #include <cmath>
-#include <set>
-
-#include <hwy/highway.h>
-
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <set>
 
 #include "covis/core/random.h"
 #include "covis/features/extractor.h"
 #include "covis/features/hamming.h"
 #include "covis/features/orb.h"
 #include "covis/features/simd.h"
-#include "covis/features/stereo_matcher.h"
+#include "covis/features/test_images.h"
 
 namespace covis {
 namespace {
-
-// Patches of many sizes and grey levels, a little smoothed: corners at every scale.
-cv::Mat texture(int width, int height, uint64_t seed) {
-  Random random(seed);
-  cv::Mat image(height, width, CV_8U, cv::Scalar(128));
-  for (int k = 0; k < width * height / 400; ++k) {
-    const int w = 3 + static_cast<int>(random.below(40)), h = 3 + static_cast<int>(random.below(40));
-    const int x = static_cast<int>(random.below(static_cast<uint32_t>(width))), y = static_cast<int>(random.below(static_cast<uint32_t>(height)));
-    cv::rectangle(image, {x - w, y - h, w, h}, cv::Scalar(random.below(256)), cv::FILLED);
-  }
-  cv::GaussianBlur(image, image, {3, 3}, 0.8);
-  return image;
-}
-
-ImageU8 to_image(const cv::Mat& mat) {
-  ImageU8 image(mat.cols, mat.rows);
-  for (int y = 0; y < mat.rows; ++y) std::copy(mat.ptr(y), mat.ptr(y) + mat.cols, image.row(y));
-  return image;
-}
 
 using Scored = std::set<std::tuple<int, int, int>>;
 
@@ -49,7 +27,8 @@ Scored by_opencv(const cv::Mat& image, int border, int threshold) {
   Scored found;
   for (const cv::KeyPoint& p : points) {
     const int x = static_cast<int>(p.pt.x), y = static_cast<int>(p.pt.y);
-    if (x >= border && y >= border && x < image.cols - border && y < image.rows - border) found.emplace(y, x, static_cast<int>(p.response));
+    if (x >= border && y >= border && x < image.cols - border && y < image.rows - border)
+      found.emplace(y, x, static_cast<int>(p.response));
   }
   return found;
 }
@@ -72,9 +51,9 @@ TEST(Fast, CornersAndScoresAreOpenCvs) {
 
 TEST(Fast, LowThresholdServesCellsWithoutCornersOnly) {
   cv::Mat image(120, 240, CV_8U, cv::Scalar(100));
-  image(cv::Rect(20, 20, 40, 40)) = 200;   // strong corners left
-  image(cv::Rect(150, 40, 40, 40)) = 119;  // weak ones right
-  image(cv::Rect(45, 90, 20, 20)) = 119;   // weak ones in another cell
+  image(cv::Rect(20, 20, 40, 40)) = 200;      // strong corners left
+  image(cv::Rect(150, 40, 40, 40)) = 119;     // weak ones right
+  image(cv::Rect(45, 90, 20, 20)) = 119;      // weak ones in another cell
   cv::GaussianBlur(image, image, {5, 5}, 1);  // perfect squares have two equal scores at a corner
   FastDetector detector;
   std::vector<Corner> corners;
@@ -85,30 +64,6 @@ TEST(Fast, LowThresholdServesCellsWithoutCornersOnly) {
   EXPECT_GE(weak, 6);
   detector.detect(to_image(image).view(), 4, 240, 20, 7, corners);  // one cell: the strong ones silence the weak
   for (const Corner& c : corners) EXPECT_GE(c.score, 20);
-}
-
-// Runs `check` with every instruction set this machine and this build have.
-template <class Check>
-void for_each_target(Check&& check) {
-  const int64_t all = hwy::SupportedTargets() & HWY_TARGETS;
-  for (int64_t rest = all; rest != 0; rest &= rest - 1) {
-    const int64_t target = rest & -rest;
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    check();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-}
-
-// What `make` returns by the scalar twins; every target must return the same.
-template <class Make>
-void expect_scalar_twin(Make&& make) {
-  set_simd_enabled(false);
-  const auto expected = make();
-  set_simd_enabled(true);
-  for_each_target([&] { EXPECT_TRUE(make() == expected); });
 }
 
 TEST(Simd, ScoresAndMaximaAreTheScalarOnes) {
@@ -129,7 +84,8 @@ TEST(Simd, ScoresAndMaximaAreTheScalarOnes) {
     const ImageU8 scores = to_image(mat);
     expect_scalar_twin([&] {
       std::vector<uint16_t> columns(static_cast<size_t>(count));
-      columns.resize(static_cast<size_t>(local_maxima_row(scores.row(1) + 3, scores.row(2) + 3, scores.row(3) + 3, count, columns.data())));
+      columns.resize(static_cast<size_t>(
+          local_maxima_row(scores.row(1) + 3, scores.row(2) + 3, scores.row(3) + 3, count, columns.data())));
       return columns;
     });
   }
@@ -151,7 +107,8 @@ TEST(Simd, PyramidAndBlurAreTheScalarOnes) {
     const std::vector<uint8_t> bare = pixels(image);
     const ImageView<const uint8_t> view{bare.data(), mat.cols, mat.rows, mat.cols};
     const double factor = random.uniform(1, 2.3);  // beyond what the groups of SIMD span as well
-    const int width = std::max(1, static_cast<int>(mat.cols / factor)), height = std::max(1, static_cast<int>(mat.rows / factor));
+    const int width = std::max(1, static_cast<int>(mat.cols / factor)),
+              height = std::max(1, static_cast<int>(mat.rows / factor));
     expect_scalar_twin([&] {
       ImageU8 small(width, height);
       BilinearResizer().resize(view, small.view());
@@ -169,10 +126,12 @@ TEST(Simd, OrientationAndDescriptorsAreTheScalarOnes) {
   Random random(32);
   const ImageU8 image = to_image(texture(300, 200, 33));
   for (int trial = 0; trial < 500; ++trial) {
-    const int x = kEdgeBorder + static_cast<int>(random.below(300 - 2 * kEdgeBorder)), y = kEdgeBorder + static_cast<int>(random.below(200 - 2 * kEdgeBorder));
+    const int x = kEdgeBorder + static_cast<int>(random.below(300 - 2 * kEdgeBorder)),
+              y = kEdgeBorder + static_cast<int>(random.below(200 - 2 * kEdgeBorder));
     const uint8_t* pixel = image.row(y) + x;
     const auto angle = static_cast<float>(random.uniform(0, 2 * CV_PI));
-    expect_scalar_twin([&] { return std::pair(orientation(pixel, image.stride()), describe(pixel, image.stride(), angle)); });
+    expect_scalar_twin(
+        [&] { return std::pair(orientation(pixel, image.stride()), describe(pixel, image.stride(), angle)); });
   }
 }
 
@@ -233,7 +192,8 @@ TEST(Orb, OrientationAndDescriptorsAreOpenCvs) {
     GaussianBlur().apply(ours.view(), blurred);
     for (size_t i = 0; i < points.size(); ++i) {
       const int x = static_cast<int>(points[i].pt.x), y = static_cast<int>(points[i].pt.y);
-      const Descriptor d = describe(blurred.row(y) + x, blurred.stride(), points[i].angle * static_cast<float>(CV_PI) / 180);
+      const Descriptor d =
+          describe(blurred.row(y) + x, blurred.stride(), points[i].angle * static_cast<float>(CV_PI) / 180);
       Descriptor e;
       std::memcpy(e.bits.data(), expected.ptr(static_cast<int>(i)), 32);
       different += hamming(d, e);
@@ -257,8 +217,11 @@ std::vector<Corner> random_corners(Random& random, int count, int width, int hei
   std::set<std::pair<int, int>> places;
   std::vector<Corner> corners;
   while (static_cast<int>(corners.size()) < count) {
-    const int x = static_cast<int>(random.below(static_cast<uint32_t>(width))), y = static_cast<int>(random.below(static_cast<uint32_t>(height)));
-    if (places.emplace(x, y).second) corners.push_back({static_cast<int16_t>(x), static_cast<int16_t>(y), static_cast<uint8_t>(1 + random.below(255))});
+    const int x = static_cast<int>(random.below(static_cast<uint32_t>(width))),
+              y = static_cast<int>(random.below(static_cast<uint32_t>(height)));
+    if (places.emplace(x, y).second)
+      corners.push_back(
+          {static_cast<int16_t>(x), static_cast<int16_t>(y), static_cast<uint8_t>(1 + random.below(255))});
   }
   return corners;
 }
@@ -281,11 +244,13 @@ TEST(Quadtree, PropertiesHold) {
     tree.distribute(corners, 0, 0, width, height, budget, kept);
     const int roots = std::max(1, static_cast<int>(std::lround(static_cast<double>(width) / height)));
     EXPECT_LE(static_cast<int>(kept.size()), std::max(budget + 3, roots));
-    EXPECT_GE(static_cast<int>(kept.size()), std::min(budget, static_cast<int>(corners.size())));  // the wanted number is reached
+    EXPECT_GE(static_cast<int>(kept.size()),
+              std::min(budget, static_cast<int>(corners.size())));  // the wanted number is reached
     const Places input = places(corners), output = places(kept);
     EXPECT_EQ(output.size(), kept.size());
     EXPECT_TRUE(std::includes(input.begin(), input.end(), output.begin(), output.end()));
-    for (size_t k = corners.size(); k > 1; --k) std::swap(corners[k - 1], corners[random.below(static_cast<uint32_t>(k))]);
+    for (size_t k = corners.size(); k > 1; --k)
+      std::swap(corners[k - 1], corners[random.below(static_cast<uint32_t>(k))]);
     tree.distribute(corners, 0, 0, width, height, budget, again);
     EXPECT_EQ(places(again), output);
   }
@@ -330,7 +295,8 @@ TEST(Extractor, TheWantedNumberIsReached) {
 }
 
 TEST(Extractor, ScalarAndSimdGiveTheSameFeatures) {
-  for (const auto& [width, height] : {std::pair{640, 480}, std::pair{333, 251}, std::pair{97, 71}, std::pair{41, 200}, std::pair{20, 20}}) {
+  for (const auto& [width, height] :
+       {std::pair{640, 480}, std::pair{333, 251}, std::pair{97, 71}, std::pair{41, 200}, std::pair{20, 20}}) {
     const ImageU8 image = to_image(texture(width, height, 8));
     expect_scalar_twin([&] {
       OrbExtractor extractor{OrbOptions{}};
@@ -340,8 +306,9 @@ TEST(Extractor, ScalarAndSimdGiveTheSameFeatures) {
   }
 }
 
-// Whole numbers and IEEE arithmetic alone lead to the places, so their hash is the same everywhere; angles and descriptors follow
-// from them by the mathematics library's arc tangent, sine and cosine. A change of this value changes every trajectory.
+// Whole numbers and IEEE arithmetic alone lead to the places, so their hash is the same everywhere; angles and
+// descriptors follow from them by the mathematics library's arc tangent, sine and cosine. A change of this value
+// changes every trajectory.
 TEST(Extractor, PlacesAreThoseOfEver) {
   uint64_t hash = 14695981039346656037u;  // FNV-1a
   const auto add = [&](uint64_t value) { hash = (hash ^ value) * 1099511628211u; };
@@ -374,7 +341,8 @@ TEST(ScalePyramid, PredictsTheCeilingOfTheLogarithm) {
     const double ratio = std::exp(random.uniform(-1, 2.5));
     const double exact = std::log(ratio) / std::log(1.2);
     if (std::abs(exact - std::round(exact)) < 1e-4) continue;  // rounding decides there
-    EXPECT_EQ(pyramid.predict_level(static_cast<float>(ratio), 1), std::clamp(static_cast<int>(std::ceil(exact)), 0, 7));
+    EXPECT_EQ(pyramid.predict_level(static_cast<float>(ratio), 1),
+              std::clamp(static_cast<int>(std::ceil(exact)), 0, 7));
   }
 }
 
@@ -395,97 +363,11 @@ TEST(FeatureGrid, WindowsFindWhatBruteForceFinds) {
     f.for_each_in_window(x, y, radius, low, high, [&](int i) { EXPECT_TRUE(found.insert(i).second); });
     for (int i = 0; i < f.size(); ++i) {
       const auto k = static_cast<size_t>(i);
-      if (f.level[k] >= low && f.level[k] <= high && std::abs(f.x[k] - x) <= radius && std::abs(f.y[k] - y) <= radius) expected.insert(i);
+      if (f.level[k] >= low && f.level[k] <= high && std::abs(f.x[k] - x) <= radius && std::abs(f.y[k] - y) <= radius)
+        expected.insert(i);
     }
     EXPECT_EQ(found, expected);
   }
-}
-
-TEST(Frontend, StereoFindsTheDisparity) {
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.pinhole = {500, 500, 320, 240, 50};
-  const cv::Mat left = texture(640, 480, 11);
-  for (const double disparity : {6.0, 17.5, 40.25}) {
-    cv::Mat right;
-    const cv::Mat shift = (cv::Mat_<double>(2, 3) << 1, 0, -disparity, 0, 1, 0);
-    cv::warpAffine(left, right, shift, left.size(), cv::INTER_CUBIC, cv::BORDER_REPLICATE);
-    Frontend frontend(camera, {}, Sensor::stereo);
-    const FeaturesPtr f = frontend.stereo(to_image(left).view(), to_image(right).view());
-    int matched = 0, wrong = 0;
-    for (int i = 0; i < f->size(); ++i) {
-      if (!f->has_depth(i)) continue;
-      ++matched;
-      const auto k = static_cast<size_t>(i);
-      wrong += std::abs(f->x[k] - f->u_right[k] - disparity) > 0.5 * f->pyramid->scale[f->level[k]];
-      EXPECT_NEAR(f->depth[k], 50 / (f->x[k] - f->u_right[k]), 1e-2 * f->depth[k]);
-    }
-    EXPECT_GT(matched, f->size() / 3) << disparity;
-    EXPECT_LT(wrong, matched / 50) << disparity;
-  }
-}
-
-TEST(Frontend, StereoByScalarAndSimdIsTheSame) {
-  Camera camera;
-  camera.width = 333;
-  camera.height = 250;
-  camera.pinhole = {300, 300, 166, 125, 50};
-  const cv::Mat left = texture(333, 250, 14);
-  cv::Mat right;
-  const cv::Mat shift = (cv::Mat_<double>(2, 3) << 1, 0, -9.3, 0, 1, 0);
-  cv::warpAffine(left, right, shift, left.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  expect_scalar_twin([&] {
-    Frontend frontend(camera, {}, Sensor::stereo);
-    const FeaturesPtr f = frontend.stereo(to_image(left).view(), to_image(right).view());
-    return std::tuple(f->u_right, f->depth, f->descriptor);
-  });
-}
-
-TEST(Frontend, DepthIsLookedUpAtTheKeyPoint) {
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.pinhole = {500, 500, 320, 240, 40};
-  const ImageU8 image = to_image(texture(640, 480, 12));
-  ImageF depth(640, 480);
-  for (int y = 0; y < 480; ++y) {
-    for (int x = 0; x < 640; ++x) depth(x, y) = x < 200 ? 0.0f : x < 400 ? std::numeric_limits<float>::quiet_NaN() : 1.0f + static_cast<float>(x) / 640;
-  }
-  Frontend frontend(camera, {}, Sensor::rgbd);
-  const FeaturesPtr f = frontend.rgbd(image.view(), depth.view());
-  int with = 0;
-  for (int i = 0; i < f->size(); ++i) {
-    const auto k = static_cast<size_t>(i);
-    const auto x = static_cast<int>(std::lround(f->raw_x[k]));
-    EXPECT_EQ(f->has_depth(i), x >= 400);
-    if (!f->has_depth(i)) continue;
-    ++with;
-    EXPECT_FLOAT_EQ(f->depth[k], 1.0f + static_cast<float>(x) / 640);
-    EXPECT_NEAR(f->u_right[k], f->x[k] - 40 / f->depth[k], 1e-3);
-  }
-  EXPECT_GT(with, 100);
-}
-
-TEST(Frontend, KeyPointsAreUndistorted) {
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.pinhole = {458, 457, 320, 240, 0};
-  camera.distortion = Distortion::brown_conrady;
-  camera.coefficients = {-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05, 0};
-  Frontend frontend(camera, {}, Sensor::monocular);
-  const FeaturesPtr f = frontend.monocular(to_image(texture(640, 480, 13)).view());
-  ASSERT_GT(f->size(), 500);
-  double moved = 0;
-  for (size_t i = 0; i < f->x.size(); ++i) {
-    const auto back = camera.project(camera.pinhole.unproject(f->x[i], f->y[i]));
-    ASSERT_TRUE(back);
-    EXPECT_NEAR((*back - Eigen::Vector2d(f->raw_x[i], f->raw_y[i])).norm(), 0, 1e-2);
-    EXPECT_TRUE(f->grid.bounds.contains(f->x[i], f->y[i]));
-    moved = std::max<double>(moved, std::abs(f->x[i] - f->raw_x[i]));
-  }
-  EXPECT_GT(moved, 20);
 }
 
 }  // namespace

@@ -8,21 +8,12 @@
 #include <limits>
 
 #include "covis/core/random.h"
+#include "covis/optimization/random_sim3.h"
 
 namespace covis {
 namespace {
 
 const Pinhole kCamera1{500, 510, 320, 240, 0}, kCamera2{450, 440, 310, 250, 0};
-
-Sim3 random_sim3(Random& random, double distance, double angle, double log_scale) {
-  Vector7d xi;
-  for (int k = 0; k < 3; ++k) {
-    xi(k) = random.uniform(-distance, distance);
-    xi(k + 3) = random.uniform(-angle, angle);
-  }
-  xi(6) = random.uniform(-log_scale, log_scale);
-  return Sim3::exp(xi);
-}
 
 struct Case {
   Sim3 truth;  // S_12

@@ -20,7 +20,7 @@ constexpr double kPassage = 1.9;               // width of the passages
 struct Plan {
   double length, width, height;    // of a room, which reaches from x = 0 and y = 0
   double passage, passage_height;  // from one room to the next
-  double stub;                     // length of the passages at the ends
+  double end_passage;              // length of the passages at the ends
   double side;                     // +1 or -1: the side of y that the table stands on
   double spacing() const { return length + passage; }
 };
@@ -156,15 +156,15 @@ World make_twins(uint64_t seed) {
                   .height = random.uniform(2.5, 2.8),
                   .passage = random.uniform(3.6, 5.2),
                   .passage_height = random.uniform(2.3, 2.45),
-                  .stub = random.uniform(2.0, 2.6),
+                  .end_passage = random.uniform(2.0, 2.6),
                   .side = random.below(2) ? 1.0 : -1.0};
   const Piece room = make_twin(scene, plan);
   scene.put(room, {});
   scene.put(room, {{plan.spacing(), 0, 0}, 0});
   const double end = plan.spacing() + plan.length;
-  add_passage(scene, plan, -plan.stub, 0, false, true);
+  add_passage(scene, plan, -plan.end_passage, 0, false, true);
   add_passage(scene, plan, plan.length, plan.spacing(), true, true);
-  add_passage(scene, plan, end, end + plan.stub, true, false);
+  add_passage(scene, plan, end, end + plan.end_passage, true, false);
   CameraPath path = walk(plan, hash_seed(seed, 2));
   const int frames = static_cast<int>(30 * path.period());
   return {std::move(scene), std::move(path), 30, frames, 0.11};

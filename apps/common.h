@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the commands share: names of settings, errors, Ctrl-C.
+#pragma once
+
+#include <csignal>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "covis/core/error.h"
+#include "covis/features/frontend.h"
+#include "covis/geometry/camera.h"
+#include "covis/io/sequence.h"
+
+namespace covis::app {
+
+extern const std::map<std::string, Sensor> kSensors;
+extern const std::map<std::string, io::SequenceKind> kKinds;
+
+template <class Value>
+std::vector<std::string> keys(const std::map<std::string, Value>& map) {
+  std::vector<std::string> names;
+  for (const auto& entry : map) names.push_back(entry.first);
+  return names;
+}
+
+template <class Value>
+std::string name_of(const std::map<std::string, Value>& map, Value wanted) {
+  for (const auto& [name, value] : map) {
+    if (value == wanted) return name;
+  }
+  return {};
+}
+
+nlohmann::json camera_json(const Camera& camera);
+
+// Say what went wrong and return the exit code for it.
+int fail_with(const std::string& message);
+int fail_with(const Error& error);
+
+// The number of the signal (Ctrl-C or SIGTERM) that asked the command to end well; 0: none did.
+extern volatile std::sig_atomic_t interrupted;
+// From now on the first signal sets `interrupted`, and the second ends the process.
+void end_well_on_signals();
+
+}  // namespace covis::app
