@@ -4,13 +4,16 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <string>
+#include <vector>
 
 #include "commands.h"
+#include "covis/core/fields.h"
 #include "covis/core/log.h"
 #include "covis/version.h"
 
@@ -45,6 +48,15 @@ int main(int argc, char** argv) {
   add_map_command(app, exit_code);
   add_vocab_command(app, exit_code);
   add_localize_command(app, exit_code);
+  // CLI11 alone would not say which word it did not know.
+  std::vector<std::string> commands;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) commands.push_back(command->get_name());
+  if (const std::string word = argc > 1 ? argv[1] : "-";
+      !word.starts_with('-') && std::find(commands.begin(), commands.end(), word) == commands.end()) {
+    std::fprintf(stderr, "%s: no such command; did you mean covis %s?\nRun with --help for more information.\n",
+                 word.c_str(), covis::nearest_name(word, commands).c_str());
+    return 2;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

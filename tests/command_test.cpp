@@ -273,6 +273,7 @@ TEST_F(CommandUsage, WrongArgumentsAreNamedWithCode2) {
     std::vector<std::string> words;
     const char* message;
   } cases[] = {{{}, "subcommand is required"},
+               {{"rnu", "somewhere"}, "rnu: no such command; did you mean covis run?"},
                {{"run", "somewhere", "--sensor", "sonar"}, "sonar not in {mono,rgbd,stereo}"},
                {{"run", "somewhere", "--features", "1"}, "not in range 50 to 100000"},
                {{"run", "somewhere", "--stride", "0"}, "--stride"},
