@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <tl/expected.hpp>
 #include <utility>
@@ -91,6 +92,14 @@ class COVIS_API Slam {
   tl::expected<FrameResult, std::string> track_monocular(int64_t stamp, const GreyImage& image);
   tl::expected<FrameResult, std::string> track_stereo(int64_t stamp, const GreyImage& left, const GreyImage& right);
   tl::expected<FrameResult, std::string> track_rgbd(int64_t stamp, const GreyImage& image, const DepthImage& depth);
+
+  // The pose of one image in the present map, from nothing but the image; no pose when its place is not recognised. Leaves
+  // tracking as it is; waits until everything asked of mapping is done. Needs a vocabulary to find places far from the
+  // last one. Errors as above.
+  using Located = tl::expected<std::optional<Pose>, std::string>;
+  Located locate_monocular(const GreyImage& image);
+  Located locate_stereo(const GreyImage& left, const GreyImage& right);
+  Located locate_rgbd(const GreyImage& image, const DepthImage& depth);
 
   // Waits until everything asked of mapping is done.
   void finish();

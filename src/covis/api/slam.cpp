@@ -60,12 +60,31 @@ struct Slam::Impl {
            std::to_string(camera.height);
   }
 
-  tl::expected<FrameResult, std::string> track(Sensor called, System::Input input) {
+  // What a call with these images hands to the system. Null: the sensor has no such image.
+  tl::expected<System::Input, std::string> input(Sensor called, const GreyImage& image, const GreyImage* right,
+                                                 const DepthImage* depth) const {
     if (called != sensor) return Failure("this system was created for another sensor");
-    if (input.stamp <= last_stamp) return Failure("stamps must rise from frame to frame");
-    last_stamp = input.stamp;
-    input.frame = next_frame++;
-    const TrackResult track = system.process(input).track;
+    if (const auto problem = check_image(image, right ? "left" : "image")) return Failure(*problem);
+    System::Input input;
+    input.frame = next_frame;
+    input.image = view(image);
+    if (right) {
+      if (const auto problem = check_image(*right, "right")) return Failure(*problem);
+      input.right = view(*right);
+    }
+    if (depth) {
+      if (const auto problem = check_image(*depth, "depth")) return Failure(*problem);
+      input.depth = {depth->data, depth->width, depth->height, depth->stride};
+    }
+    return input;
+  }
+
+  tl::expected<FrameResult, std::string> track(int64_t stamp, tl::expected<System::Input, std::string> input) {
+    if (!input) return Failure(input.error());
+    if (stamp <= last_stamp) return Failure("stamps must rise from frame to frame");
+    input->stamp = last_stamp = stamp;
+    ++next_frame;
+    const TrackResult track = system.process(*input).track;
     FrameResult result;
     result.tracked = track.state == TrackState::tracking;
     result.state = name(track.state);
@@ -74,6 +93,13 @@ struct Slam::Impl {
     result.key_frame = track.key_frame;
     if (result.tracked) result.pose = to_pose(track.T_cw.inverse());
     return result;
+  }
+
+  Located locate(const tl::expected<System::Input, std::string>& input) {
+    if (!input) return Failure(input.error());
+    const auto T_wc = system.locate(*input);
+    if (!T_wc) return std::nullopt;
+    return to_pose(*T_wc);
   }
 
   Camera camera;
@@ -116,31 +142,29 @@ tl::expected<std::unique_ptr<Slam>, std::string> Slam::create(const CameraParame
 }
 
 tl::expected<FrameResult, std::string> Slam::track_monocular(int64_t stamp, const GreyImage& image) {
-  if (const auto problem = impl_->check_image(image, "image")) return Failure(*problem);
-  System::Input input;
-  input.stamp = stamp;
-  input.image = view(image);
-  return impl_->track(Sensor::monocular, input);
+  return impl_->track(stamp, impl_->input(Sensor::monocular, image, nullptr, nullptr));
 }
 
-tl::expected<FrameResult, std::string> Slam::track_stereo(int64_t stamp, const GreyImage& left, const GreyImage& right) {
-  if (const auto problem = impl_->check_image(left, "left")) return Failure(*problem);
-  if (const auto problem = impl_->check_image(right, "right")) return Failure(*problem);
-  System::Input input;
-  input.stamp = stamp;
-  input.image = view(left);
-  input.right = view(right);
-  return impl_->track(Sensor::stereo, input);
+tl::expected<FrameResult, std::string> Slam::track_stereo(int64_t stamp, const GreyImage& left,
+                                                          const GreyImage& right) {
+  return impl_->track(stamp, impl_->input(Sensor::stereo, left, &right, nullptr));
 }
 
-tl::expected<FrameResult, std::string> Slam::track_rgbd(int64_t stamp, const GreyImage& image, const DepthImage& depth) {
-  if (const auto problem = impl_->check_image(image, "image")) return Failure(*problem);
-  if (const auto problem = impl_->check_image(depth, "depth")) return Failure(*problem);
-  System::Input input;
-  input.stamp = stamp;
-  input.image = view(image);
-  input.depth = {depth.data, depth.width, depth.height, depth.stride};
-  return impl_->track(Sensor::rgbd, input);
+tl::expected<FrameResult, std::string> Slam::track_rgbd(int64_t stamp, const GreyImage& image,
+                                                        const DepthImage& depth) {
+  return impl_->track(stamp, impl_->input(Sensor::rgbd, image, nullptr, &depth));
+}
+
+Slam::Located Slam::locate_monocular(const GreyImage& image) {
+  return impl_->locate(impl_->input(Sensor::monocular, image, nullptr, nullptr));
+}
+
+Slam::Located Slam::locate_stereo(const GreyImage& left, const GreyImage& right) {
+  return impl_->locate(impl_->input(Sensor::stereo, left, &right, nullptr));
+}
+
+Slam::Located Slam::locate_rgbd(const GreyImage& image, const DepthImage& depth) {
+  return impl_->locate(impl_->input(Sensor::rgbd, image, nullptr, &depth));
 }
 
 void Slam::finish() { impl_->system.finish(); }

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// Matching by words (the vocabulary's direct index) beside what Covis does: every descriptor against every other
+// (reference key frame, relocalisation, loops) and epipolar search (new points). Pairs of rendered views with exact
+// depth, some apart; a match is right when it lies within 3 pixels x scale of where the truth puts the point.
+//   matching_bench             counters, means over the pairs: right matches, the share of right ones among the matches
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "covis/features/frontend.h"
+#include "covis/matching/descriptor_match.h"
+#include "covis/matching/epipolar_match.h"
+#include "covis/synth/synth.h"
+#include "covis/vocabulary/vocabulary.h"
+
+namespace covis {
+namespace {
+
+struct Pair {
+  FeaturesPtr a, b;
+  Words words_a, words_b;
+  SE3 T_ba;
+};
+
+const Vocabulary& vocabulary() {
+  static const auto loaded = Vocabulary::load(COVIS_SOURCE_DIR "/vocabulary/default.covis-voc").value();
+  return *loaded;
+}
+
+// Pairs of views `apart` seconds from each other, of worlds of another seed than the vocabulary was trained with.
+const std::vector<Pair>& pairs(double apart) {
+  static std::map<double, std::vector<Pair>> made;
+  std::vector<Pair>& all = made[apart];
+  if (!all.empty()) return all;
+  for (const std::string world : {"room", "desk", "corridor", "street"}) {
+    SynthOptions options;
+    options.world = world;
+    options.sensor = "rgbd";
+    options.seed = 301;
+    options.noise = 4;
+    options.exposure = 0.3;
+    Synth synth = std::move(Synth::create(options).value());
+    Frontend frontend(synth.camera(), {}, Sensor::rgbd);
+    const auto view = [&](int i) {
+      ImageU8 image;
+      ImageF depth;
+      synth.render(i, image, nullptr, &depth);
+      return frontend.rgbd(image.view(), depth.view());
+    };
+    for (int i = 5; i < 250; i += 40) {
+      const int j = i + static_cast<int>(std::lround(apart / to_seconds(synth.stamp(1) - synth.stamp(0))));
+      Pair& pair = all.emplace_back();
+      pair.a = view(i);
+      pair.b = view(j);
+      pair.words_a = vocabulary().transform(pair.a->descriptor);
+      pair.words_b = vocabulary().transform(pair.b->descriptor);
+      pair.T_ba = synth.T_wc(j).inverse() * synth.T_wc(i);
+    }
+  }
+  return all;
+}
+
+bool is_right(const Pair& pair, const FeatureMatch& match) {
+  const Features &a = *pair.a, &b = *pair.b;
+  const auto i = static_cast<size_t>(match.a), j = static_cast<size_t>(match.b);
+  const Eigen::Vector3d p = pair.T_ba * (static_cast<double>(a.depth[i]) * a.camera.unproject(a.x[i], a.y[i]));
+  if (p.z() <= 0) return false;
+  const Eigen::Vector2d at = b.camera.project(p);
+  return std::hypot(at.x() - b.x[j], at.y() - b.y[j]) < 3 * b.pyramid->scale[b.level[j]];
+}
+
+// Nearest both ways among the features under the same node, by the same gates as match_descriptors.
+std::vector<FeatureMatch> match_by_words(const Pair& pair, const std::vector<uint8_t>& use,
+                                         const DescriptorMatchOptions& options) {
+  const Words &wa = pair.words_a, &wb = pair.words_b;
+  std::vector<FeatureMatch> matches;
+  for (size_t ka = 0, kb = 0; ka < wa.node.size() && kb < wb.node.size();) {
+    if (wa.node[ka] != wb.node[kb]) {
+      ++(wa.node[ka] < wb.node[kb] ? ka : kb);
+      continue;
+    }
+    std::vector<int> owner(wb.offset[kb + 1] - wb.offset[kb], -1), least(owner.size(), 257);
+    const size_t first = matches.size();
+    for (uint32_t m = wa.offset[ka]; m < wa.offset[ka + 1]; ++m) {
+      const uint32_t i = wa.feature[m];
+      if (!use[i]) continue;
+      int best = 257, second = 257;
+      uint32_t best_at = 0;
+      for (uint32_t n = 0; n < owner.size(); ++n) {
+        const int d = hamming(pair.a->descriptor[i], pair.b->descriptor[wb.feature[wb.offset[kb] + n]]);
+        if (d < least[n]) {
+          least[n] = d;
+          owner[n] = static_cast<int>(i);
+        }
+        if (d < best) {
+          second = best;
+          best = d;
+          best_at = n;
+        } else if (d < second) {
+          second = d;
+        }
+      }
+      if (best <= options.max_distance && static_cast<float>(best) < options.ratio * static_cast<float>(second))
+        matches.push_back({static_cast<int32_t>(i), static_cast<int32_t>(best_at)});
+    }
+    size_t kept = first;
+    for (size_t m = first; m < matches.size(); ++m) {
+      const auto at = static_cast<size_t>(matches[m].b);
+      if (owner[at] != matches[m].a) continue;
+      matches[kept++] = {matches[m].a, static_cast<int32_t>(wb.feature[wb.offset[kb] + at])};
+    }
+    matches.resize(kept);
+    ++ka;
+    ++kb;
+  }
+  keep_consistent_rotations(*pair.a, *pair.b, matches);
+  return matches;
+}
+
+template <class Match>
+void measure(benchmark::State& state, Match&& match) {
+  const std::vector<Pair>& all = pairs(static_cast<double>(state.range(0)) / 10);
+  double right = 0, found = 0;
+  std::vector<std::vector<uint8_t>> use;
+  for (const Pair& pair : all) {
+    std::vector<uint8_t>& with_depth = use.emplace_back();
+    for (int i = 0; i < pair.a->size(); ++i) with_depth.push_back(pair.a->has_depth(i));
+    for (const FeatureMatch& m : match(pair, with_depth)) {
+      ++found;
+      right += is_right(pair, m);
+    }
+  }
+  size_t next = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(match(all[next], use[next]));
+    next = (next + 1) % all.size();
+  }
+  state.counters["right"] = right / static_cast<double>(all.size());
+  state.counters["share_right"] = right / found;
+}
+
+// For the reference key frame and relocalisation (0.75).
+constexpr DescriptorMatchOptions kGates{.max_distance = kHammingLow, .ratio = 0.75f};
+
+void every_descriptor(benchmark::State& state) {
+  measure(state, [](const Pair& pair, const std::vector<uint8_t>& use) {
+    return match_descriptors(*pair.a, use, *pair.b, {}, kGates);
+  });
+}
+
+void by_words(benchmark::State& state) {
+  measure(state, [](const Pair& pair, const std::vector<uint8_t>& use) { return match_by_words(pair, use, kGates); });
+}
+
+// For new points: the pose is known.
+void epipolar(benchmark::State& state) {
+  measure(state, [](const Pair& pair, const std::vector<uint8_t>& use) {
+    return match_epipolar(*pair.a, use, *pair.b, {}, pair.T_ba, {});
+  });
+}
+
+// What the direct index would cost for a frame that is no key frame: these need no words otherwise.
+void making_words(benchmark::State& state) {
+  const std::vector<Pair>& all = pairs(0.5);
+  size_t next = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(vocabulary().transform(all[next].b->descriptor));
+    next = (next + 1) % all.size();
+  }
+}
+
+BENCHMARK(every_descriptor)->ArgName("apart_ds")->Arg(5)->Arg(10)->Arg(20)->Unit(benchmark::kMicrosecond);
+BENCHMARK(by_words)->ArgName("apart_ds")->Arg(5)->Arg(10)->Arg(20)->Unit(benchmark::kMicrosecond);
+BENCHMARK(epipolar)->ArgName("apart_ds")->Arg(5)->Arg(10)->Arg(20)->Unit(benchmark::kMicrosecond);
+BENCHMARK(making_words)->Unit(benchmark::kMicrosecond);
+
+}  // namespace
+}  // namespace covis
