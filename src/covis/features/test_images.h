@@ -3,14 +3,13 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
 #include "covis/core/image.h"
 #include "covis/core/random.h"
-#include "covis/features/simd.h"
+#include "covis/features/test_targets.h"
 
 namespace covis {
 
@@ -32,21 +31,6 @@ inline ImageU8 to_image(const cv::Mat& mat) {
   ImageU8 image(mat.cols, mat.rows);
   for (int y = 0; y < mat.rows; ++y) std::copy(mat.ptr(y), mat.ptr(y) + mat.cols, image.row(y));
   return image;
-}
-
-// Runs `check` with every instruction set this machine and this build have.
-template <class Check>
-void for_each_target(Check&& check) {
-  const int64_t all = hwy::SupportedTargets() & HWY_TARGETS;
-  for (int64_t rest = all; rest != 0; rest &= rest - 1) {
-    const int64_t target = rest & -rest;
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    check();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
 // What `make` returns by the scalar twins; every target must return the same.

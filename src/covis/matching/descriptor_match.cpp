@@ -1,44 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/matching/descriptor_match.h"
 
-#include "covis/features/hamming.h"
-#include "covis/matching/descriptor_subset.h"
+#include "covis/matching/nearest_row.h"
 #include "covis/matching/window_match.h"
 
 namespace covis {
 
 std::vector<FeatureMatch> match_descriptors(const Features& a, std::span<const uint8_t> use_a, const Features& b,
                                             std::span<const uint8_t> use_b, const DescriptorMatchOptions& options) {
-  const DescriptorSubset to(b, use_b);
-  const size_t n = to.size();
-  std::vector<uint16_t> row(n);
-  std::vector<uint16_t> column_best(n, 257);  // for each feature of b the least distance to any of a, …
-  std::vector<int32_t> column_owner(n, -1);   // … and whose it is (the first on a tie)
-  std::vector<FeatureMatch> candidates;       // b: position in `to` for now
+  const DescriptorPlanes to(b, use_b);
+  AlignedVector<uint64_t> column(to.padded_size(), kFarthest);  // for each feature of b the nearest of a
+  std::vector<FeatureMatch> candidates;                         // b: position in `to` for now
   for (int32_t i = 0; i < a.size(); ++i) {
-    if (!use_a.empty() && !use_a[static_cast<size_t>(i)]) continue;
-    hamming_row(a.descriptor[static_cast<size_t>(i)], to.descriptors(), static_cast<int>(n), row.data());
-    int best = 257, second = 257;
-    size_t best_j = 0;
-    for (size_t j = 0; j < n; ++j) {
-      const int d = row[j];
-      if (d < column_best[j]) {
-        column_best[j] = static_cast<uint16_t>(d);
-        column_owner[j] = i;
-      }
-      if (d < best) {
-        second = best;
-        best = d;
-        best_j = j;
-      } else if (d < second) {
-        second = d;
-      }
-    }
-    if (best <= options.max_distance && static_cast<float>(best) < options.ratio * static_cast<float>(second)) {
-      candidates.push_back({i, static_cast<int32_t>(best_j)});
-    }
+    const auto at = static_cast<size_t>(i);
+    if (!use_a.empty() && !use_a[at]) continue;
+    const NearestTwo nearest = nearest_row(a.descriptor[at], static_cast<uint32_t>(i), to, column.data());
+    const int best = near_distance(nearest.best), second = near_distance(nearest.second);
+    if (best <= options.max_distance && static_cast<float>(best) < options.ratio * static_cast<float>(second))
+      candidates.push_back({i, static_cast<int32_t>(near_index(nearest.best))});
   }
-  std::erase_if(candidates, [&](const FeatureMatch& m) { return column_owner[static_cast<size_t>(m.b)] != m.a; });
+  std::erase_if(candidates, [&](const FeatureMatch& m) {
+    return near_index(column[static_cast<size_t>(m.b)]) != static_cast<uint32_t>(m.a);
+  });
   for (FeatureMatch& m : candidates) m.b = to.feature(static_cast<size_t>(m.b));
   if (options.check_rotation) keep_consistent_rotations(a, b, candidates);
   return candidates;
