@@ -98,7 +98,7 @@ class Tracker {
 
   // Searches set the matches of the current frame and return how many there are, or how many points were in view.
   int search_last_frame(double window);
-  int match_key_frame(const KeyFrameView& view, double ratio);
+  int match_key_frame(const KeyFrameView& view, double ratio, int max_distance);
   int search_local_map(double window_factor);
   void set_match(size_t feature, MapPointId point, const Eigen::Vector3d& position_w, uint8_t known);
   // Optimises the current frame's pose over its matches and drops those that disagree; returns how many map points are
