@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "covis/core/time.h"
+#include "covis/features/depth_lookup.h"
 #include "covis/features/extractor.h"
 #include "covis/features/stereo_matcher.h"
 
@@ -123,8 +124,8 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
     }
     float depth = 0;
     if (!depth_image.empty()) {
-      depth = depth_image(static_cast<int>(std::lround(k.x[i])), static_cast<int>(std::lround(k.y[i])));
-      if (!(depth > 0) || !std::isfinite(depth)) depth = 0;
+      depth = depth_at(depth_image, static_cast<int>(std::lround(k.x[i])), static_cast<int>(std::lround(k.y[i])),
+                       f->pyramid->scale[k.level[i]]);
     }
     f->x.push_back(at.x());
     f->y.push_back(at.y());
