@@ -6,7 +6,8 @@
 
 namespace covis {
 
-FocalEstimate estimate_focal(const BundleProblem& problem, BundleAdjuster& adjuster, const std::atomic<bool>* interrupt) {
+FocalEstimate estimate_focal(const BundleProblem& problem, BundleAdjuster& adjuster,
+                             const std::atomic<bool>* interrupt) {
   constexpr double kStep = 0.01;  // of the factor, between the three
   constexpr double kLeastCost = 1e-9;
   FocalEstimate estimate;

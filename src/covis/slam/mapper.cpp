@@ -155,10 +155,9 @@ int Mapper::cull_key_frames(KeyFrameId current) {
 // The result of a full bundle adjustment is taken over a fixed number of key frames later, so that it does not depend on
 // how fast the machine is; in real time as soon as it is there.
 void Mapper::take_over_adjustment(MappingReport& report) {
-  constexpr int kFocalAge = 2;  // key frames
   if (!global_.running()) return;
   ++global_age_;
-  const int age = global_.refines_focal() ? kFocalAge : options_.loop.ba_key_frames;
+  const int age = global_.refines_focal() ? focal_age_ : options_.loop.ba_key_frames;
   if (options_.realtime ? !global_.ready() : global_age_ < age) return;
   const double ms = global_.commit(map_);
   if (!global_.refines_focal()) report.loop.full_ba_ms = ms;
@@ -169,13 +168,15 @@ void Mapper::take_over_adjustment(MappingReport& report) {
 // A monocular map of a camera that turns and moves tells its focal length; a wrong one makes the scale drift at every
 // turn. It is asked for again as the map grows, until the map is large.
 void Mapper::adjust_focal() {
-  constexpr uint32_t kEvery = 5;             // key frames
-  constexpr size_t kLargest = 150;           // key frames of a map
+  constexpr uint32_t kLeastStep = 5, kStepShare = 4;  // key frames from one time to the next: a share of those made
+  constexpr int kLeastAge = 2, kAgeShare = 25;        // key frames it is given: more in a larger map
+  constexpr size_t kLargest = 100;                    // key frames of a map
   if (!monocular() || !options_.mapper.refine_focal || global_.running()) return;
   {
     const auto map = map_.read();
     if (map->next_serial() < next_focal_ || map->key_frame_count() > kLargest) return;
-    next_focal_ = map->next_serial() + kEvery;
+    next_focal_ = map->next_serial() + std::max(kLeastStep, map->next_serial() / kStepShare);
+    focal_age_ = kLeastAge + static_cast<int>(map->key_frame_count()) / kAgeShare;
     if (given_fx_ <= 0) given_fx_ = map->at(map->root()).features->camera.fx;
   }
   global_.start_focal(map_, given_fx_);
@@ -196,7 +197,7 @@ void Mapper::finish() {
 
 void Mapper::reset() {
   global_.abandon();
-  next_focal_ = 20;
+  next_focal_ = kFirstFocal;
   closer_.reset();
   recent_.clear();
   map_.write()->clear();

@@ -72,7 +72,9 @@ class Mapper {
   int global_age_ = 0;  // key frames since the full bundle adjustment began
   double given_fx_ = 0;  // the focal length the camera came with, pixels
   std::optional<Pinhole> refined_;  // the camera the map has instead
-  uint32_t next_focal_ = 20;  // serial of the key frame at which the focal length is asked for next
+  static constexpr uint32_t kFirstFocal = 20;
+  int focal_age_ = 0;  // key frames after which what comes of it is taken over
+  uint32_t next_focal_ = kFirstFocal;  // serial of the key frame at which the focal length is asked for next
   BundleAdjuster adjuster_;
   PointFuser fuser_;
 };
