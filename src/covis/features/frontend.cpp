@@ -86,7 +86,7 @@ Fields fields(OrbOptions& o) {
 }
 
 struct Frontend::Impl {
-  Impl(const Camera& c, const OrbOptions& options, Sensor sensor) : camera(c), bounds(find_bounds(c)), left(options) {
+  Impl(const Camera& c, const OrbOptions& options, Sensor sensor) : camera(c), pinhole(c.pinhole), bounds(find_bounds(c)), left(options) {
     if (sensor == Sensor::stereo) {
       right.emplace(options);
       worker.emplace(*right);
@@ -96,6 +96,7 @@ struct Frontend::Impl {
   std::shared_ptr<Features> finish(ImageView<const float> depth_image);
 
   const Camera camera;
+  Pinhole pinhole;  // of the undistorted key points: the camera's, or refined
   const ImageBounds bounds;
   OrbExtractor left;
   std::optional<OrbExtractor> right;
@@ -108,7 +109,7 @@ struct Frontend::Impl {
 std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_image) {
   const KeyPoints& k = left.key_points();
   auto f = std::make_shared<Features>();
-  f->camera = camera.pinhole;
+  f->camera = pinhole;
   f->pyramid = left.pyramid();
   const size_t n = k.size();
   for (auto* array : {&f->x, &f->y, &f->raw_x, &f->raw_y, &f->angle, &f->u_right, &f->depth}) array->reserve(n);
@@ -151,6 +152,10 @@ void Frontend::set_feature_budget(int features) {
   impl_->left.set_budget(features);
   if (impl_->right) impl_->right->set_budget(features);
 }
+
+void Frontend::set_pinhole(const Pinhole& pinhole) { impl_->pinhole = pinhole; }
+
+const Pinhole& Frontend::pinhole() const { return impl_->pinhole; }
 
 FeaturesPtr Frontend::monocular(ImageView<const uint8_t> image) {
   const Stopwatch watch;

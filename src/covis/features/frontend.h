@@ -43,6 +43,10 @@ class Frontend {
   // Greatest number of key points wanted (the monocular initialiser asks for more than tracking does).
   void set_feature_budget(int features);
 
+  // Intrinsics that Features get from now on: those given were refined. Their pixels stay as they are.
+  void set_pinhole(const Pinhole& pinhole);
+  const Pinhole& pinhole() const;
+
   // Images must have the camera's size (asserted; readers check it before).
   FeaturesPtr monocular(ImageView<const uint8_t> image);
   // A rectified pair; both images are extracted side by side in two threads.

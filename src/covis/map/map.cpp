@@ -142,6 +142,15 @@ bool Map::correct_pose(KeyFrameId id, const SE3& T_cw, double growth) {
   return true;
 }
 
+void Map::set_camera(const Pinhole& camera) {
+  for (const KeyFrameId& id : key_frames()) {
+    KeyFrame& key_frame = key_frames_.at(id);
+    auto refined = std::make_shared<Features>(*key_frame.features);  // others may hold the old ones
+    refined->camera = camera;
+    key_frame.features = std::move(refined);
+  }
+}
+
 void Map::protect(KeyFrameId id) { ++key_frames_.at(id).protections; }
 
 void Map::unprotect(KeyFrameId id) {

@@ -92,6 +92,8 @@ class Map {
   void set_words(KeyFrameId id, std::shared_ptr<const Words> words);
   // The correction of a loop: the pose, and the factor by which lengths near this key frame grew.
   bool correct_pose(KeyFrameId id, const SE3& T_cw, double growth);
+  // Gives every key frame these intrinsics: those it was made with were refined.
+  void set_camera(const Pinhole& camera);
   void protect(KeyFrameId id);
   void unprotect(KeyFrameId id);
   void add_loop_edge(KeyFrameId a, KeyFrameId b);

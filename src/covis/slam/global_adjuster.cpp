@@ -2,15 +2,31 @@
 #include "covis/slam/global_adjuster.h"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 #include <vector>
 
 #include "covis/core/log.h"
 #include "covis/core/time.h"
+#include "covis/optimization/focal_estimation.h"
 
 namespace covis {
 
 void GlobalAdjuster::start(const SharedMap& shared, int iterations) {
   abandon();
+  given_fx_ = 0;
+  begin(shared, iterations);
+}
+
+void GlobalAdjuster::start_focal(const SharedMap& shared, double given_fx) {
+  constexpr int kIterations = 20;
+  abandon();
+  given_fx_ = given_fx;
+  begin(shared, kIterations);
+}
+
+void GlobalAdjuster::begin(const SharedMap& shared, int iterations) {
+  camera_.reset();
   problem_ = {};
   {
     const auto map = shared.read();
@@ -19,14 +35,32 @@ void GlobalAdjuster::start(const SharedMap& shared, int iterations) {
     problem_.gather(*map, frames, frames.size());
   }
   interrupt_ = done_ = false;
-  thread_ = std::thread([this, iterations] {
-    const Stopwatch watch;
-    BundleAdjuster adjuster;
-    summary_ = adjuster.solve(problem_.problem, {.iterations = iterations, .interrupt = &interrupt_});
-    classify_observations(problem_.problem);
-    ms_ = watch.ms();
-    done_ = true;
-  });
+  thread_ = std::thread([this, iterations] { adjust(iterations); });
+}
+
+void GlobalAdjuster::adjust(int iterations) {
+  const Stopwatch watch;
+  BundleAdjuster adjuster;
+  summary_ = adjuster.solve(problem_.problem, {.iterations = iterations, .interrupt = &interrupt_});
+  classify_observations(problem_.problem);
+  if (given_fx_ > 0 && summary_.ok && refine_focal(adjuster)) camera_ = problem_.problem.camera;
+  ms_ = watch.ms();
+  done_ = true;
+}
+
+// Moves the problem to its best focal length when that is known well, and surely another one.
+bool GlobalAdjuster::refine_focal(BundleAdjuster& adjuster) {
+  constexpr double kMaxSigma = 0.005, kSignificant = 4, kMaxChange = 0.05;
+  BundleProblem& problem = problem_.problem;
+  const FocalEstimate estimate = estimate_focal(problem, adjuster, &interrupt_);
+  if (!estimate.ok || estimate.sigma > kMaxSigma) return false;
+  if (std::abs(estimate.factor - 1) < kSignificant * estimate.sigma) return false;
+  const Pinhole refined = with_focal(problem.camera, estimate.factor);
+  if (std::abs(refined.fx / given_fx_ - 1) > kMaxChange) return false;
+  problem.camera = refined;
+  summary_ = adjuster.solve(problem, {.iterations = 20, .interrupt = &interrupt_});
+  classify_observations(problem);
+  return summary_.ok && !summary_.interrupted;
 }
 
 void GlobalAdjuster::abandon() {
@@ -37,7 +71,14 @@ void GlobalAdjuster::abandon() {
 
 double GlobalAdjuster::commit(SharedMap& map) {
   thread_.join();
-  if (summary_.ok) {
+  if (given_fx_ > 0) {
+    if (camera_) {
+      const auto locked = map.write();
+      locked->set_camera(*camera_);
+      take_over(*locked);
+      log(LogLevel::info, "focal length refined: " + std::to_string(camera_->fx) + " pixels instead of " + std::to_string(given_fx_));
+    }
+  } else if (summary_.ok) {
     take_over(*map.write());
   } else {
     log(LogLevel::warning, "the full bundle adjustment after a loop failed; the map stays as it was");

@@ -39,7 +39,9 @@ MappingReport Mapper::process(const KeyFrameRequest& request, const std::atomic<
     report.key_frames_culled = cull_key_frames(report.key_frame);
     report.cull_key_frames_ms = lap(watch);
   }
+  take_over_adjustment(report);
   close_loop(report.key_frame, report);
+  adjust_focal();
   report.loop_ms = lap(watch);
   report.total_ms = total.ms();
   return report;
@@ -61,7 +63,13 @@ KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
     map->count_visible(point, count.visible);
     map->count_found(point, count.found);
   }
-  const KeyFrameId id = map->add_key_frame(request.frame, request.stamp, T_cw, request.features);
+  FeaturesPtr features = request.features;
+  if (refined_ && features->camera.fx != refined_->fx) {  // made before tracking knew
+    auto renewed = std::make_shared<Features>(*features);
+    renewed->camera = *refined_;
+    features = std::move(renewed);
+  }
+  const KeyFrameId id = map->add_key_frame(request.frame, request.stamp, T_cw, std::move(features));
   if (!id.valid()) return id;
   for (uint32_t feature = 0; feature < request.points.size(); ++feature) {
     const MapPointId point = map->forwarded(request.points[feature]);
@@ -146,13 +154,37 @@ int Mapper::cull_key_frames(KeyFrameId current) {
 
 // The result of a full bundle adjustment is taken over a fixed number of key frames later, so that it does not depend on
 // how fast the machine is; in real time as soon as it is there.
+void Mapper::take_over_adjustment(MappingReport& report) {
+  if (!global_.running()) return;
+  ++global_age_;
+  const int age = global_.refines_focal() ? focal_age_ : options_.loop.ba_key_frames;
+  if (options_.realtime ? !global_.ready() : global_age_ < age) return;
+  const double ms = global_.commit(map_);
+  if (!global_.refines_focal()) report.loop.full_ba_ms = ms;
+  report.camera = global_.refined_camera();
+  if (report.camera) refined_ = report.camera;
+}
+
+// A monocular map of a camera that turns and moves tells its focal length; a wrong one makes the scale drift at every
+// turn. It is asked for again as the map grows, until the map is large.
+void Mapper::adjust_focal() {
+  constexpr uint32_t kLeastStep = 5, kStepShare = 4;  // key frames from one time to the next: a share of those made
+  constexpr int kLeastAge = 2, kAgeShare = 25;        // key frames it is given: more in a larger map
+  constexpr size_t kLargest = 100;                    // key frames of a map
+  if (!monocular() || !options_.mapper.refine_focal || global_.running()) return;
+  {
+    const auto map = map_.read();
+    if (map->next_serial() < next_focal_ || map->key_frame_count() > kLargest) return;
+    next_focal_ = map->next_serial() + std::max(kLeastStep, map->next_serial() / kStepShare);
+    focal_age_ = kLeastAge + static_cast<int>(map->key_frame_count()) / kAgeShare;
+    if (given_fx_ <= 0) given_fx_ = map->at(map->root()).features->camera.fx;
+  }
+  global_.start_focal(map_, given_fx_);
+  global_age_ = 0;
+}
+
 void Mapper::close_loop(KeyFrameId current, MappingReport& report) {
   if (!vocabulary_ || !options_.loop.close) return;
-  if (global_.running()) {
-    ++global_age_;
-    if (options_.realtime ? global_.ready() : global_age_ >= options_.loop.ba_key_frames)
-      report.loop.full_ba_ms = global_.commit(map_);
-  }
   if (!closer_.process(current, report.loop)) return;
   global_.abandon();
   if (options_.loop.ba_iterations > 0) global_.start(map_, options_.loop.ba_iterations);
@@ -165,6 +197,7 @@ void Mapper::finish() {
 
 void Mapper::reset() {
   global_.abandon();
+  next_focal_ = kFirstFocal;
   closer_.reset();
   recent_.clear();
   map_.write()->clear();

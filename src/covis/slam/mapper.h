@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -54,6 +55,8 @@ class Mapper {
   void local_bundle_adjustment(KeyFrameId current, const std::atomic<bool>* interrupt, MappingReport& report);
   int cull_key_frames(KeyFrameId current);
   void close_loop(KeyFrameId current, MappingReport& report);
+  void take_over_adjustment(MappingReport& report);
+  void adjust_focal();
 
   bool monocular() const { return options_.sensor == Sensor::monocular; }
   double close_depth(const Features& features) const {
@@ -67,6 +70,11 @@ class Mapper {
   LoopCloser closer_;
   GlobalAdjuster global_;
   int global_age_ = 0;  // key frames since the full bundle adjustment began
+  double given_fx_ = 0;  // the focal length the camera came with, pixels
+  std::optional<Pinhole> refined_;  // the camera the map has instead
+  static constexpr uint32_t kFirstFocal = 20;
+  int focal_age_ = 0;  // key frames after which what comes of it is taken over
+  uint32_t next_focal_ = kFirstFocal;  // serial of the key frame at which the focal length is asked for next
   BundleAdjuster adjuster_;
   PointFuser fuser_;
 };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "covis/map/map.h"
@@ -67,6 +68,7 @@ struct MappingReport {
   double loop_ms = 0;
   double total_ms = 0;
   LoopReport loop;
+  std::optional<Pinhole> camera;  // intrinsics refined: those of the map from now on
 };
 
 }  // namespace covis

@@ -2,6 +2,7 @@
 #include "covis/slam/system.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "covis/core/time.h"
 
@@ -37,7 +38,20 @@ void System::set_map(Map map) {
     }
   }
   *map_.write() = std::move(map);
+  use_refined_camera();
   tracker_.start_lost();
+}
+
+// The map's camera may be the given one with its focal length refined.
+void System::use_refined_camera() {
+  constexpr double kMaxChange = 0.05;
+  if (options_.sensor != Sensor::monocular) return;
+  const auto map = map_.read();
+  if (!map->find(map->root())) return;
+  const Pinhole& of_map = map->at(map->root()).features->camera;
+  const Pinhole& present = frontend_.pinhole();
+  const bool same = of_map.cx == present.cx && of_map.cy == present.cy;
+  if (same && std::abs(of_map.fx / present.fx - 1) < 2 * kMaxChange) frontend_.set_pinhole(of_map);
 }
 
 std::optional<SE3> System::locate(const Input& input) {
@@ -121,6 +135,7 @@ void System::collect(FrameReport& report, bool wait) {
 }
 
 void System::take(const MappingReport& report) {
+  if (report.camera) frontend_.set_pinhole(*report.camera);
   tracker_.key_frame_made(report, report.frame);
   if (!report.key_frame.valid()) return;
   // The frames that became key frames hang on themselves from now on.
@@ -149,6 +164,7 @@ std::vector<MappingReport> System::finish() {
   collect(report, true);
   if (tracker_.state() != TrackState::not_initialised) {
     mapping_.mapper().finish();
+    use_refined_camera();
     tracker_.map_moved();
   }
   return std::move(report.mapping);

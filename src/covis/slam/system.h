@@ -91,6 +91,7 @@ class System {
   FeaturesPtr extract(const Input& input);
   void collect(FrameReport& report, bool wait);
   void take(const MappingReport& report);
+  void use_refined_camera();
 
   const SystemOptions options_;
   const std::shared_ptr<const Vocabulary> vocabulary_;

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// How much longer or shorter the focal length should be than a bundle problem's camera says: the adjusted cost as a
+// function of the focal length is nearly a parabola, whose top three adjustments show and whose width tells how sure it
+// is. Source: Triggs, McLauchlan, Hartley, Fitzgibbon, "Bundle Adjustment: A Modern Synthesis", 2000 (reduced cost of a
+// subset of the parameters, section 6.1; covariance from it, section 9.3.3).
+#pragma once
+
+#include "covis/optimization/bundle_adjustment.h"
+
+namespace covis {
+
+struct FocalEstimate {
+  bool ok = false;    // false: interrupted, or the cost has no minimum near here (motion that tells nothing of it)
+  double factor = 1;  // of fx and fy, the best
+  double sigma = 0;   // standard deviation of the factor, the noise taken from the cost itself
+};
+
+// `problem` must have been adjusted and its outliers classified: all is done on copies of it, without robust weights.
+FocalEstimate estimate_focal(const BundleProblem& problem, BundleAdjuster& adjuster,
+                             const std::atomic<bool>* interrupt = nullptr);
+
+// The camera with its focal lengths times `factor`; what depends on the base line stays.
+Pinhole with_focal(const Pinhole& camera, double factor);
+
+}  // namespace covis
