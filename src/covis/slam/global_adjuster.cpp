@@ -50,11 +50,11 @@ void GlobalAdjuster::adjust(int iterations) {
 
 // Moves the problem to its best focal length when that is known well, and surely another one.
 bool GlobalAdjuster::refine_focal(BundleAdjuster& adjuster) {
-  constexpr double kMaxSigma = 0.005, kSignificant = 4, kMaxChange = 0.05;
+  constexpr double kMaxSigma = 0.005, kSignificant = 4, kMinChange = 0.006, kMaxChange = 0.05;
   BundleProblem& problem = problem_.problem;
   const FocalEstimate estimate = estimate_focal(problem, adjuster, &interrupt_);
   if (!estimate.ok || estimate.sigma > kMaxSigma) return false;
-  if (std::abs(estimate.factor - 1) < kSignificant * estimate.sigma) return false;
+  if (std::abs(estimate.factor - 1) < std::max(kMinChange, kSignificant * estimate.sigma)) return false;
   const Pinhole refined = with_focal(problem.camera, estimate.factor);
   if (std::abs(refined.fx / given_fx_ - 1) > kMaxChange) return false;
   problem.camera = refined;
