@@ -21,6 +21,19 @@ int ScalePyramid::predict_level(float d_max, float distance) const {
   return level;
 }
 
+void Features::start(size_t room) {
+  for (auto* array : {&x, &y, &raw_x, &raw_y, &angle, &u_right, &depth}) {
+    array->clear();
+    array->reserve(room);
+  }
+  level.clear();
+  level.reserve(room);
+  descriptor.clear();
+  descriptor.reserve(room);
+  grid.indices.reserve(room);
+  grid.offsets.reserve(static_cast<size_t>(FeatureGrid::kColumns) * FeatureGrid::kRows + 1);
+}
+
 void FeatureGrid::build(const ImageBounds& image_bounds, const AlignedVector<float>& x, const AlignedVector<float>& y) {
   bounds = image_bounds;
   inv_cell_width = kColumns / (bounds.max_x - bounds.min_x);
@@ -34,8 +47,10 @@ void FeatureGrid::build(const ImageBounds& image_bounds, const AlignedVector<flo
   for (size_t i = 0; i < x.size(); ++i) ++offsets[cell_of(i) + 1];
   for (size_t c = 1; c < offsets.size(); ++c) offsets[c] += offsets[c - 1];
   indices.resize(x.size());
-  std::vector<uint32_t> next(offsets.begin(), offsets.end() - 1);
-  for (size_t i = 0; i < x.size(); ++i) indices[next[cell_of(i)]++] = static_cast<uint32_t>(i);
+  // A cell's offset walks from its first index to its end, where the next cell's begins.
+  for (size_t i = 0; i < x.size(); ++i) indices[offsets[cell_of(i)]++] = static_cast<uint32_t>(i);
+  std::copy_backward(offsets.begin(), offsets.end() - 1, offsets.end());
+  offsets[0] = 0;
 }
 
 }  // namespace covis

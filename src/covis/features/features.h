@@ -62,6 +62,9 @@ struct FeatureGrid {
 };
 
 struct Features {
+  // Empty, with room for so many key points.
+  void start(size_t room);
+
   AlignedVector<float> x, y;          // undistorted pixel, level-0 scale
   AlignedVector<float> raw_x, raw_y;  // pixel in the image as it came (equals x, y without distortion)
   AlignedVector<float> angle;         // radians in [0, 2 pi)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/features/frontend.h"
 
+#include <array>
 #include <cmath>
 #include <condition_variable>
 #include <mutex>
@@ -47,6 +48,27 @@ class RightWorker {
   std::condition_variable_any changed_;
   std::optional<ImageView<const uint8_t>> job_;
   std::jthread thread_;
+};
+
+// Features come from here and serve again when nobody holds them any more; the tracker holds those of two frames.
+class FeaturesRing {
+ public:
+  std::shared_ptr<Features> next() {
+    at_ = (at_ + 1) % ring_.size();
+    // Copying a shared pointer waits for what its last other owner did, in whatever thread.
+    std::shared_ptr<Features> copy = ring_[at_];
+    if (copy.use_count() == 2) return copy;
+    give_away_last();
+    return ring_[at_];
+  }
+  void give_away_last(size_t room = 0) {
+    ring_[at_] = std::make_shared<Features>();
+    ring_[at_]->start(room);
+  }
+
+ private:
+  std::array<std::shared_ptr<Features>, 3> ring_;
+  size_t at_ = 0;
 };
 
 // The box of the undistorted border.
@@ -100,19 +122,18 @@ struct Frontend::Impl {
   std::optional<OrbExtractor> right;
   std::optional<RightWorker> worker;
   StereoMatcher matcher;
+  FeaturesRing ring;
   Timing timing;
 };
 
 // Undistorted features of the left extractor's key points, without depth.
 std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_image) {
   const KeyPoints& k = left.key_points();
-  auto f = std::make_shared<Features>();
+  std::shared_ptr<Features> f = ring.next();
   f->camera = camera.pinhole;
   f->pyramid = left.pyramid();
   const size_t n = k.size();
-  for (auto* array : {&f->x, &f->y, &f->raw_x, &f->raw_y, &f->angle, &f->u_right, &f->depth}) array->reserve(n);
-  f->level.reserve(n);
-  f->descriptor.reserve(n);
+  f->start(std::max(n, left.most_key_points()));
   for (size_t i = 0; i < n; ++i) {
     Eigen::Vector2f at(k.x[i], k.y[i]);
     if (camera.distortion != Distortion::none) {
@@ -150,6 +171,8 @@ void Frontend::set_feature_budget(int features) {
   impl_->left.set_budget(features);
   if (impl_->right) impl_->right->set_budget(features);
 }
+
+void Frontend::give_away_last() { impl_->ring.give_away_last(impl_->left.most_key_points()); }
 
 FeaturesPtr Frontend::monocular(ImageView<const uint8_t> image) {
   const Stopwatch watch;
