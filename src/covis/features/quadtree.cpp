@@ -79,6 +79,9 @@ void Quadtree::distribute(const std::vector<Corner>& corners, int x0, int y0, in
   // The result must not depend on the order of input; the detector's is this one already.
   if (!std::is_sorted(sorted_.begin(), sorted_.end(), before)) std::sort(sorted_.begin(), sorted_.end(), before);
   make_roots(x0, y0, x1, y1);
+  for (auto* nodes : {&nodes_, &next_}) reserve_ahead(*nodes, static_cast<size_t>(budget));
+  reserve_ahead(keys_, static_cast<size_t>(budget));
+  reserve_ahead(best_, static_cast<size_t>(budget));
   while (static_cast<int>(nodes_.size()) < budget) {
     const auto open = static_cast<int>(std::count_if(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.open(); }));
     if (open == 0) break;

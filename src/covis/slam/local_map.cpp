@@ -27,6 +27,7 @@ void KeyFrameView::copy(const Map& map, KeyFrameId key_frame) {
   features = source.features;
   reserve_ahead(points, source.points.size());
   points = source.points;
+  reserve_ahead(positions, points.size());
   positions.resize(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
     if (points[i].valid()) positions[i] = map.at(points[i]).position_w;
@@ -44,6 +45,7 @@ LocalMap::LocalMap() {
   key_frame_seen_.reserve(kKeyFrameSlots);
   votes_.reserve(kKeyFrameSlots);
   voted_.reserve(kKeyFrameSlots);
+  key_frames.reserve(kKeyFrameSlots);
   neighbours_.reserve(kKeyFrameSlots);
 }
 

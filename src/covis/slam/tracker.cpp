@@ -36,10 +36,17 @@ int TrackedFrame::map_points() const { return static_cast<int>(std::count(known.
 
 Tracker::Tracker(const SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
     : map_(map), options_(options), vocabulary_(std::move(vocabulary)), initializer_(options) {
-  constexpr size_t kPointSlots = 1 << 17;  // room in advance, memory for which is used only when points come
+  // Room in advance, memory for which is used only when points come.
+  constexpr size_t kPointSlots = 1 << 17, kLocalPoints = 1 << 14, kFeatures = 1 << 12;
   counts_.reserve(kPointSlots);
   counted_.reserve(kPointSlots);
   matched_mark_.reserve(kPointSlots);
+  in_view_.reserve(kLocalPoints);
+  match_.reserve(kLocalPoints);
+  queries_.reserve(kLocalPoints);
+  query_source_.reserve(kLocalPoints);
+  observations_.reserve(kFeatures);
+  observed_feature_.reserve(kFeatures);
 }
 
 std::optional<SE3> Tracker::locate(FeaturesPtr features, int64_t frame) {
