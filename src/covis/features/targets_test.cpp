@@ -3,7 +3,9 @@
 // core, so that tools/test_neon can run it for another processor.
 #include <gtest/gtest.h>
 
-#include <cstring>
+#include <algorithm>
+#include <string>
+#include <vector>
 
 #include "covis/core/random.h"
 #include "covis/features/frontend.h"
@@ -80,6 +82,16 @@ TEST_F(Targets, FeaturesAndStereoAreThoseOfTheScalarTwins) {
       EXPECT_TRUE(made_of(*run()) == made_of(*expected)) << target << ", " << width << "x" << height;
     }
   }
+}
+
+TEST_F(Targets, AreThoseOfTheProcessor) {
+  const std::vector<std::string> names = simd_targets();
+  EXPECT_EQ(names.back(), "scalar");
+#if defined(__aarch64__)
+  EXPECT_NE(std::find(names.begin(), names.end(), "neon"), names.end());
+#elif defined(__x86_64__)
+  EXPECT_NE(std::find(names.begin(), names.end(), "ssse3"), names.end());
+#endif
 }
 
 TEST_F(Targets, HammingDistancesAreThoseOfTheScalarTwin) {
