@@ -326,7 +326,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->capture_default_str()
       ->check(CLI::IsMember(keys(kFormats)));
   command->add_option("--features", arguments->features, "key points an image (short for --set orb.features=N)")
-      ->check(CLI::Range(50, 100000));
+      ->check(CLI::Range(50, 30000));
   command->add_option("--simd", arguments->simd,
                       "instruction set of the image kernels: best, scalar or a name (an unknown one lists them); the "
                       "results are the same")

@@ -77,6 +77,8 @@ json to_json(const MappingReport& m) {
           {"loop_inliers", m.loop.inliers},
           {"loop_found_again", m.loop.found_again},
           {"loop_closed", m.loop.loop.valid()},
+          {"loop_query_ms", m.loop.query_ms},
+          {"loop_verify_ms", m.loop.verify_ms},
           {"loop_ms", m.loop_ms},
           {"total_ms", m.total_ms}};
 }

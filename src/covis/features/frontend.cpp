@@ -98,7 +98,7 @@ ImageBounds find_bounds(const Camera& camera) {
 }  // namespace
 
 Fields fields(OrbOptions& o) {
-  return {{"orb.features", &o.features, "key points wanted in an image", 50, 100000},
+  return {{"orb.features", &o.features, "key points wanted in an image", 50, 30000},
           {"orb.levels", &o.levels, "pyramid levels", 1, 16},
           {"orb.scale_factor", &o.scale_factor, "scale between levels", 1.05, 2},
           {"orb.fast_threshold", &o.fast_threshold, "FAST contrast, first try in a cell, grey levels", 1, 255},

@@ -10,7 +10,6 @@
 #include <thread>
 #include <vector>
 
-#include "covis/core/thread_priority.h"
 #include "covis/io/sequence.h"
 
 namespace covis::io {
@@ -52,7 +51,6 @@ class DecodeAhead {
   }
 
   void run(const std::stop_token& stop) {
-    lower_thread_priority();
     for (bool end = false; !end && !stop.stop_requested();) {
       Item item = decode_(free_memory());
       end = is_end(item);

@@ -40,7 +40,10 @@ void System::set_map(Map map) {
   finish();
   if (vocabulary_) {
     for (const KeyFrameId& id : map.key_frames()) {
-      map.set_words(id, std::make_shared<const Words>(vocabulary_->transform(map.at(id).features->descriptor)));
+      auto words = std::make_shared<Words>();
+      words->words = vocabulary_->transform(map.at(id).features->descriptor).words;
+      words->words.shrink_to_fit();
+      map.set_words(id, std::move(words));
     }
   }
   *map_.write() = std::move(map);
