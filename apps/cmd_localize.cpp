@@ -100,7 +100,7 @@ void add_localize_command(CLI::App& app, int& exit_code) {
   command->add_option("--sensor", arguments->sensor, "mono, stereo or rgbd")->check(CLI::IsMember(keys(kSensors)));
   command->add_option("--camera", arguments->camera, "camera YAML, for what the recording does not say");
   command->add_option("--vocabulary", arguments->vocabulary, "vocabulary (default: the one that comes along)");
-  command->add_option("--features", arguments->features, "key points an image")->check(CLI::Range(50, 100000));
+  command->add_option("--features", arguments->features, "key points an image")->check(CLI::Range(50, 30000));
   command->add_option("--first", arguments->first, "index of the first image")->check(CLI::NonNegativeNumber);
   command->add_option("--count", arguments->count, "images at most");
   command->add_option("--stride", arguments->stride, "every n-th image")->check(CLI::PositiveNumber);

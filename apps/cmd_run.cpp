@@ -17,6 +17,7 @@
 #include "common.h"
 #include "covis/core/fields.h"
 #include "covis/core/log.h"
+#include "covis/features/simd.h"
 #include "covis/io/config.h"
 #include "covis/io/sequence.h"
 #include "covis/slam/system.h"
@@ -29,6 +30,7 @@ namespace {
 struct RunArguments {
   std::string path;
   std::string out = "out";
+  std::string simd = "best";
   std::string sensor, kind, camera, config, format = "tum";
   std::string vocabulary, map, save_map;
   std::vector<std::string> settings;
@@ -119,8 +121,11 @@ FrameStats to_stats(const io::Frame& frame, const FrameReport& report, bool loca
   return stats;
 }
 
+constexpr size_t kMemoryEvery = 100;  // frames
+
 void track_all(io::Sequence& sequence, System& system, const RunArguments& arguments, RunRecord& run) {
   Progress progress(arguments.quiet, sequence.size());
+  Stopwatch since_first;
   Pace pace;
   io::Frame frame;
   int64_t expected = arguments.first;
@@ -154,14 +159,19 @@ void track_all(io::Sequence& sequence, System& system, const RunArguments& argum
       run.frames.push_back(stats);
       continue;
     }
+    if (run.frames.empty()) since_first.restart();
+    const double cpu_start = thread_cpu_ms();
     const FrameReport report = system.process({.frame = frame.index,
                                                .stamp = frame.stamp,
                                                .image = frame.image.view(),
                                                .right = frame.right.view(),
                                                .depth = frame.depth.view()});
+    if (run.first_pose_ms < 0 && report.track.state == TrackState::tracking) run.first_pose_ms = since_first.ms();
     run.mapping.insert(run.mapping.end(), report.mapping.begin(), report.mapping.end());
     FrameStats stats = to_stats(frame, report, arguments.localize);
     stats.decode_ms = decode_ms;
+    stats.cpu_ms = thread_cpu_ms() - cpu_start;
+    if (run.frames.size() % kMemoryEvery == 0) stats.rss_mb = resident_mb();
     run.frames.push_back(std::move(stats));
     const auto map = system.map().read();
     progress.show(run.frames.back(), run.frames.size(), map->key_frame_count(), map->point_count());
@@ -206,6 +216,11 @@ int run(const RunArguments& arguments) {
   if (arguments.dump_config) {
     std::cout << io::dump_settings(known);
     return 0;
+  }
+  if (!use_simd_target(arguments.simd)) {
+    std::string names = "best";
+    for (const std::string& name : simd_targets()) names += ", " + name;
+    return fail_with("--simd " + arguments.simd + ": there is no such instruction set here; there are " + names);
   }
   if (arguments.path.empty())
     return fail_with("run: PATH is missing: a recording's folder, a video file or a camera's number");
@@ -311,7 +326,11 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->capture_default_str()
       ->check(CLI::IsMember(keys(kFormats)));
   command->add_option("--features", arguments->features, "key points an image (short for --set orb.features=N)")
-      ->check(CLI::Range(50, 100000));
+      ->check(CLI::Range(50, 30000));
+  command->add_option("--simd", arguments->simd,
+                      "instruction set of the image kernels: best, scalar or a name (an unknown one lists them); the "
+                      "results are the same")
+      ->capture_default_str();
   command->add_option("--config", arguments->config, "settings YAML");
   command->add_option("--set", arguments->settings, "one setting, NAME=VALUE; may be repeated");
   command->add_flag("--dump-config", arguments->dump_config, "print all settings with their meaning, and end");

@@ -2,9 +2,12 @@
 #include "run_session.h"
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <ctime>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "covis/eval/evaluation.h"
@@ -37,6 +40,27 @@ double peak_rss_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
+json growth(const RunRecord& run) {
+  std::vector<double> second, last;  // of tenths of the run
+  const size_t n = run.frames.size();
+  for (size_t i = 0; i < n; ++i) {
+    const FrameStats& f = run.frames[i];
+    if (f.state != "tracking" || f.key_frame) continue;
+    if (10 * i >= n && 10 * i < 2 * n) second.push_back(f.cpu_ms);
+    if (10 * i >= 9 * n) last.push_back(f.cpu_ms);
+  }
+  double rss_second = 0, rss_last = 0;
+  for (size_t i = 0; i < n; ++i) {
+    if (run.frames[i].rss_mb <= 0) continue;
+    if (10 * i < 2 * n) rss_second = run.frames[i].rss_mb;
+    rss_last = run.frames[i].rss_mb;
+  }
+  return {{"cpu_ms_second_tenth", quantile(second, 0.5)},
+          {"cpu_ms_last_tenth", quantile(last, 0.5)},
+          {"rss_mb_after_second_tenth", rss_second},
+          {"rss_mb_at_end", rss_last}};
+}
+
 bool processed(const FrameStats& frame) { return frame.state != "late" && frame.state != "unreadable"; }
 
 json to_json(const MappingReport& m) {
@@ -53,6 +77,8 @@ json to_json(const MappingReport& m) {
           {"loop_inliers", m.loop.inliers},
           {"loop_found_again", m.loop.found_again},
           {"loop_closed", m.loop.loop.valid()},
+          {"loop_query_ms", m.loop.query_ms},
+          {"loop_verify_ms", m.loop.verify_ms},
           {"loop_ms", m.loop_ms},
           {"total_ms", m.total_ms}};
 }
@@ -95,6 +121,7 @@ json to_json(const FrameStats& f) {
                {"inliers", f.inliers},
                {"key_frame", f.key_frame},
                {"tracking_ms", f.tracking_ms()},
+               {"cpu_ms", f.cpu_ms},
                {"ms",
                 {{"decode_wait", f.decode_ms},
                  {"extract", f.timing.extract_ms},
@@ -106,6 +133,7 @@ json to_json(const FrameStats& f) {
                  {"track", f.timing.track_ms},
                  {"mapping_wait", f.timing.wait_ms},
                  {"total", f.timing.total_ms}}}});
+  if (f.rss_mb > 0) line["rss_mb"] = f.rss_mb;
   return line;
 }
 
@@ -204,11 +232,14 @@ json summarise(const RunRecord& run, const System& system) {
           {"refused_non_finite", map->refused_non_finite()},
           {"tracking_ms", spread(done, [](const FrameStats& f) { return f.tracking_ms(); })},
           {"frame_ms", spread(done, [](const FrameStats& f) { return f.timing.total_ms; })},
+          {"cpu_ms", spread(done, [](const FrameStats& f) { return f.cpu_ms; })},
+          {"growth", growth(run)},
           {"stage_ms", stage_times(run)},
           {"mapping_ms", mapping_times(run)},
           {"loops", loops(run)},
           {"frames_per_second", static_cast<double>(run.frames.size()) / std::max(run.wall_seconds, 1e-9)},
           {"wall_s", run.wall_seconds},
+          {"first_pose_ms", run.first_pose_ms},
           {"peak_rss_mb", peak_rss_mb()},
           {"not_tracked", losses(run)}};
 }
@@ -304,6 +335,19 @@ Result<json> write_outputs(const RunRecord& run, const System& system, const Out
   keep_first(write_report(out, report));
   if (!problem) return tl::unexpected(problem.error());
   return summary;
+}
+
+double resident_mb() {
+  std::ifstream statm("/proc/self/statm");  // sizes in pages: all, resident, …
+  double all = 0, resident = 0;
+  statm >> all >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1024 * 1024);
+}
+
+double thread_cpu_ms() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
 }
 
 const char* sensor_name(Sensor sensor) {

@@ -27,6 +27,8 @@ struct FrameStats {
   bool key_frame = false;
   double decode_ms = 0;  // waiting for the decoded image
   FrameTiming timing;
+  double cpu_ms = 0;     // time the tracking thread itself worked: other busy programs do not enter
+  double rss_mb = 0;     // resident memory after this frame, of every hundredth; 0: not asked
   double motion_ms = 0, local_update_ms = 0, local_search_ms = 0, pose_ms = 0;
   // What tracking cost, image already decoded: everything but waiting for mapping.
   double tracking_ms() const { return timing.total_ms - timing.wait_ms; }
@@ -41,6 +43,7 @@ struct RunRecord {
   int unreadable_frames = 0;
   bool interrupted = false;
   double wall_seconds = 0;
+  double first_pose_ms = -1;  // from the first decoded image to the first pose; negative: there was none
 };
 
 struct OutputOptions {
@@ -54,6 +57,10 @@ struct OutputOptions {
 // summary.json, report.html and trajectory.png. Returns the summary. Each file is written whole or not at all; the
 // first that fails is the error, the others are written all the same.
 Result<nlohmann::json> write_outputs(const RunRecord& run, const System& system, const OutputOptions& options);
+
+// Of this process now, and of the calling thread since it began.
+double resident_mb();
+double thread_cpu_ms();
 
 const char* sensor_name(Sensor sensor);
 

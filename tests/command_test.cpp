@@ -275,7 +275,7 @@ TEST_F(CommandUsage, WrongArgumentsAreNamedWithCode2) {
   } cases[] = {{{}, "subcommand is required"},
                {{"rnu", "somewhere"}, "rnu: no such command; did you mean covis run?"},
                {{"run", "somewhere", "--sensor", "sonar"}, "sonar not in {mono,rgbd,stereo}"},
-               {{"run", "somewhere", "--features", "1"}, "not in range 50 to 100000"},
+               {{"run", "somewhere", "--features", "1"}, "not in range 50 to 30000"},
                {{"run", "somewhere", "--stride", "0"}, "--stride"},
                {{"run", "somewhere", "--frobnicate"}, "--frobnicate"},
                {{"run", "--format", "csv"}, "csv not in"},

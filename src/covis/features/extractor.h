@@ -25,6 +25,8 @@ class OrbExtractor {
  public:
   explicit OrbExtractor(const OrbOptions& options);
 
+  // No image gives more: each level may go beyond its share by three.
+  size_t most_key_points() const { return static_cast<size_t>(options_.features + 3 * options_.levels); }
   void set_budget(int features) { options_.features = features; }
   // Sorted by level, then row, then column.
   const KeyPoints& extract(ImageView<const uint8_t> image);

@@ -47,6 +47,8 @@ void FastDetector::detect(ImageView<const uint8_t> image, int border, int cell_s
   all_.clear();
   const int x0 = border, y0 = border, x1 = image.width - border, y1 = image.height - border;
   if (x1 <= x0 || y1 <= y0) return;
+  // Room for a corner in every sixteenth pixel, memory for which is used only when they come.
+  for (auto* list : {&all_, &corners}) list->reserve(static_cast<size_t>((x1 - x0) * (y1 - y0) / 16));
   // Scores outside [x0, x1) x [y0, y1) count too where they neighbour it. Three rows of them are held.
   scores_.resize(image.width, 3);
   std::memset(scores_.row(0), 0, static_cast<size_t>(3 * scores_.stride()));

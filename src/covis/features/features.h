@@ -17,7 +17,7 @@
 namespace covis {
 
 // 256 bits, compared by Hamming distance; bit i of word i / 64 is comparison i (byte j, bit k = comparison 8 j + k).
-struct alignas(32) Descriptor {
+struct Descriptor {
   std::array<uint64_t, 4> bits{};
   friend bool operator==(const Descriptor&, const Descriptor&) = default;
 };
@@ -49,19 +49,25 @@ struct ImageBounds {
   bool contains(float x, float y) const { return x >= min_x && x < max_x && y >= min_y && y < max_y; }
 };
 
+inline constexpr int kMaxFeatures = 65535;  // of an image
+
 // Key points bucketed by undistorted position: cell (column, row) holds indices[offsets[c] .. offsets[c + 1]) with
 // c = row * kColumns + column, in rising order of index.
 struct FeatureGrid {
   static constexpr int kColumns = 64, kRows = 48;
   ImageBounds bounds;
   float inv_cell_width = 0, inv_cell_height = 0;  // cells a pixel
-  std::vector<uint32_t> offsets;                  // kColumns * kRows + 1
-  std::vector<uint32_t> indices;
+  // Of 16 bits, as every key frame has one: kMaxFeatures is their limit.
+  std::vector<uint16_t> offsets;  // kColumns * kRows + 1
+  std::vector<uint16_t> indices;
 
   void build(const ImageBounds& bounds, const AlignedVector<float>& x, const AlignedVector<float>& y);
 };
 
 struct Features {
+  // Empty, with room for so many key points.
+  void start(size_t room);
+
   AlignedVector<float> x, y;          // undistorted pixel, level-0 scale
   AlignedVector<float> raw_x, raw_y;  // pixel in the image as it came (equals x, y without distortion)
   AlignedVector<float> angle;         // radians in [0, 2 pi)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/features/frontend.h"
 
+#include <array>
 #include <cmath>
 #include <condition_variable>
 #include <mutex>
@@ -18,7 +19,8 @@ namespace {
 // Extracts the right image while the caller extracts the left.
 class RightWorker {
  public:
-  explicit RightWorker(OrbExtractor& extractor) : extractor_(extractor), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+  explicit RightWorker(OrbExtractor& extractor)
+      : extractor_(extractor), thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
   void start(ImageView<const uint8_t> image) {
     const std::lock_guard lock(mutex_);
@@ -50,6 +52,27 @@ class RightWorker {
   std::jthread thread_;
 };
 
+// Features come from here and serve again when nobody holds them any more; the tracker holds those of two frames.
+class FeaturesRing {
+ public:
+  std::shared_ptr<Features> next() {
+    at_ = (at_ + 1) % ring_.size();
+    // Copying a shared pointer waits for what its last other owner did, in whatever thread.
+    std::shared_ptr<Features> copy = ring_[at_];
+    if (copy.use_count() == 2) return copy;
+    give_away_last();
+    return ring_[at_];
+  }
+  void give_away_last(size_t room = 0) {
+    ring_[at_] = std::make_shared<Features>();
+    ring_[at_]->start(room);
+  }
+
+ private:
+  std::array<std::shared_ptr<Features>, 3> ring_;
+  size_t at_ = 0;
+};
+
 // The box of the undistorted border.
 ImageBounds find_bounds(const Camera& camera) {
   const auto w = static_cast<float>(camera.width), h = static_cast<float>(camera.height);
@@ -59,7 +82,8 @@ ImageBounds find_bounds(const Camera& camera) {
   constexpr int kSteps = 32;
   for (int k = 0; k <= kSteps; ++k) {
     const double s = static_cast<double>(k) / kSteps;
-    for (const Eigen::Vector2d& p : {Eigen::Vector2d(s * w, 0), Eigen::Vector2d(s * w, h), Eigen::Vector2d(0, s * h), Eigen::Vector2d(w, s * h)}) {
+    for (const Eigen::Vector2d& p :
+         {Eigen::Vector2d(s * w, 0), Eigen::Vector2d(s * w, h), Eigen::Vector2d(0, s * h), Eigen::Vector2d(w, s * h)}) {
       const auto u = camera.undistort(p);
       if (!u) continue;
       any = true;
@@ -77,16 +101,19 @@ ImageBounds find_bounds(const Camera& camera) {
 }  // namespace
 
 Fields fields(OrbOptions& o) {
-  return {{"orb.features", &o.features, "key points wanted in an image", 50, 100000},
-          {"orb.levels", &o.levels, "pyramid levels", 1, 16},
-          {"orb.scale_factor", &o.scale_factor, "scale between levels", 1.05, 2},
-          {"orb.fast_threshold", &o.fast_threshold, "FAST contrast, first try in a cell, grey levels", 1, 255},
-          {"orb.fast_threshold_low", &o.fast_threshold_low, "second try where the first found nothing, grey levels", 1, 255},
-          {"orb.subpixel", &o.subpixel, "place key points at the top of the corner score's parabola, not at the pixel"}};
+  return {
+      {"orb.features", &o.features, "key points wanted in an image", 50, 30000},
+      {"orb.levels", &o.levels, "pyramid levels", 1, 16},
+      {"orb.scale_factor", &o.scale_factor, "scale between levels", 1.05, 2},
+      {"orb.fast_threshold", &o.fast_threshold, "FAST contrast, first try in a cell, grey levels", 1, 255},
+      {"orb.fast_threshold_low", &o.fast_threshold_low, "second try where the first found nothing, grey levels", 1,
+       255},
+      {"orb.subpixel", &o.subpixel, "place key points at the top of the corner score's parabola, not at the pixel"}};
 }
 
 struct Frontend::Impl {
-  Impl(const Camera& c, const OrbOptions& options, Sensor sensor) : camera(c), pinhole(c.pinhole), bounds(find_bounds(c)), left(options) {
+  Impl(const Camera& c, const OrbOptions& options, Sensor sensor)
+      : camera(c), pinhole(c.pinhole), bounds(find_bounds(c)), left(options) {
     if (sensor == Sensor::stereo) {
       right.emplace(options);
       worker.emplace(*right);
@@ -102,19 +129,18 @@ struct Frontend::Impl {
   std::optional<OrbExtractor> right;
   std::optional<RightWorker> worker;
   StereoMatcher matcher;
+  FeaturesRing ring;
   Timing timing;
 };
 
 // Undistorted features of the left extractor's key points, without depth.
 std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_image) {
   const KeyPoints& k = left.key_points();
-  auto f = std::make_shared<Features>();
+  std::shared_ptr<Features> f = ring.next();
   f->camera = pinhole;
   f->pyramid = left.pyramid();
   const size_t n = k.size();
-  for (auto* array : {&f->x, &f->y, &f->raw_x, &f->raw_y, &f->angle, &f->u_right, &f->depth}) array->reserve(n);
-  f->level.reserve(n);
-  f->descriptor.reserve(n);
+  f->start(std::max(n, left.most_key_points()));
   for (size_t i = 0; i < n; ++i) {
     Eigen::Vector2f at(k.x[i], k.y[i]);
     if (camera.distortion != Distortion::none) {
@@ -156,6 +182,8 @@ void Frontend::set_feature_budget(int features) {
 void Frontend::set_pinhole(const Pinhole& pinhole) { impl_->pinhole = pinhole; }
 
 const Pinhole& Frontend::pinhole() const { return impl_->pinhole; }
+
+void Frontend::give_away_last() { impl_->ring.give_away_last(impl_->left.most_key_points()); }
 
 FeaturesPtr Frontend::monocular(ImageView<const uint8_t> image) {
   const Stopwatch watch;

@@ -23,7 +23,8 @@ struct OrbOptions {
 Fields fields(OrbOptions& options);
 
 
-// Makes Features from images. Owns its scratch memory: in a steady state an extraction allocates only the Features it returns.
+// Makes Features from images. Owns its scratch memory: an extraction allocates nothing in a steady state.
+// Features are taken back and used again once nobody holds them; those of key frames stay with them.
 // Not thread-safe; one per tracker.
 class Frontend {
  public:
@@ -46,6 +47,8 @@ class Frontend {
   // Intrinsics that Features get from now on: those given were refined. Their pixels stay as they are.
   void set_pinhole(const Pinhole& pinhole);
   const Pinhole& pinhole() const;
+  // The features of the last call stay with somebody: others take their place now, rather than when their turn comes.
+  void give_away_last();
 
   // Images must have the camera's size (asserted; readers check it before).
   FeaturesPtr monocular(ImageView<const uint8_t> image);

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "covis/core/reserve.h"
+
 namespace covis {
 namespace {
 
@@ -41,6 +43,7 @@ void Quadtree::make_roots(int x0, int y0, int x1, int y1) {
     return std::clamp(static_cast<int>(static_cast<float>(c.x - x0) / root_width), 0, roots - 1);
   };
   starts_.assign(static_cast<size_t>(roots) + 1, 0);
+  reserve_ahead(root_of_, sorted_.size());
   root_of_.resize(sorted_.size());
   for (size_t k = 0; k < sorted_.size(); ++k) {
     root_of_[k] = static_cast<uint32_t>(root_of(sorted_[k]));
@@ -53,6 +56,7 @@ void Quadtree::make_roots(int x0, int y0, int x1, int y1) {
     const float left = static_cast<float>(x0) + static_cast<float>(root) * root_width;
     nodes_.push_back({left, static_cast<float>(y0), left + root_width, static_cast<float>(y1), starts_[root], starts_[root + 1]});
   }
+  reserve_ahead(places_, sorted_.size());
   places_.resize(sorted_.size());
   for (uint32_t k = 0; k < sorted_.size(); ++k) places_[starts_[root_of_[k]]++] = {sorted_[k].x, sorted_[k].y, k};
 }
@@ -70,10 +74,14 @@ void Quadtree::distribute(const std::vector<Corner>& corners, int x0, int y0, in
                           std::vector<Corner>& kept) {
   kept.clear();
   if (corners.empty() || budget <= 0) return;
+  reserve_ahead(sorted_, corners.size());
   sorted_ = corners;
   // The result must not depend on the order of input; the detector's is this one already.
   if (!std::is_sorted(sorted_.begin(), sorted_.end(), before)) std::sort(sorted_.begin(), sorted_.end(), before);
   make_roots(x0, y0, x1, y1);
+  for (auto* nodes : {&nodes_, &next_}) reserve_ahead(*nodes, static_cast<size_t>(budget));
+  reserve_ahead(keys_, static_cast<size_t>(budget));
+  reserve_ahead(best_, static_cast<size_t>(budget));
   while (static_cast<int>(nodes_.size()) < budget) {
     const auto open = static_cast<int>(std::count_if(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.open(); }));
     if (open == 0) break;

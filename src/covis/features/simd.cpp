@@ -2,6 +2,7 @@
 #include "covis/features/simd.h"
 
 #include <array>
+#include <cctype>
 
 #include "covis/features/fast.h"
 #include "covis/features/hamming.h"
@@ -18,9 +19,10 @@ namespace covis::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Sixteen differences to the circle, all one sign; the greatest of the least of nine in a row, by doubling: runs of 2, 4, 8, then 9.
+// Plain arrays: the standard's are not compiled for the instruction set of this part, and vectors then not made in them.
 template <class V>
-HWY_INLINE V best_run(const std::array<V, 16>& d) {
-  std::array<V, 16> two, four;
+HWY_INLINE V best_run(const V* d) {
+  V two[16], four[16];
   for (size_t k = 0; k < 16; ++k) two[k] = hn::Min(d[k], d[(k + 1) % 16]);
   for (size_t k = 0; k < 16; ++k) four[k] = hn::Min(two[k], two[(k + 2) % 16]);
   V best = hn::Min(hn::Min(four[0], four[4]), d[8]);
@@ -47,7 +49,7 @@ void FastScoreRow(const uint8_t* pixel, ptrdiff_t stride, int count, int thresho
     const V dark = hn::Min(hn::SaturatedSub(low, hn::Min(p0, p8)), hn::SaturatedSub(low, hn::Min(p4, p12)));
     V score = hn::Zero(tag);
     if (!hn::AllTrue(tag, hn::Eq(hn::Or(bright, dark), score))) {
-      std::array<V, 16> up, down;
+      V up[16], down[16];
       for (size_t k = 0; k < 16; ++k) {
         const V q = hn::LoadU(tag, p + circle[k]);
         up[k] = hn::SaturatedSub(q, c);
@@ -114,10 +116,43 @@ HWY_EXPORT(FastScoreRow);
 HWY_EXPORT(LocalMaximaRow);
 HWY_EXPORT(HammingRow);
 
+// Best first: Highway numbers the better ones lower.
+template <class Visit>
+void for_each_target(Visit&& visit) {
+  hwy::SetSupportedTargetsForTest(0);
+  for (int64_t rest = hwy::SupportedTargets() & HWY_TARGETS; rest != 0; rest &= rest - 1) {
+    const int64_t target = rest & -rest;
+    std::string name = hwy::TargetName(target);
+    for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    visit(name, target);
+  }
+}
+
 }  // namespace
 
 void set_simd_enabled(bool on) { enabled = on; }
 bool simd_enabled() { return enabled; }
+
+std::vector<std::string> simd_targets() {
+  std::vector<std::string> names;
+  for_each_target([&](const std::string& name, int64_t) { names.push_back(name); });
+  names.emplace_back("scalar");
+  return names;
+}
+
+bool use_simd_target(std::string_view name) {
+  enabled = name != "scalar";
+  int64_t chosen = 0;  // all
+  bool known = name == "best" || name == "scalar";
+  for_each_target([&](const std::string& target, int64_t bit) {
+    if (target != name) return;
+    chosen = bit;
+    known = true;
+  });
+  hwy::SetSupportedTargetsForTest(chosen);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  return known;
+}
 
 void fast_score_row(const uint8_t* pixel, ptrdiff_t stride, int count, int threshold, uint8_t* out) {
   if (enabled) {

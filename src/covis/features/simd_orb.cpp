@@ -77,8 +77,8 @@ void SlideSad(const uint8_t* a, ptrdiff_t stride_a, const uint8_t* b, ptrdiff_t 
   const hn::FixedTag<uint64_t, 2> d64;
   using Sum = hn::Vec<decltype(d64)>;
   const auto columns = hn::Load(d, kPatchColumns.data());
-  std::array<Sum, 11> sums;
-  sums.fill(hn::Zero(d64));
+  Sum sums[11];
+  for (Sum& sum : sums) sum = hn::Zero(d64);
   for (int y = 0; y < 11; ++y) {
     const auto pa = hn::LoadU(d, a + y * stride_a);
     const uint8_t* from = b + y * stride_b;

@@ -81,7 +81,7 @@ void BlurRow(const uint8_t* const* rows, int width, int16_t* line, uint8_t* out)
   }
   // Along the row by pairs of neighbours, even and odd pixels apart: each weighs eight from its first on, the last with
   // 0.
-  std::array<hn::Vec<decltype(di)>, 4> w;
+  hn::Vec<decltype(di)> w[4];
   for (size_t k = 0; k < 4; ++k) {
     const uint32_t first = kGauss[2 * k], second = k == 3 ? 0 : kGauss[2 * k + 1];
     w[k] = hn::BitCast(di, hn::Set(du32, first | second << 16));

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "covis/core/reserve.h"
 #include "covis/features/simd.h"
 
 namespace covis {
@@ -52,6 +53,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     for (int y = first; y <= last; ++y) ++row_offsets_[static_cast<size_t>(y) + 1];
   }
   for (size_t y = 1; y < row_offsets_.size(); ++y) row_offsets_[y] += row_offsets_[y - 1];
+  reserve_ahead(row_items_, row_offsets_.back());
   row_items_.resize(row_offsets_.back());
   next_.assign(row_offsets_.begin(), row_offsets_.end() - 1);
   for (size_t j = 0; j < r.size(); ++j) {

@@ -117,6 +117,7 @@ class Map {
   int weight(KeyFrameId a, KeyFrameId b) const;                           // points both observe
   std::vector<Neighbour> neighbours(KeyFrameId id) const;                 // edges, heaviest first; ties: lower handle first
   std::vector<Neighbour> best_neighbours(KeyFrameId id, int count) const; // the first `count` of them
+  void best_neighbours(KeyFrameId id, int count, std::vector<Neighbour>& list) const;  // the same; list keeps its memory
   std::vector<Neighbour> neighbours_above(KeyFrameId id, int weight) const;  // those of at least this weight
   int tracked_points(KeyFrameId id, int min_observers) const;  // its points with at least so many observers
   // Edges of the essential graph: tree, loop edges and covisibility of at least kEssentialThreshold; each pair once, a.serial > b.serial.

@@ -55,9 +55,21 @@ std::vector<Neighbour> Map::neighbours(KeyFrameId id) const {
 }
 
 std::vector<Neighbour> Map::best_neighbours(KeyFrameId id, int count) const {
-  std::vector<Neighbour> list = neighbours(id);
-  if (list.size() > static_cast<size_t>(count)) list.resize(static_cast<size_t>(count));
+  std::vector<Neighbour> list;
+  best_neighbours(id, count, list);
   return list;
+}
+
+void Map::best_neighbours(KeyFrameId id, int count, std::vector<Neighbour>& list) const {
+  const std::vector<Neighbour>& shared = at(id).shared;
+  list.clear();
+  for (const Neighbour& n : shared) {
+    if (n.weight >= kCovisibilityThreshold) list.push_back(n);
+  }
+  if (list.empty() && !shared.empty()) list.push_back(*std::min_element(shared.begin(), shared.end(), heavier));
+  const size_t kept = std::min(list.size(), static_cast<size_t>(count));
+  std::partial_sort(list.begin(), list.begin() + static_cast<ptrdiff_t>(kept), list.end(), heavier);
+  list.resize(kept);
 }
 
 int Map::tracked_points(KeyFrameId id, int min_observers) const {

@@ -76,6 +76,7 @@ std::string problem_of(const Features& f, const ImageBounds& bounds) {
       f.depth.size() != n || f.level.size() != n || f.descriptor.size() != n) {
     return "has features whose lists differ in length";
   }
+  if (n > kMaxFeatures) return "has more features than an image gives";
   if (!f.pyramid || !valid_pyramid(f.pyramid->levels, f.pyramid->factor)) return "has no valid pyramid";
   if (!valid_camera(f.camera)) return "has no valid camera";
   if (!valid_bounds(bounds)) return "has no valid image bounds";

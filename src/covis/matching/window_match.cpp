@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "covis/core/reserve.h"
+
 namespace covis {
 namespace {
 
@@ -46,7 +48,9 @@ bool within_chi2(const Features& features, size_t i, const WindowQuery& query, c
 
 int WindowMatcher::match(const Features& features, std::span<const WindowQuery> queries, std::span<const uint8_t> taken,
                          const WindowMatchOptions& options, std::vector<int32_t>& match) {
+  reserve_ahead(match, queries.size());
   match.assign(queries.size(), -1);
+  reserve_ahead(owner_, static_cast<size_t>(features.size()));
   owner_.assign(static_cast<size_t>(features.size()), Owner{});
   int count = 0;
   for (size_t q = 0; q < queries.size(); ++q) {

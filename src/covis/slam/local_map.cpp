@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "covis/core/reserve.h"
+
 namespace covis {
 namespace {
 
@@ -23,11 +25,28 @@ void KeyFrameView::copy(const Map& map, KeyFrameId key_frame) {
   T_cw = source.T_cw;
   scale = source.scale;
   features = source.features;
+  reserve_ahead(points, source.points.size());
   points = source.points;
+  reserve_ahead(positions, points.size());
   positions.resize(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
     if (points[i].valid()) positions[i] = map.at(points[i]).position_w;
   }
+}
+
+// Room in advance, memory for which is used only when points and key frames come.
+LocalMap::LocalMap() {
+  constexpr size_t kPoints = 1 << 14, kPointSlots = 1 << 17, kKeyFrameSlots = 1 << 12;
+  id.reserve(kPoints);
+  for (auto* array : {&px, &py, &pz}) array->reserve(kPoints);
+  for (auto* array : {&nx, &ny, &nz, &d_min, &d_max}) array->reserve(kPoints);
+  descriptor.reserve(kPoints);
+  point_seen_.reserve(kPointSlots);
+  key_frame_seen_.reserve(kKeyFrameSlots);
+  votes_.reserve(kKeyFrameSlots);
+  voted_.reserve(kKeyFrameSlots);
+  key_frames.reserve(kKeyFrameSlots);
+  neighbours_.reserve(kKeyFrameSlots);
 }
 
 void LocalMap::clear() {
@@ -80,7 +99,8 @@ void LocalMap::select_key_frames(const Map& map, const std::vector<MapPointId>& 
   const size_t k1 = key_frames.size();
   for (size_t i = 0; i < k1 && static_cast<int>(key_frames.size()) < max_key_frames; ++i) {
     const KeyFrameId key_frame = key_frames[i];
-    for (const Neighbour& neighbour : map.best_neighbours(key_frame, kBestNeighbours)) add(neighbour.key_frame);
+    map.best_neighbours(key_frame, kBestNeighbours, neighbours_);
+    for (const Neighbour& neighbour : neighbours_) add(neighbour.key_frame);
     for (const KeyFrameId& child : map.at(key_frame).children) add(child);
     add(map.at(key_frame).parent);
   }

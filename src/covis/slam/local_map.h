@@ -25,6 +25,7 @@ struct KeyFrameView {
 
 class LocalMap {
  public:
+  LocalMap();
   // Makes the local map anew round the key frames that share points with `matched` (K1), their best covisible key
   // frames, children and parents (K2), at most `max_key_frames`. Without any, round `fallback`. The key frame that
   // shares most becomes the reference.
@@ -53,6 +54,7 @@ class LocalMap {
   std::vector<uint32_t> point_seen_, key_frame_seen_;  // by slot: the epoch in which it was added
   std::vector<int> votes_;                             // by key-frame slot: matched points it observes
   std::vector<KeyFrameId> voted_;
+  std::vector<Neighbour> neighbours_;
 };
 
 }  // namespace covis

@@ -7,13 +7,20 @@
 #include "covis/core/time.h"
 
 namespace covis {
+namespace {
+
+constexpr size_t kRecords = 1 << 14;  // of frames, room for which is made at once: memory is used only when they come
+
+}  // namespace
 
 System::System(const Camera& camera, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
     : options_(options),
       vocabulary_(std::move(vocabulary)),
       frontend_(camera, options.orb, options.sensor),
       tracker_(map_, options, vocabulary_),
-      mapping_(map_, options, vocabulary_) {}
+      mapping_(map_, options, vocabulary_) {
+  records_.reserve(kRecords);
+}
 
 System::~System() = default;
 
@@ -34,7 +41,10 @@ void System::set_map(Map map) {
   finish();
   if (vocabulary_) {
     for (const KeyFrameId& id : map.key_frames()) {
-      map.set_words(id, std::make_shared<const Words>(vocabulary_->transform(map.at(id).features->descriptor)));
+      auto words = std::make_shared<Words>();
+      words->words = vocabulary_->transform(map.at(id).features->descriptor).words;
+      words->words.shrink_to_fit();
+      map.set_words(id, std::move(words));
     }
   }
   *map_.write() = std::move(map);
@@ -103,7 +113,11 @@ FrameReport System::process(const Input& input) {
     record.T_cr = outcome.result.T_cr;
     record.T_wc_online = outcome.result.T_cw.inverse();
   }
-  if (outcome.key_frame) mapping_.submit(std::move(*outcome.key_frame));
+  if (outcome.key_frame) {
+    frontend_.give_away_last();
+    if (2 * records_.size() > records_.capacity()) records_.reserve(2 * records_.capacity());
+    mapping_.submit(std::move(*outcome.key_frame));
+  }
   if (outcome.initial_map) mapping_.submit(std::move(*outcome.initial_map));
   if (first) {  // nothing can be tracked before the map is there
     watch.restart();

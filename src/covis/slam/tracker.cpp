@@ -5,16 +5,28 @@
 #include <limits>
 
 #include "covis/core/log.h"
+#include "covis/core/reserve.h"
 #include "covis/matching/descriptor_match.h"
 #include "covis/slam/point_geometry.h"
 
 namespace covis {
+namespace {
+
+struct NearerFeature {
+  const Features& f;
+  bool operator()(uint32_t a, uint32_t b) const { return f.depth[a] != f.depth[b] ? f.depth[a] < f.depth[b] : a < b; }
+};
+
+}  // namespace
 
 void TrackedFrame::start(FeaturesPtr f, int64_t frame, Timestamp t) {
   features = std::move(f);
   index = frame;
   stamp = t;
   const auto n = static_cast<size_t>(features->size());
+  reserve_ahead(points, n);
+  reserve_ahead(positions, n);
+  reserve_ahead(known, n);
   points.assign(n, {});
   positions.resize(n);
   known.assign(n, 0);
@@ -23,7 +35,19 @@ void TrackedFrame::start(FeaturesPtr f, int64_t frame, Timestamp t) {
 int TrackedFrame::map_points() const { return static_cast<int>(std::count(known.begin(), known.end(), kMapPoint)); }
 
 Tracker::Tracker(const SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
-    : map_(map), options_(options), vocabulary_(std::move(vocabulary)), initializer_(options) {}
+    : map_(map), options_(options), vocabulary_(std::move(vocabulary)), initializer_(options) {
+  // Room in advance, memory for which is used only when points come.
+  constexpr size_t kPointSlots = 1 << 17, kLocalPoints = 1 << 14, kFeatures = 1 << 12;
+  counts_.reserve(kPointSlots);
+  counted_.reserve(kPointSlots);
+  matched_mark_.reserve(kPointSlots);
+  in_view_.reserve(kLocalPoints);
+  match_.reserve(kLocalPoints);
+  queries_.reserve(kLocalPoints);
+  query_source_.reserve(kLocalPoints);
+  observations_.reserve(kFeatures);
+  observed_feature_.reserve(kFeatures);
+}
 
 std::optional<SE3> Tracker::locate(FeaturesPtr features, int64_t frame) {
   current_.start(std::move(features), frame, 0);
@@ -214,6 +238,7 @@ int Tracker::optimize() {
     observations_.add(current_.positions[i], f.x[i], f.y[i], f.u_right[i], f.pyramid->inv_sigma2[f.level[i]]);
     observed_feature_.push_back(static_cast<int32_t>(i));
   }
+  reserve_ahead(inlier_, observed_feature_.size());
   const PoseResult pose = optimize_pose(current_.T_cw, observations_, f.camera, {}, inlier_);
   if (!pose.ok) return 0;
   current_.T_cw = pose.T_cw;
@@ -275,23 +300,24 @@ bool Tracker::key_frame_due(const TrackResult& result, bool mapping_idle) const 
   return few_close || result.inliers < ratio * local_map_.reference_points;
 }
 
-// Features with depth, nearest first (ties: lower index), up to the close bound or at least min_close_points of them.
-std::vector<uint32_t> Tracker::features_by_depth(const TrackedFrame& frame) const {
+// Features with depth up to the close bound, or the min_close_points nearest (ties: lower index) when those are fewer. In
+// no particular order.
+const std::vector<uint32_t>& Tracker::near_features(const TrackedFrame& frame) {
   const Features& f = *frame.features;
-  std::vector<uint32_t> order;
-  for (uint32_t i = 0; i < static_cast<uint32_t>(f.size()); ++i) {
-    if (f.depth[i] > 0) order.push_back(i);
-  }
-  std::sort(order.begin(), order.end(),
-            [&](uint32_t a, uint32_t b) { return f.depth[a] != f.depth[b] ? f.depth[a] < f.depth[b] : a < b; });
   const double close = options_.tracker.close_depth_baselines * f.camera.baseline();
-  size_t count = 0;
-  while (count < order.size() &&
-         (f.depth[order[count]] <= close || count < static_cast<size_t>(options_.tracker.min_close_points))) {
-    ++count;
+  near_.clear();
+  size_t close_count = 0;
+  for (uint32_t i = 0; i < static_cast<uint32_t>(f.size()); ++i) {
+    if (!(f.depth[i] > 0)) continue;
+    near_.push_back(i);
+    close_count += f.depth[i] <= close;
   }
-  order.resize(count);
-  return order;
+  const auto wanted = std::max(close_count, static_cast<size_t>(options_.tracker.min_close_points));
+  if (wanted < near_.size()) {
+    std::nth_element(near_.begin(), near_.begin() + static_cast<ptrdiff_t>(wanted), near_.end(), NearerFeature{f});
+    near_.resize(wanted);
+  }
+  return near_;
 }
 
 KeyFrameRequest Tracker::make_key_frame_request() {
@@ -307,9 +333,10 @@ KeyFrameRequest Tracker::make_key_frame_request() {
     if (current_.known[i] == kMapPoint) request.points[i] = current_.points[i];
   }
   if (!monocular()) {
-    for (const uint32_t i : features_by_depth(current_)) {
+    for (const uint32_t i : near_features(current_)) {
       if (current_.known[i] != kMapPoint) request.new_points.push_back(i);
     }
+    std::sort(request.new_points.begin(), request.new_points.end(), NearerFeature{*current_.features});
   }
   for (const uint32_t slot : counted_) request.counts.push_back(counts_[slot]);
   clear_counts();

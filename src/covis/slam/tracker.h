@@ -94,7 +94,7 @@ class Tracker {
   void refresh_last_frame(const Map& map);
   void take_over_points(const Map& map, KeyFrameId key_frame);
   void add_temporary_points();
-  std::vector<uint32_t> features_by_depth(const TrackedFrame& frame) const;
+  const std::vector<uint32_t>& near_features(const TrackedFrame& frame);
 
   // Searches set the matches of the current frame and return how many there are, or how many points were in view.
   int search_last_frame(double window);
@@ -155,6 +155,7 @@ class Tracker {
   uint32_t matched_epoch_ = 0;
   PoseObservations observations_;
   std::vector<int32_t> observed_feature_;
+  std::vector<uint32_t> near_;
   std::vector<uint8_t> inlier_;
 };
 

@@ -2,6 +2,7 @@
 // The steps that find a frame's pose: motion model, reference key frame, local map, recovery (ORB-SLAM, V-B to V-D).
 #include <algorithm>
 
+#include "covis/core/reserve.h"
 #include "covis/core/time.h"
 #include "covis/geometry/pnp.h"
 #include "covis/matching/descriptor_match.h"
@@ -14,7 +15,7 @@ namespace covis {
 void Tracker::add_temporary_points() {
   if (monocular()) return;
   const SE3 T_wl = last_.T_cw.inverse();
-  for (const uint32_t i : features_by_depth(last_)) {
+  for (const uint32_t i : near_features(last_)) {
     if (last_.known[i] == kMapPoint) continue;
     last_.known[i] = kTemporary;
     last_.positions[i] = T_wl * unproject_depth(*last_.features, i);
@@ -84,6 +85,7 @@ int Tracker::search_last_frame(double window) {
     angle_b_.push_back(to.angle[static_cast<size_t>(match_[q])]);
     matched_query_.push_back(static_cast<int32_t>(q));
   }
+  reserve_ahead(keep_, matched_query_.size());
   keep_.assign(matched_query_.size(), 1);
   const int kept = check_rotation(angle_a_, angle_b_, keep_);
   std::fill(current_.known.begin(), current_.known.end(), kNone);
@@ -169,6 +171,7 @@ int Tracker::search_local_map(double window_factor) {
   const Features& f = *current_.features;
   const Eigen::Vector3d centre = current_.T_cw.centre();
   ++matched_epoch_;
+  reserve_ahead(taken_, current_.known.size());
   taken_.assign(current_.known.size(), 0);
   for (size_t i = 0; i < current_.known.size(); ++i) {
     taken_[i] = current_.known[i] == kMapPoint;
@@ -180,6 +183,7 @@ int Tracker::search_local_map(double window_factor) {
   queries_.clear();
   query_source_.clear();
   const auto n = static_cast<size_t>(local_map_.size());
+  reserve_ahead(in_view_, n);
   in_view_.assign(n, 0);
   int in_view = 0;
   for (size_t k = 0; k < n; ++k) {

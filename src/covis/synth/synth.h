@@ -30,6 +30,7 @@ struct SynthOptions {
   std::string sensor = "rgbd";  // mono, stereo, rgbd
   int seed = 1;                 // of the world, the path and all noise
   int frames = 0;               // 0: as many as the world's path takes: once around and a little more, or to its end
+  double way = 0;               // metres around the street's block, about; 0: its own; of other worlds 0
   double fps = 0;               // Hz; 0: the world's own (30; street 10)
   int width = 640;              // pixels
   int height = 480;             // pixels

@@ -88,6 +88,18 @@ TEST(Synth, NoiseHasTheStrengthAskedFor) {
   EXPECT_NEAR(sum / count, 0, 0.4);
 }
 
+TEST(Synth, TheStreetsWayCanBeLonger) {
+  SynthOptions options = small("street");
+  options.way = 500;
+  const Synth longer = make(options);
+  EXPECT_GT(longer.frames(), 1.3 * world("street").frames());
+  double metres = 0;  // once around
+  for (int i = 1; i < longer.frames(); ++i) metres += (longer.T_wc(i).t() - longer.T_wc(i - 1).t()).norm();
+  EXPECT_NEAR(metres, 500, 50);
+  options.world = "room";
+  EXPECT_FALSE(Synth::create(options).has_value());
+}
+
 TEST(Synth, ExposureChangesOverTimeWithinItsBounds) {
   SynthOptions options = small("room");
   Synth& steady = world("room");

@@ -27,7 +27,8 @@ struct World {
 
 World make_room(uint64_t seed);
 World make_corridor(uint64_t seed);
-World make_street(uint64_t seed);
+World make_street(uint64_t seed, double way = 0);  // way: about its length once around, metres; 0: some 310
+
 World make_desk(uint64_t seed);
 World make_twins(uint64_t seed);
 World make_posters(uint64_t seed);

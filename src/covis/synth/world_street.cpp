@@ -59,11 +59,12 @@ void add_kerb(Scene& scene, const Vector2d& left, const Vector2d& right, const s
   }
 }
 
-void add_ground(Scene& scene, double ox, double oy) {
+void add_ground(Scene& scene, double ox, double oy, double growth) {
   Random& random = scene.random;
   // Everything that is not paved, a little below.
   const Skin lawn = material(scene, grass(random, 12, 12, 30), 0.2);
-  scene.add_rect({-200, -200, -0.06}, {0, 400, 0}, {400, 0, 0}, lawn);
+  const double reach = 200 * growth;
+  scene.add_rect({-reach, -reach, -0.06}, {0, 2 * reach, 0}, {2 * reach, 0, 0}, lawn);
   // The two long streets reach over the corners, the short ones run between them.
   const auto strip = [&](const Vector2d& low, double along, bool along_x) {
     const int pieces = std::max(1, static_cast<int>(along / 22));
@@ -104,16 +105,16 @@ void add_ground(Scene& scene, double ox, double oy) {
   }
 }
 
-void add_sky(Scene& scene) {
+void add_sky(Scene& scene, double growth) {
   Random& random = scene.random;
-  const double far = 2000, high = 1200, low = -40;
+  const double far = std::max(2000.0, 200 * growth), high = 1200, low = -40;
   const Vector2d corners[4] = {{-far, -far}, {-far, far}, {far, far}, {far, -far}};
   for (int i = 0; i < 4; ++i) {
     const Vector2d a = corners[i], b = corners[(i + 1) % 4];
     const Skin skin{.texture = scene.add_texture(clouds(random, 4, 1.24, 160, 222, 168)), .detail = 0};
     scene.add_rect({a.x(), a.y(), high}, {b.x() - a.x(), b.y() - a.y(), 0}, {0, 0, low - high}, skin).sky = true;
     // Roofs and trees far behind the houses.
-    const Vector2d c = a * 0.065, d = b * 0.065;
+    const Vector2d c = a * 0.065 * growth, d = b * 0.065 * growth;
     const Skin far_houses = painted(scene, skyline(random, (d - c).norm(), 16, 6), 0);
     scene.add_rect({c.x(), c.y(), 15.5}, {d.x() - c.x(), d.y() - c.y(), 0}, {0, 0, -16}, far_houses);
   }
@@ -123,14 +124,17 @@ void add_sky(Scene& scene) {
 
 }  // namespace
 
-World make_street(uint64_t seed) {
+World make_street(uint64_t seed, double way) {
   Scene scene(seed);
   scene.detail_metres = 3.2;
   Random& random = scene.random;
-  const double length = random.uniform(94, 104), width = random.uniform(60, 68);  // of the centre line
+  double length = random.uniform(94, 104), width = random.uniform(60, 68);  // of the centre line
+  const double growth = way > 0 ? std::max(1.0, 0.5 * way / (length + width)) : 1;
+  length *= growth;
+  width *= growth;
   const double ox = 0.5 * length + kHalf, oy = 0.5 * width + kHalf, ix = 0.5 * length - kHalf, iy = 0.5 * width - kHalf;
-  add_sky(scene);
-  add_ground(scene, ox, oy);
+  add_sky(scene, growth);
+  add_ground(scene, ox, oy, growth);
   std::vector<int> leaf_textures;
   for (int i = 0; i < 4; ++i) leaf_textures.push_back(scene.add_texture(leaves(random, 3, 3, 60)));
   const Vector2d outer[4] = {{-ox, -oy}, {-ox, oy}, {ox, oy}, {ox, -oy}};
