@@ -66,8 +66,8 @@ TEST_P(Places, ASavedMapIsLocalisedInAndGoneOnWith) {
       if (!T_wc) continue;
       ++found;
       const SE3& wanted = mapped[mapped.size() - static_cast<size_t>(30 - i)];
-      EXPECT_LT((T_wc->t() - wanted.t()).norm(), 0.05) << "frame " << i;
-      EXPECT_LT(angle_deg(*T_wc, wanted), 2) << "frame " << i;
+      EXPECT_LT((T_wc->T_wc.t() - wanted.t()).norm(), 0.05) << "frame " << i;
+      EXPECT_LT(angle_deg(T_wc->T_wc, wanted), 2) << "frame " << i;
     }
     EXPECT_GE(found, 9);
     EXPECT_FALSE(system.locate(recording.black(0)));

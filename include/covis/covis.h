@@ -11,6 +11,9 @@
 //
 // Conventions: metres, radians, nanoseconds; camera x right, y down, z forward; a Pose is T_wc, camera to world; the
 // world is the camera of the first key frame. Monocular maps have no metric scale: the median depth of the first is 1.
+//
+// A camera lost for long begins a map of its own world beside the old one; the two are joined, and the later number goes,
+// when it sees a place of the old one again. Maps count from 0; poses and points of different maps can't be compared.
 #pragma once
 
 #include <cstddef>
@@ -57,6 +60,7 @@ struct DepthImage {  // metres along z, registered to the grey image; 0 or not f
 struct FrameResult {
   bool tracked = false;
   Pose pose;           // meaningful when tracked
+  int map = 0;         // the map whose world the pose is in
   std::string state;   // "not_initialised", "tracking" or "lost"
   std::string reason;  // why there is no pose
   int inliers = 0;     // map points that agree with the pose
@@ -66,10 +70,12 @@ struct FrameResult {
 struct StampedPoseResult {
   int64_t stamp = 0;  // nanoseconds, as given
   Pose pose;
+  int map = 0;
 };
 
 struct Point {
   double x = 0, y = 0, z = 0;
+  int map = 0;
 };
 
 class COVIS_API Slam {

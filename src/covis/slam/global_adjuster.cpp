@@ -9,12 +9,12 @@
 
 namespace covis {
 
-void GlobalAdjuster::start(const SharedMap& shared, int iterations) {
+void GlobalAdjuster::start(const SharedMap& shared, KeyFrameId of_part, int iterations) {
   abandon();
   problem_ = {};
   {
     const auto map = shared.read();
-    const std::vector<KeyFrameId> frames = map->key_frames();
+    const std::vector<KeyFrameId> frames = map->key_frames(map->at(of_part).part);
     if (frames.size() < 2) return;
     problem_.gather(*map, frames, frames.size());
   }
@@ -47,6 +47,10 @@ double GlobalAdjuster::commit(SharedMap& map) {
 }
 
 void GlobalAdjuster::take_over(Map& map) const {
+  const auto& frames = problem_.key_frames;
+  const auto alive = std::find_if(frames.begin(), frames.end(), [&](KeyFrameId id) { return map.find(id); });
+  if (alive == frames.end()) return;  // the part was given up
+  const MapPart part = *map.part(map.at(*alive).part);
   std::vector<SE3> before, after;    // by slot
   std::vector<uint8_t> adjusted;     // by slot: has an adjusted pose
   const auto room = [&](KeyFrameId id) {
@@ -66,7 +70,7 @@ void GlobalAdjuster::take_over(Map& map) const {
     adjusted[id.slot] = 1;
   }
   // From the root down: what is newer than the copy keeps its place beside its parent.
-  std::vector<KeyFrameId> open{map.root()};
+  std::vector<KeyFrameId> open{part.root};
   for (size_t k = 0; k < open.size(); ++k) {
     const KeyFrame& key_frame = map.at(open[k]);
     if (!adjusted[open[k].slot] && key_frame.parent.valid()) {
@@ -77,6 +81,7 @@ void GlobalAdjuster::take_over(Map& map) const {
   }
   std::vector<std::pair<MapPointId, Eigen::Vector3d>> places;
   map.for_each_point([&](MapPointId id, const MapPoint& point) {
+    if (map.at(point.reference).part != part.number) return;
     const auto at = std::lower_bound(problem_.points.begin(), problem_.points.end(), id);
     if (at != problem_.points.end() && *at == id) {
       places.emplace_back(id, problem_.problem.points[static_cast<size_t>(at - problem_.points.begin())]);

@@ -16,8 +16,8 @@ class GlobalAdjuster {
  public:
   ~GlobalAdjuster() { abandon(); }
 
-  // Copies the map under a read guard and begins.
-  void start(const SharedMap& map, int iterations);
+  // Copies the part of the map that the key frame belongs to, under a read guard, and begins.
+  void start(const SharedMap& map, KeyFrameId of_part, int iterations);
   bool running() const { return thread_.joinable(); }
   // The result is there: commit() will not wait.
   bool ready() const { return done_.load(); }

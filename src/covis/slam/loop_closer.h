@@ -10,9 +10,12 @@
 //   4. the neighbours of the key frame, moved along, find the old place's points too,
 //   5. the correction is one that drift can explain: a share of the path travelled since. What looks alike but is another
 //      place (the same poster on two walls, two equal rooms) fails here.
+// A place in another part of the map joins the two parts. Of their relation nothing is known that drift could explain, so
+// that tests 3 and 4 ask for more instead, and the old place's views must find the new one's points as well.
 //
 // Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VII; verification at once by several covisible key
-// frames: Campos et al., "ORB-SLAM3", T-RO 2021, section VI; Strasdat et al., RSS 2010 (pose graph over Sim(3)).
+// frames: Campos et al., "ORB-SLAM3", T-RO 2021, section VI (merging of maps, too);
+// Strasdat et al., RSS 2010 (pose graph over Sim(3)).
 #pragma once
 
 #include <cstdint>
@@ -34,7 +37,8 @@ class LoopCloser {
  public:
   LoopCloser(SharedMap& map, const SystemOptions& options) : map_(map), options_(options) {}
 
-  // Looks whether `current`, just mapped, closes a loop, and closes it. True when the map was corrected.
+  // Looks whether `current`, just mapped, closes a loop or joins its part of the map to another, and does it. True when
+  // the map was corrected or joined.
   bool process(KeyFrameId current, LoopReport& report);
   void reset() { last_loop_serial_.reset(); }
 
@@ -59,6 +63,7 @@ class LoopCloser {
   };
   struct Found {
     Place place;
+    bool elsewhere = false;  // the place is of another part of the map
     Sim3 S_cw;                               // the current key frame as the old place's map would have it
     std::vector<std::pair<uint32_t, MapPointId>> matches;  // feature of the current key frame, point of the place
   };
@@ -76,10 +81,13 @@ class LoopCloser {
   Projection project(const Place& place, const View& view, const SE3& T_cw, double window);
   // Refines the pose on the matches and keeps those that agree.
   bool refine(const Place& place, const View& view, SE3& T_cw, Projection& projection) const;
+  bool enough(int found, int in_view, bool elsewhere, double factor = 1) const;
   bool neighbours_agree(const Map& map, const View& current, const Found& found);
+  bool seen_from_there(const Map& map, const View& current, const Found& found);
   bool drift_explains(const Map& map, const View& current, const Found& found, LoopReport& report) const;
   bool nothing_to_correct(const View& current, const Found& found, const LoopReport& report) const;
   void correct(const View& current, const Found& found, LoopReport& report);
+  void join(const View& current, const Found& found, LoopReport& report);
   void fuse(const View& current, const Found& found, LoopReport& report);
 
   bool monocular() const { return options_.sensor == Sensor::monocular; }

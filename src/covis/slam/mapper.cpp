@@ -32,7 +32,7 @@ MappingReport Mapper::process(const KeyFrameRequest& request, const std::atomic<
   report.create_ms = lap(watch);
   report.points_fused = fuse_neighbours(report.key_frame);
   report.fuse_ms = lap(watch);
-  const bool enough = map_.read()->key_frame_count() > 2;
+  const bool enough = key_frames_of_its_part(report.key_frame) > 2;
   if (enough && !(interrupt && interrupt->load())) {
     local_bundle_adjustment(report.key_frame, interrupt, report);
     report.ba_ms = lap(watch);
@@ -45,11 +45,17 @@ MappingReport Mapper::process(const KeyFrameRequest& request, const std::atomic<
   return report;
 }
 
+size_t Mapper::key_frames_of_its_part(KeyFrameId id) const {
+  const auto map = map_.read();
+  return map->part(map->at(id).part)->key_frames;
+}
+
 KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
   const auto map = map_.write();
   SE3 T_cw = request.T_cr;
+  std::optional<Map::Resolved> reference;
   if (request.reference.valid()) {
-    const auto reference = map->resolve(request.reference);
+    reference = map->resolve(request.reference);
     if (!reference) return {};
     const double growth = reference->scale / request.reference_scale;
     const SE3 T_cr(request.T_cr.R(), Eigen::Vector3d(growth * request.T_cr.t()));
@@ -61,7 +67,9 @@ KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
     map->count_visible(point, count.visible);
     map->count_found(point, count.found);
   }
-  const KeyFrameId id = map->add_key_frame(request.frame, request.stamp, T_cw, request.features);
+  const KeyFrameId id = reference ? map->add_key_frame(request.frame, request.stamp, T_cw, request.features,
+                                                       map->at(reference->key_frame).part)
+                                  : map->begin_part(request.frame, request.stamp, T_cw, request.features);
   if (!id.valid()) return id;
   for (uint32_t feature = 0; feature < request.points.size(); ++feature) {
     const MapPointId point = map->forwarded(request.points[feature]);
@@ -121,7 +129,7 @@ int Mapper::cull_key_frames(KeyFrameId current) {
   int culled = 0;
   for (const Neighbour& neighbour : map->neighbours(current)) {
     const KeyFrameId id = neighbour.key_frame;
-    if (id == map->root()) continue;
+    if (map->is_root(id)) continue;
     const KeyFrame& key_frame = map->at(id);
     const Features& features = *key_frame.features;
     int points = 0, redundant = 0;
@@ -155,7 +163,7 @@ void Mapper::close_loop(KeyFrameId current, MappingReport& report) {
   }
   if (!closer_.process(current, report.loop)) return;
   global_.abandon();
-  if (options_.loop.ba_iterations > 0) global_.start(map_, options_.loop.ba_iterations);
+  if (options_.loop.ba_iterations > 0) global_.start(map_, current, options_.loop.ba_iterations);
   global_age_ = 0;
 }
 
@@ -163,11 +171,10 @@ void Mapper::finish() {
   if (global_.running()) global_.commit(map_);
 }
 
-void Mapper::reset() {
-  global_.abandon();
-  closer_.reset();
-  recent_.clear();
-  map_.write()->clear();
+void Mapper::discard(uint32_t part) {
+  const auto map = map_.write();
+  map->erase_part(part);
+  if (map->parts().empty()) closer_.reset();
 }
 
 }  // namespace covis

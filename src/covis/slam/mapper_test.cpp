@@ -155,9 +155,10 @@ TEST_F(MapperTest, AdjustmentBringsADisturbedKeyFrameBack) {
   EXPECT_LT((shared.read()->at(id).T_cw.inverse().t() - frames.T_cw(8).inverse().t()).norm(), 0.005);
 }
 
-TEST_F(MapperTest, ResetForgetsEverything) {
+TEST_F(MapperTest, APartThatIsDiscardedIsForgotten) {
   const KeyFrameId first = process(request(0, {}, 1, true)).key_frame;
-  mapper.reset();
+  const uint32_t part = shared.read()->at(first).part;
+  mapper.discard(part);
   EXPECT_EQ(shared.read()->key_frame_count(), 0u);
   EXPECT_EQ(shared.read()->point_count(), 0u);
   EXPECT_FALSE(process(request(4, {})).key_frame == first);

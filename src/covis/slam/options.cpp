@@ -26,6 +26,8 @@ Fields fields(TrackerOptions& o) {
       {"tracker.min_inliers_recovered", &o.min_inliers_recovered, "the same within one second of a recovery", 4, 1000},
       {"tracker.min_recovered_share", &o.min_recovered_share,
        "share of the map points in view that must be matched to accept a recovered pose", 0, 1},
+      {"tracker.new_map_after", &o.new_map_after,
+       "seconds after a loss at which a new map is begun beside the old one; 0: never", 0, 1e6},
       {"tracker.close_depth_baselines", &o.close_depth_baselines, "depth up to which a point is close, base lines", 1,
        1000},
       {"tracker.min_close_points", &o.min_close_points, "points a frame makes from depth, at least", 0, 10000},
@@ -79,6 +81,8 @@ Fields fields(LoopOptions& o) {
       {"loop.max_drift_mono", &o.max_drift_mono, "the same, monocular", 0, 100},
       {"loop.max_rotation", &o.max_rotation, "greatest correction of orientation, degrees", 0, 180},
       {"loop.max_scale", &o.max_scale, "greatest change of scale, a factor", 1, 100},
+      {"loop.merge_min_found", &o.merge_min_found, "loop.min_found to join two maps", 3, 10000},
+      {"loop.merge_min_found_share", &o.merge_min_found_share, "loop.min_found_share to join two maps", 0, 1},
       {"loop.ba_iterations", &o.ba_iterations, "iterations of the full bundle adjustment after a loop; 0: none", 0, 100},
       {"loop.ba_key_frames", &o.ba_key_frames, "key frames after which its result is taken over", 1, 100},
   };

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The first pose of a map (algorithms.md §3.6).
+#include <algorithm>
+
 #include "covis/slam/tracker.h"
 
 namespace covis {
 
 void Tracker::initialise(Outcome& outcome) {
-  last_key_frame_ = -1;
   has_velocity_ = false;
   if (monocular()) {
     initialise_monocular(outcome);
@@ -52,7 +53,14 @@ void Tracker::initialise_monocular(Outcome& outcome) {
 // A map was asked for; key_frame_made() tells whether it holds.
 void Tracker::begin_map(TrackResult& result) {
   state_ = TrackState::tracking;
+  begun_frame_ = current_.index;
+  last_key_frame_ = -1;
   last_key_frame_stamp_ = current_.stamp;
+  // What was tried to find the frame in an older map is nothing to the new one.
+  std::fill(current_.points.begin(), current_.points.end(), MapPointId{});
+  std::fill(current_.known.begin(), current_.known.end(), kNone);
+  result.reason = {};
+  result.inliers = 0;
   result.method = TrackMethod::initialised;
   result.key_frame = true;
 }
