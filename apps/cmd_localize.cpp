@@ -69,10 +69,10 @@ int localize(const LocalizeArguments& arguments) {
     ++frames;
     const Stopwatch watch;
     const auto located = system.locate({.frame = frame.index,
-                                     .stamp = frame.stamp,
-                                     .image = frame.image.view(),
-                                     .right = frame.right.view(),
-                                     .depth = frame.depth.view()});
+                                        .stamp = frame.stamp,
+                                        .image = frame.image.view(),
+                                        .right = frame.right.view(),
+                                        .depth = frame.depth.view()});
     times.push_back(watch.ms());
     if (located) found[static_cast<size_t>(located->map)].push_back({frame.stamp, located->T_wc});
   }

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <optional>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "covis/eval/evaluation.h"
 #include "covis/eval/report.h"

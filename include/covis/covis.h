@@ -12,8 +12,9 @@
 // Conventions: metres, radians, nanoseconds; camera x right, y down, z forward; a Pose is T_wc, camera to world; the
 // world is the camera of the first key frame. Monocular maps have no metric scale: the median depth of the first is 1.
 //
-// A camera lost for long begins a map of its own world beside the old one; the two are joined, and the later number goes,
-// when it sees a place of the old one again. Maps count from 0; poses and points of different maps can't be compared.
+// A camera lost for long begins a map of its own world beside the old one; the two are joined, and the later number
+// goes, when it sees a place of the old one again. Maps count from 0; poses and points of different maps can't be
+// compared.
 #pragma once
 
 #include <cstddef>

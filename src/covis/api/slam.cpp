@@ -23,7 +23,8 @@ Pose to_pose(const SE3& T) {
 std::vector<StampedPoseResult> to_results(const std::vector<PoseOfFrame>& poses) {
   std::vector<StampedPoseResult> results;
   results.reserve(poses.size());
-  for (const PoseOfFrame& pose : poses) results.push_back({pose.stamp, to_pose(pose.T_wc), static_cast<int>(pose.part)});
+  for (const PoseOfFrame& pose : poses)
+    results.push_back({pose.stamp, to_pose(pose.T_wc), static_cast<int>(pose.part)});
   return results;
 }
 

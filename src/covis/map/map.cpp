@@ -28,8 +28,7 @@ KeyFrameId Map::add_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, F
   return insert_key_frame(frame, stamp, T_cw, std::move(features), part.value_or(parts_.front().number));
 }
 
-KeyFrameId Map::insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features,
-                                 uint32_t part) {
+KeyFrameId Map::insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features, uint32_t part) {
   if (!T_cw.all_finite()) {
     ++refused_non_finite_;
     log(LogLevel::error, "a key frame with a pose that is not finite was refused");

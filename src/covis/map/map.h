@@ -191,9 +191,9 @@ class Map {
   uint32_t next_serial() const { return next_serial_; }
   uint64_t refused_non_finite() const { return refused_non_finite_; }  // commits refused for a non-finite pose or point
 
-  // The first broken invariant found, described; empty when all hold: observations mutual, weights exact and mutual, each part's tree
-  // a tree that holds every key frame of it, no link to an erased thing or another part, everything finite, counts
-  // consistent.
+  // The first broken invariant found, described; empty when all hold: observations mutual, weights exact and mutual,
+  // each part's tree a tree that holds every key frame of it, no link to an erased thing or another part, everything
+  // finite, counts consistent.
   std::string check() const;
 
   // ---- Saving and loading (map_state.h) ----

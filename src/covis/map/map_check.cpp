@@ -27,7 +27,8 @@ std::string check_point(const Map& map, MapPointId id, const MapPoint& point) {
     const KeyFrame* key_frame = map.find(o.key_frame);
     if (!key_frame) return name(id) + " is observed by an erased " + name(o.key_frame);
     if (o.feature >= key_frame->points.size() || key_frame->points[o.feature] != id) return name(id) + " and " + name(o.key_frame) + " disagree on an observation";
-    if (key_frame->part != map.at(point.observations.front().key_frame).part) return name(id) + " is seen from two parts";
+    if (key_frame->part != map.at(point.observations.front().key_frame).part)
+      return name(id) + " is seen from two parts";
     reference_observes |= o.key_frame == point.reference;
   }
   if (!reference_observes) return name(id) + "'s reference does not observe it";

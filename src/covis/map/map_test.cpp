@@ -359,8 +359,8 @@ TEST(Map, RandomOperationsAgreeWithAModel) {
         const SE3 pose = pose_at(random.uniform(-5, 5));
         const FeaturesPtr features = make_features(random, kFeatures, depth);
         const uint32_t part = begins ? parts_begun++ : model.part[any_frame()];
-        const KeyFrameId k = begins ? map.begin_part(step, step, pose, features)
-                                    : map.add_key_frame(step, step, pose, features, part);
+        const KeyFrameId k =
+            begins ? map.begin_part(step, step, pose, features) : map.add_key_frame(step, step, pose, features, part);
         map.attach_to_tree(k);
         model.frames[k];
         model.part[k] = part;
@@ -378,8 +378,8 @@ TEST(Map, RandomOperationsAgreeWithAModel) {
         const KeyFrameId k = any_frame();
         const MapPointId p = any_point();
         const uint32_t feature = random.below(kFeatures);
-        const bool possible = !model.frames[k].contains(feature) && !model.points[p].contains(k) &&
-                              model.part[k] == model.part_of(p);
+        const bool possible =
+            !model.frames[k].contains(feature) && !model.points[p].contains(k) && model.part[k] == model.part_of(p);
         ASSERT_EQ(map.add_observation(p, k, feature), possible);
         if (possible) {
           model.frames[k][feature] = p;
@@ -435,7 +435,8 @@ TEST(Map, RandomOperationsAgreeWithAModel) {
         }
       } else {
         const uint32_t part = random.below(parts_begun);
-        const bool there = std::any_of(model.part.begin(), model.part.end(), [&](const auto& k) { return k.second == part; });
+        const bool there =
+            std::any_of(model.part.begin(), model.part.end(), [&](const auto& k) { return k.second == part; });
         ASSERT_EQ(map.erase_part(part), there);
         std::erase_if(model.points, [&](const auto& p) { return model.part[p.second.begin()->first] == part; });
         std::erase_if(model.frames, [&](const auto& k) { return model.part[k.first] == part; });

@@ -241,7 +241,9 @@ std::optional<LoopCloser::Found> LoopCloser::verify(const View& current, KeyFram
   }
   const int count = static_cast<int>(projection.matches.size());
   report.found_again = std::max(report.found_again, count);
-  if (!enough(count, projection.in_view, found.elsewhere)) return std::nullopt;
+  const int least = found.elsewhere ? o.merge_min_found : o.min_found;
+  const double least_share = found.elsewhere ? o.merge_min_found_share : o.min_found_share;
+  if (count < least || count < least_share * projection.in_view) return std::nullopt;
   found.S_cw = Sim3(T_cw.R(), scale * T_cw.t(), scale);
   for (const auto& [feature, p] : projection.matches) found.matches.emplace_back(feature, place.points[p]);
   const auto map = map_.read();
@@ -255,15 +257,14 @@ std::optional<LoopCloser::Found> LoopCloser::verify(const View& current, KeyFram
   return found;
 }
 
-// Whether so many of the points in view are to be believed.
-bool LoopCloser::enough(int found, int in_view, bool elsewhere, double factor) const {
-  const LoopOptions& o = options_.loop;
-  return found >= factor * (elsewhere ? o.merge_min_found : o.min_found) &&
-         found >= (elsewhere ? o.merge_min_found_share : o.min_found_share) * in_view;
+// A key frame beside one that is tied may see less of the other place: half as many points will do.
+bool LoopCloser::enough_for_neighbour(const Projection& projection) const {
+  const auto found = static_cast<double>(projection.matches.size());
+  return found >= options_.loop.min_found / 2 && found >= options_.loop.min_found_share * projection.in_view;
 }
 
-// The other way round: the views of the place must find the points of the current key frame and of those round it. Things
-// that are there and here are seen from both; of what is only alike each side sees more than the other has.
+// The other way round: the views of the place must find the points of the current key frame and of those round it.
+// Things that are there and here are seen from both; of what is only alike each side sees more than the other has.
 bool LoopCloser::seen_from_there(const Map& map, const View& current, const Found& found) {
   constexpr int kAsked = 3;
   Found back;
@@ -272,25 +273,24 @@ bool LoopCloser::seen_from_there(const Map& map, const View& current, const Foun
   for (int k = 0; k < kAsked && k < static_cast<int>(found.place.group.size()); ++k) {
     const View view = copy_view(map, found.place.group[static_cast<size_t>(k)]);
     const Projection projection = project(back.place, view, (Sim3(view.T_cw) * S_wc).as_pose(), 8);
-    if (!enough(static_cast<int>(projection.matches.size()), projection.in_view, true, 0.5)) return false;
+    if (!enough_for_neighbour(projection)) return false;
   }
   return true;
 }
 
 // The best covisible key frames, moved along with the current one, must find the place's points too: two of the first
-// five, or as many as there are. To join parts three, or all of two.
+// five, or as many as there are; to join parts there must be one at least.
 bool LoopCloser::neighbours_agree(const Map& map, const View& current, const Found& found) {
-  constexpr int kAsked = 5, kLeast = 2;
-  const int wanted = found.elsewhere ? 3 : 2;
+  constexpr int kAsked = 5, kWanted = 2;
   int asked = 0, agree = 0;
   for (const Neighbour& n : map.best_neighbours(current.id, kAsked)) {
     const View view = copy_view(map, n.key_frame);
     const Sim3 S_nw = Sim3(view.T_cw * current.T_cw.inverse()) * found.S_cw;
     const Projection projection = project(found.place, view, S_nw.as_pose(), 8);
     ++asked;
-    agree += enough(static_cast<int>(projection.matches.size()), projection.in_view, found.elsewhere, 0.5);
+    agree += enough_for_neighbour(projection);
   }
-  return agree >= std::min(asked, wanted) && (!found.elsewhere || asked >= kLeast);
+  return agree >= std::max(std::min(asked, kWanted), found.elsewhere ? 1 : 0);
 }
 
 // A place seen again whose correction would move its points by no more than two pixels: the camera looked away for a

@@ -76,8 +76,8 @@ void LoopCloser::correct(const View& current, const Found& found, LoopReport& re
   for (const auto& [id, position] : places) map->refresh_point_geometry(id);
 }
 
-// The younger part goes to the older one's world, as a whole. Nothing contradicts where it comes to lie, so that there is
-// no error to spread by a pose graph; the full bundle adjustment that follows does the rest.
+// The younger part goes to the older one's world, as a whole. Nothing contradicts where it comes to lie, so that there
+// is no error to spread by a pose graph; the full bundle adjustment that follows does the rest.
 void LoopCloser::join(const View& current, const Found& found, LoopReport& report) {
   const auto map = map_.write();
   const KeyFrameId place = found.place.key_frame;

@@ -41,7 +41,8 @@ Fields fields(TrackerOptions& o) {
       {"tracker.key_frame_interval", &o.key_frame_interval,
        "seconds after which a key frame may be made though mapping is busy", 0, 60},
       {"tracker.weak_inliers", &o.weak_inliers,
-       "with fewer inliers the next frames get twice the features, until there are 2.5 times as many; 0: never", 0, 10000},
+       "with fewer inliers the next frames get twice the features, until there are 2.5 times as many; 0: never", 0,
+       10000},
       {"tracker.init_features", &o.init_features, "features of a first frame (stereo, RGB-D)", 50, 100000},
       {"tracker.init_min_matches", &o.init_min_matches, "matches of the two first views (monocular)", 20, 10000},
       {"tracker.init_window", &o.init_window, "how far a key point may move between the two first views, pixels", 5,
@@ -83,7 +84,8 @@ Fields fields(LoopOptions& o) {
       {"loop.max_scale", &o.max_scale, "greatest change of scale, a factor", 1, 100},
       {"loop.merge_min_found", &o.merge_min_found, "loop.min_found to join two maps", 3, 10000},
       {"loop.merge_min_found_share", &o.merge_min_found_share, "loop.min_found_share to join two maps", 0, 1},
-      {"loop.ba_iterations", &o.ba_iterations, "iterations of the full bundle adjustment after a loop; 0: none", 0, 100},
+      {"loop.ba_iterations", &o.ba_iterations, "iterations of the full bundle adjustment after a loop; 0: none", 0,
+       100},
       {"loop.ba_key_frames", &o.ba_key_frames, "key frames after which its result is taken over", 1, 100},
   };
 }

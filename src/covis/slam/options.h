@@ -68,8 +68,8 @@ struct LoopOptions {
   double max_drift_mono = 0.3;    // the same, monocular
   double max_rotation = 45;       // greatest correction of orientation, degrees
   double max_scale = 3;           // greatest change of scale, a factor
-  int merge_min_found = 60;       // min_found to join two maps, of whose relation nothing else is known
-  double merge_min_found_share = 0.3;  // min_found_share, likewise
+  int merge_min_found = 50;       // min_found to join two maps, of whose relation nothing else is known
+  double merge_min_found_share = 0.25;  // min_found_share, likewise
   int ba_iterations = 10;         // of the full bundle adjustment after a loop
   int ba_key_frames = 5;          // key frames after which its result is taken over
 };

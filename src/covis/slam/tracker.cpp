@@ -2,19 +2,12 @@
 #include "covis/slam/tracker.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "covis/core/log.h"
 #include "covis/matching/descriptor_match.h"
 #include "covis/slam/point_geometry.h"
 
 namespace covis {
-namespace {
-
-constexpr int64_t kNoneOfThisRecording = std::numeric_limits<int64_t>::max();  // of a map that was put in place
-
-}  // namespace
-
 void TrackedFrame::start(FeaturesPtr f, int64_t frame, Timestamp t) {
   features = std::move(f);
   index = frame;
@@ -141,55 +134,6 @@ void Tracker::accept(TrackResult& result) {
   result.part = part_;
   result.T_cr = last_T_cr_;
   result.reason = {};
-}
-
-void Tracker::lose(Outcome& outcome, bool map_is_live) {
-  if (state_ != TrackState::lost) log(LogLevel::warning, std::string("tracking lost: ").append(outcome.result.reason));
-  state_ = TrackState::lost;
-  weak_ = options_.tracker.weak_inliers > 0;
-  has_velocity_ = false;
-  ++lost_frames_;
-  if (!lost_since_) lost_since_ = current_.stamp;
-  if (!map_is_live) return;
-  constexpr int kYoungPartPatience = 15;  // frames it is waited for
-  const std::optional<uint32_t> young = young_part();
-  if (young && lost_frames_ > kYoungPartPatience) {
-    outcome.discard_part = young;
-    log(LogLevel::warning, "the initial map was lost at once and is given up; initialising again");
-    beginning_ = map_.read()->parts().size() > 1;
-    if (!beginning_) state_ = TrackState::not_initialised;
-    initializer_.reset();
-    local_map_.clear();
-    clear_counts();
-    lost_frames_ = 0;
-  } else if (beginning_ || (!young && new_map_due())) {
-    if (!beginning_) {
-      log(LogLevel::warning, last_key_frame_ == kNoneOfThisRecording
-                                 ? "the loaded map is not found: a new one is begun beside it"
-                                 : "lost for long: a new map is begun beside the old one");
-      initializer_.reset();
-    }
-    beginning_ = true;
-    initialise(outcome);
-  }
-}
-
-std::optional<uint32_t> Tracker::young_part() const {
-  constexpr size_t kYoungPart = 5;  // key frames
-  if (!monocular()) return std::nullopt;
-  const auto map = map_.read();
-  const auto resolved = map->resolve(reference_);
-  if (!resolved) return std::nullopt;
-  const MapPart& part = *map->part(map->at(resolved->key_frame).part);
-  if (part.number < kept_parts_ || part.key_frames > kYoungPart) return std::nullopt;
-  return part.number;
-}
-
-// Without places recognised, or loops closed, both maps would never be joined.
-bool Tracker::new_map_due() const {
-  const double after = options_.tracker.new_map_after;
-  return after > 0 && vocabulary_ && options_.loop.close && !options_.localize &&
-         current_.stamp - *lost_since_ >= from_seconds(after);
 }
 
 void Tracker::key_frame_made(const MappingReport& report, int64_t frame) {

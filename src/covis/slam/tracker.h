@@ -25,6 +25,9 @@ inline constexpr uint8_t kNone = 0;
 inline constexpr uint8_t kMapPoint = 1;
 inline constexpr uint8_t kTemporary = 2;  // from the frame's own depth, good for one frame
 
+// Frame index of the last key frame while the map has but key frames that were put in place.
+inline constexpr int64_t kNoneOfThisRecording = std::numeric_limits<int64_t>::max();
+
 // The tracker's knowledge of one frame.
 struct TrackedFrame {
   int64_t index = -1;
@@ -133,7 +136,7 @@ class Tracker {
   SE3 velocity_;              // from the last camera to the current one
   KeyFrameId reference_;      // the key frame poses are relative to
   double reference_scale_ = 1;  // KeyFrame::scale of it when last seen
-  uint32_t part_ = 0;         // of the map, to which it belongs
+  uint32_t part_ = 0;           // of the map, to which it belongs
   SE3 last_T_cr_;             // last frame relative to it
   KeyFrameId new_reference_;  // a key frame just made, to become the reference
   bool map_changed_ = false;  // since the last frame was refreshed
