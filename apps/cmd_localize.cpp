@@ -24,6 +24,14 @@ struct LocalizeArguments {
   bool json = false;
 };
 
+// A saved map may have several that are not joined, each with a world of its own: found.txt, found_map1.txt, …
+std::filesystem::path file_of_map(const std::filesystem::path& out, size_t map) {
+  if (map == 0) return out;
+  std::filesystem::path file = out;
+  file.replace_filename(out.stem().string() + "_map" + std::to_string(map) + out.extension().string());
+  return file;
+}
+
 int localize(const LocalizeArguments& arguments) {
   io::SequenceOptions reading;
   if (!arguments.sensor.empty()) reading.sensor = kSensors.at(arguments.sensor);
@@ -44,7 +52,7 @@ int localize(const LocalizeArguments& arguments) {
   System system((*sequence)->camera(), options, *vocabulary);
   system.set_map(std::move(*map));
 
-  Trajectory found;
+  std::vector<Trajectory> found(system.maps().size());  // of each map
   int64_t frames = 0, unreadable = 0;
   std::vector<double> times;
   io::Frame frame;
@@ -60,28 +68,33 @@ int localize(const LocalizeArguments& arguments) {
     frame = std::move(**next);
     ++frames;
     const Stopwatch watch;
-    const auto T_wc = system.locate({.frame = frame.index,
-                                     .stamp = frame.stamp,
-                                     .image = frame.image.view(),
-                                     .right = frame.right.view(),
-                                     .depth = frame.depth.view()});
+    const auto located = system.locate({.frame = frame.index,
+                                        .stamp = frame.stamp,
+                                        .image = frame.image.view(),
+                                        .right = frame.right.view(),
+                                        .depth = frame.depth.view()});
     times.push_back(watch.ms());
-    if (T_wc) found.push_back({frame.stamp, *T_wc});
+    if (located) found[static_cast<size_t>(located->map)].push_back({frame.stamp, located->T_wc});
   }
   if (frames == 0) return fail_with(arguments.path + ": no frame could be read");
-  if (const auto saved = io::write_trajectory(arguments.out, found, io::TrajectoryFormat::tum); !saved)
-    return fail_with(saved.error());
+  size_t localized = 0;
+  for (size_t m = 0; m < found.size(); ++m) {
+    localized += found[m].size();
+    const std::filesystem::path file = file_of_map(arguments.out, m);
+    if (const auto saved = io::write_trajectory(file, found[m], io::TrajectoryFormat::tum); !saved)
+      return fail_with(saved.error());
+  }
   std::nth_element(times.begin(), times.begin() + static_cast<ptrdiff_t>(times.size() / 2), times.end());
   const double median = times[times.size() / 2];
   if (arguments.json) {
     std::cout << nlohmann::json{{"frames", frames},
-                                {"localized", found.size()},
+                                {"localized", localized},
                                 {"unreadable", unreadable},
                                 {"median_ms", median}}
                      .dump(2)
               << "\n";
   } else {
-    std::printf("%zu of %lld images localised, %.1f ms each (median); written to %s\n", found.size(),
+    std::printf("%zu of %lld images localised, %.1f ms each (median); written to %s\n", localized,
                 static_cast<long long>(frames), median, arguments.out.c_str());
   }
   return 0;

@@ -196,6 +196,10 @@ void print_summary(const nlohmann::json& summary, const std::filesystem::path& o
   std::printf("%lld of %lld frames tracked, %lld key frames, %lld points\n", summary["frames_tracked"].get<long long>(),
               summary["frames"].get<long long>(), summary["keyframes"].get<long long>(),
               summary["map_points"].get<long long>());
+  if (summary["maps"].size() > 1) {
+    std::printf("%zu maps that could not be joined; trajectory.txt has the %lld frames of the first\n",
+                summary["maps"].size(), summary["maps"][0]["frames"].get<long long>());
+  }
   std::printf("tracking %.2f ms a frame (median), %.2f ms (95 %%); %.1f frames/s in all; peak memory %.0f MB\n",
               summary["tracking_ms"]["median"].get<double>(), summary["tracking_ms"]["p95"].get<double>(),
               summary["frames_per_second"].get<double>(), summary["peak_rss_mb"].get<double>());

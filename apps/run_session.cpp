@@ -9,6 +9,7 @@
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "covis/eval/evaluation.h"
 #include "covis/eval/report.h"
@@ -76,7 +77,8 @@ json to_json(const MappingReport& m) {
           {"loop_matches", m.loop.matches},
           {"loop_inliers", m.loop.inliers},
           {"loop_found_again", m.loop.found_again},
-          {"loop_closed", m.loop.loop.valid()},
+          {"loop_closed", m.loop.loop.valid() && !m.loop.merged},
+          {"maps_joined", m.loop.merged},
           {"loop_query_ms", m.loop.query_ms},
           {"loop_verify_ms", m.loop.verify_ms},
           {"loop_ms", m.loop_ms},
@@ -87,7 +89,7 @@ json loops(const RunRecord& run) {
   json list = json::array();
   for (size_t k = 0; k < run.mapping.size(); ++k) {
     const MappingReport& m = run.mapping[k];
-    if (!m.loop.loop.valid()) continue;
+    if (!m.loop.loop.valid() || m.loop.merged) continue;
     // Its full bundle adjustment came some key frames later, unless another loop or the end was first.
     double full_ba_ms = 0;
     for (size_t later = k + 1; later < run.mapping.size() && !run.mapping[later].loop.loop.valid(); ++later)
@@ -110,8 +112,37 @@ json loops(const RunRecord& run) {
   return list;
 }
 
-json to_json(const FrameStats& f) {
+json merges(const RunRecord& run) {
+  json list = json::array();
+  for (const MappingReport& m : run.mapping) {
+    if (!m.loop.merged) continue;
+    list.push_back({{"frame", m.frame},
+                    {"key_frames_moved", m.loop.merged_key_frames},
+                    {"matches", m.loop.matches},
+                    {"inliers", m.loop.inliers},
+                    {"found_again", m.loop.found_again},
+                    {"fused", m.loop.fused},
+                    {"scale", m.loop.scale},
+                    {"query_ms", m.loop.query_ms},
+                    {"verify_ms", m.loop.verify_ms},
+                    {"correct_ms", m.loop.correct_ms}});
+  }
+  return list;
+}
+
+json maps(const std::vector<MapSummary>& maps) {
+  json list = json::array();
+  for (const MapSummary& map : maps) {
+    list.push_back(
+        {{"loaded", map.loaded}, {"frames", map.frames}, {"keyframes", map.key_frames}, {"map_points", map.points}});
+  }
+  return list;
+}
+
+// `map`: the one the frame's pose belongs to, by its place in the summary's list.
+json to_json(const FrameStats& f, std::optional<int> map) {
   json line{{"frame", f.frame}, {"stamp", to_seconds(f.stamp)}, {"state", f.state}, {"reason", f.reason}};
+  if (map) line["map"] = *map;
   if (!processed(f)) return line;
   line.update({{"method", f.method},
                {"features", f.features},
@@ -137,11 +168,14 @@ json to_json(const FrameStats& f) {
   return line;
 }
 
-std::string stats_text(const RunRecord& run) {
+std::string stats_text(const RunRecord& run, const std::vector<PoseOfFrame>& poses) {
   std::string text;
   size_t next = 0;  // reports of mapping come in the order of their frames
+  auto pose = poses.begin();  // so do poses
   for (const FrameStats& frame : run.frames) {
-    json line = to_json(frame);
+    while (pose != poses.end() && pose->frame < frame.frame) ++pose;
+    const bool has_pose = pose != poses.end() && pose->frame == frame.frame;
+    json line = to_json(frame, has_pose ? std::optional(pose->map) : std::nullopt);
     for (; next < run.mapping.size() && run.mapping[next].frame <= frame.frame; ++next) {
       if (run.mapping[next].frame == frame.frame) line["mapping"] = to_json(run.mapping[next]);
     }
@@ -152,10 +186,27 @@ std::string stats_text(const RunRecord& run) {
   return text;
 }
 
-Trajectory to_trajectory(const std::vector<PoseOfFrame>& poses) {
+Trajectory of_map(int map, const std::vector<PoseOfFrame>& poses) {
   Trajectory trajectory;
-  for (const PoseOfFrame& pose : poses) trajectory.push_back({pose.stamp, pose.T_wc});
+  for (const PoseOfFrame& pose : poses) {
+    if (pose.map == map) trajectory.push_back({pose.stamp, pose.T_wc});
+  }
   return trajectory;
+}
+
+// Of the maps beside the first. Files of an earlier run are removed: they would pass for this one's.
+Result<void> write_further_maps(const OutputOptions& options, size_t maps, const std::vector<PoseOfFrame>& poses) {
+  Result<void> problem;
+  for (size_t m = 1;; ++m) {
+    const std::filesystem::path file = options.directory / ("trajectory_map" + std::to_string(m) + ".txt");
+    if (m < maps) {
+      const auto written = io::write_trajectory(file, of_map(static_cast<int>(m), poses), options.format);
+      if (!written && problem) problem = written;
+      continue;
+    }
+    std::error_code error;
+    if (!std::filesystem::remove(file, error)) return problem;
+  }
 }
 
 json stage_times(const RunRecord& run) {
@@ -216,7 +267,11 @@ json summarise(const RunRecord& run, const System& system) {
       std::count_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.online; });
   const auto first_tracked =
       std::find_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.online; });
-  const auto map = system.map().read();
+  size_t key_frames = 0, points = 0;
+  for (const MapSummary& map : system.maps()) {
+    key_frames += map.key_frames;
+    points += map.points;
+  }
   return {{"source", run.source},
           {"sensor", sensor_name(run.sensor)},
           {"frames", run.frames.size()},
@@ -226,10 +281,10 @@ json summarise(const RunRecord& run, const System& system) {
           {"frames_late", run.late_frames},
           {"frames_unreadable", run.unreadable_frames},
           {"interrupted", run.interrupted},
-          {"keyframes", map->key_frame_count()},
+          {"keyframes", key_frames},
           {"keyframes_made", run.mapping.size()},
-          {"map_points", map->point_count()},
-          {"refused_non_finite", map->refused_non_finite()},
+          {"map_points", points},
+          {"refused_non_finite", system.map().read()->refused_non_finite()},
           {"tracking_ms", spread(done, [](const FrameStats& f) { return f.tracking_ms(); })},
           {"frame_ms", spread(done, [](const FrameStats& f) { return f.timing.total_ms; })},
           {"cpu_ms", spread(done, [](const FrameStats& f) { return f.cpu_ms; })},
@@ -237,6 +292,8 @@ json summarise(const RunRecord& run, const System& system) {
           {"stage_ms", stage_times(run)},
           {"mapping_ms", mapping_times(run)},
           {"loops", loops(run)},
+          {"maps", maps(system.maps())},
+          {"merges", merges(run)},
           {"frames_per_second", static_cast<double>(run.frames.size()) / std::max(run.wall_seconds, 1e-9)},
           {"wall_s", run.wall_seconds},
           {"first_pose_ms", run.first_pose_ms},
@@ -282,6 +339,7 @@ std::vector<std::pair<std::string, std::string>> rows_of(const json& s) {
                                       fixed(s["tracking_ms"]["p95"].get<double>(), 2, " ms)")},
       {"frames a second", fixed(s["frames_per_second"].get<double>(), 1, "")},
       {"peak memory", fixed(s["peak_rss_mb"].get<double>(), 0, " MB")}};
+  if (s["maps"].size() > 1) rows.emplace_back("maps, not joined", std::to_string(s["maps"].size()));
   if (s.contains("ate_m")) {
     rows.emplace_back("error (ATE RMSE, " + s["ate_alignment"].get<std::string>() + ")",
                       fixed(s["ate_m"].get<double>(), 4, " m"));
@@ -302,12 +360,16 @@ std::vector<ReportFrame> report_frames(const RunRecord& run) {
 }  // namespace
 
 Result<json> write_outputs(const RunRecord& run, const System& system, const OutputOptions& options) {
-  const Trajectory final = to_trajectory(system.trajectory()), online = to_trajectory(system.online_trajectory());
-  const Trajectory key_frames = to_trajectory(system.key_frames());
+  const std::vector<MapSummary> maps = system.maps();
+  const std::vector<PoseOfFrame> poses = system.trajectory();
+  const Trajectory final = of_map(0, poses), online = of_map(0, system.online_trajectory());
+  const Trajectory key_frames = of_map(0, system.key_frames());
   std::vector<Eigen::Vector3d> points;
   {
     const auto map = system.map().read();
-    map->for_each_point([&](MapPointId, const MapPoint& point) { points.push_back(point.position_w); });
+    map->for_each_point([&](MapPointId, const MapPoint& point) {
+      if (map->at(point.reference).part == maps.front().part) points.push_back(point.position_w);
+    });
   }
   json summary = summarise(run, system);
   add_errors(options, run.sensor, final, online, summary);
@@ -317,10 +379,11 @@ Result<json> write_outputs(const RunRecord& run, const System& system, const Out
     if (!written && problem) problem = std::move(written);
   };
   keep_first(io::write_trajectory(out / "trajectory.txt", final, options.format));
+  keep_first(write_further_maps(options, maps.size(), poses));
   keep_first(io::write_trajectory(out / "trajectory_online.txt", online, options.format));
   keep_first(io::write_trajectory(out / "keyframes.txt", key_frames, options.format));
   keep_first(io::write_ply(out / "map.ply", points));
-  keep_first(io::write_text_atomically(out / "stats.jsonl", stats_text(run)));
+  keep_first(io::write_text_atomically(out / "stats.jsonl", stats_text(run, poses)));
   keep_first(io::write_text_atomically(out / "summary.json",
                                        summary.dump(2, ' ', false, json::error_handler_t::replace) + "\n"));
   ReportInput report;

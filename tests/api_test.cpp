@@ -89,8 +89,10 @@ TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
   const auto last = trajectory.back();
   const auto found = locate(**slam, recording.frame(recording.size() - 1));
   ASSERT_TRUE(found && *found);
-  const double apart = std::hypot((*found)->x - last.pose.x, (*found)->y - last.pose.y, (*found)->z - last.pose.z);
+  const Pose& at = (*found)->pose;
+  const double apart = std::hypot(at.x - last.pose.x, at.y - last.pose.y, at.z - last.pose.z);
   EXPECT_LT(apart, 0.03);
+  EXPECT_EQ((*found)->map, last.map);
   const auto nowhere = locate(**slam, recording.black(0));
   ASSERT_TRUE(nowhere) << nowhere.error();
   EXPECT_FALSE(*nowhere);

@@ -11,6 +11,10 @@
 //
 // Conventions: metres, radians, nanoseconds; camera x right, y down, z forward; a Pose is T_wc, camera to world; the
 // world is the camera of the first key frame. Monocular maps have no metric scale: the median depth of the first is 1.
+//
+// A camera lost for long begins a map of its own world beside the old one; the two are joined, and the later number
+// goes, when it sees a place of the old one again. Maps count from 0; poses and points of different maps can't be
+// compared.
 #pragma once
 
 #include <cstddef>
@@ -58,6 +62,7 @@ struct DepthImage {  // metres along z, registered to the grey image; 0 or not f
 struct FrameResult {
   bool tracked = false;
   Pose pose;           // meaningful when tracked
+  int map = 0;         // the map whose world the pose is in
   std::string state;   // "not_initialised", "tracking" or "lost"
   std::string reason;  // why there is no pose
   int inliers = 0;     // map points that agree with the pose
@@ -67,10 +72,17 @@ struct FrameResult {
 struct StampedPoseResult {
   int64_t stamp = 0;  // nanoseconds, as given
   Pose pose;
+  int map = 0;
+};
+
+struct Location {
+  Pose pose;
+  int map = 0;
 };
 
 struct Point {
   double x = 0, y = 0, z = 0;
+  int map = 0;
 };
 
 class COVIS_API Slam {
@@ -93,10 +105,10 @@ class COVIS_API Slam {
   tl::expected<FrameResult, std::string> track_stereo(int64_t stamp, const GreyImage& left, const GreyImage& right);
   tl::expected<FrameResult, std::string> track_rgbd(int64_t stamp, const GreyImage& image, const DepthImage& depth);
 
-  // The pose of one image in the present map, from nothing but the image; no pose when its place is not recognised. Leaves
+  // The pose of one image in the present maps, from nothing but the image; no pose when its place is not recognised. Leaves
   // tracking as it is; waits until everything asked of mapping is done. Needs a vocabulary to find places far from the
   // last one. Errors as above.
-  using Located = tl::expected<std::optional<Pose>, std::string>;
+  using Located = tl::expected<std::optional<Location>, std::string>;
   Located locate_monocular(const GreyImage& image);
   Located locate_stereo(const GreyImage& left, const GreyImage& right);
   Located locate_rgbd(const GreyImage& image, const DepthImage& depth);

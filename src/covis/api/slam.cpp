@@ -23,7 +23,8 @@ Pose to_pose(const SE3& T) {
 std::vector<StampedPoseResult> to_results(const std::vector<PoseOfFrame>& poses) {
   std::vector<StampedPoseResult> results;
   results.reserve(poses.size());
-  for (const PoseOfFrame& pose : poses) results.push_back({pose.stamp, to_pose(pose.T_wc)});
+  for (const PoseOfFrame& pose : poses)
+    results.push_back({pose.stamp, to_pose(pose.T_wc), static_cast<int>(pose.part)});
   return results;
 }
 
@@ -91,15 +92,18 @@ struct Slam::Impl {
     result.reason = track.reason;
     result.inliers = track.inliers;
     result.key_frame = track.key_frame;
-    if (result.tracked) result.pose = to_pose(track.T_cw.inverse());
+    if (result.tracked) {
+      result.pose = to_pose(track.T_cw.inverse());
+      result.map = static_cast<int>(track.part);
+    }
     return result;
   }
 
   Located locate(const tl::expected<System::Input, std::string>& input) {
     if (!input) return Failure(input.error());
-    const auto T_wc = system.locate(*input);
-    if (!T_wc) return std::nullopt;
-    return to_pose(*T_wc);
+    const auto found = system.locate(*input);
+    if (!found) return std::nullopt;
+    return Location{to_pose(found->T_wc), static_cast<int>(found->part)};
   }
 
   Camera camera;
@@ -178,7 +182,8 @@ std::vector<Point> Slam::points() const {
   const auto map = impl_->system.map().read();
   points.reserve(map->point_count());
   map->for_each_point([&](MapPointId, const MapPoint& point) {
-    points.push_back({point.position_w.x(), point.position_w.y(), point.position_w.z()});
+    points.push_back({point.position_w.x(), point.position_w.y(), point.position_w.z(),
+                      static_cast<int>(map->at(point.reference).part)});
   });
   return points;
 }

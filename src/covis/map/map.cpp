@@ -22,7 +22,13 @@ void erase_sorted(std::vector<KeyFrameId>& list, KeyFrameId id) {
 
 }  // namespace
 
-KeyFrameId Map::add_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features) {
+KeyFrameId Map::add_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features,
+                              std::optional<uint32_t> part) {
+  if (parts_.empty()) return begin_part(frame, stamp, T_cw, std::move(features));
+  return insert_key_frame(frame, stamp, T_cw, std::move(features), part.value_or(parts_.front().number));
+}
+
+KeyFrameId Map::insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features, uint32_t part) {
   if (!T_cw.all_finite()) {
     ++refused_non_finite_;
     log(LogLevel::error, "a key frame with a pose that is not finite was refused");
@@ -30,19 +36,19 @@ KeyFrameId Map::add_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, F
   }
   KeyFrame key_frame;
   key_frame.serial = next_serial_++;
+  key_frame.part = part;
   key_frame.frame = frame;
   key_frame.stamp = stamp;
   key_frame.T_cw = T_cw;
   key_frame.points.resize(static_cast<size_t>(features->size()));
   key_frame.features = std::move(features);
-  const KeyFrameId id = key_frames_.insert(std::move(key_frame));
-  if (!root_.valid()) root_ = id;
-  return id;
+  ++part_at(part).key_frames;
+  return key_frames_.insert(std::move(key_frame));
 }
 
 void Map::attach_to_tree(KeyFrameId id) {
   KeyFrame& key_frame = key_frames_.at(id);
-  if (id == root_ || key_frame.parent.valid()) return;
+  if (is_root(id) || key_frame.parent.valid()) return;
   KeyFrameId parent;
   int best = 0;
   uint32_t best_serial = 0;
@@ -58,7 +64,7 @@ void Map::attach_to_tree(KeyFrameId id) {
   if (!parent.valid()) {
     uint32_t newest_serial = 0;
     for_each_key_frame([&](KeyFrameId other, const KeyFrame& k) {
-      if (k.serial < key_frame.serial && (!parent.valid() || k.serial > newest_serial)) {
+      if (k.part == key_frame.part && k.serial < key_frame.serial && (!parent.valid() || k.serial > newest_serial)) {
         parent = other;
         newest_serial = k.serial;
       }
@@ -71,7 +77,7 @@ void Map::attach_to_tree(KeyFrameId id) {
 
 bool Map::erase_key_frame(KeyFrameId id) {
   KeyFrame* key_frame = key_frames_.find(id);
-  if (!key_frame || id == root_ || key_frame->protections > 0) return false;
+  if (!key_frame || is_root(id) || key_frame->protections > 0) return false;
   const std::vector<MapPointId> points = key_frame->points;
   for (const MapPointId& point : points) {
     if (point.valid()) erase_observation(point, id);
@@ -81,6 +87,7 @@ bool Map::erase_key_frame(KeyFrameId id) {
   erase_sorted(key_frames_.at(parent).children, id);
   for (const KeyFrameId& other : key_frame->loop_edges) erase_sorted(key_frames_.at(other).loop_edges, id);
   if (key_frame->words) database_.erase(id, *key_frame->words);
+  --part_at(key_frame->part).key_frames;
   erased_frames_[id] = {parent, key_frame->T_cw * at(parent).T_cw.inverse(), key_frame->scale, at(parent).scale};
   return key_frames_.erase(id);
 }
@@ -139,6 +146,7 @@ void Map::set_words(KeyFrameId id, std::shared_ptr<const Words> words) {
 bool Map::correct_pose(KeyFrameId id, const SE3& T_cw, double growth) {
   if (!set_pose(id, T_cw)) return false;
   key_frames_.at(id).scale *= growth;
+  ++moves_;
   return true;
 }
 
@@ -160,7 +168,7 @@ void Map::unprotect(KeyFrameId id) {
 }
 
 void Map::add_loop_edge(KeyFrameId a, KeyFrameId b) {
-  assert(a != b);
+  assert(a != b && at(a).part == at(b).part);
   insert_sorted(key_frames_.at(a).loop_edges, b);
   insert_sorted(key_frames_.at(b).loop_edges, a);
 }
@@ -206,7 +214,7 @@ void Map::clear() {
   replaced_by_.clear();
   erased_frames_.clear();
   database_.clear();
-  root_ = {};
+  parts_.clear();
 }
 
 }  // namespace covis

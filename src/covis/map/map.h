@@ -4,6 +4,10 @@
 // nothing. Every invariant is kept by the methods here and tested by check().
 // Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, sections III-C and III-D; erasure: VI-E.
 //
+// It may have several parts: what was mapped after the camera was lost in an unknown place stands beside the rest until
+// the parts are joined (the "Atlas" of Elvira, Tardós, Montiel, IROS 2019, within one container). Each part has a world
+// and a spanning tree of its own, and no point is seen from two parts. A map made without a loss has one part.
+//
 // Units: metres. Frames: w the world, c a camera. All containers iterate in an order that depends on the operations
 // alone, never on addresses.
 #pragma once
@@ -22,6 +26,7 @@
 #include "covis/core/time.h"
 #include "covis/features/features.h"
 #include "covis/geometry/se3.h"
+#include "covis/geometry/sim3.h"
 #include "covis/map/key_frame_database.h"
 #include "covis/map/slot_store.h"
 
@@ -54,6 +59,7 @@ struct Neighbour {
 
 struct KeyFrame {
   uint32_t serial = 0;  // counts key frames as they are made, never reused
+  uint32_t part = 0;    // number of the part it belongs to
   int64_t frame = 0;    // index of the frame in the recording
   Timestamp stamp = 0;
   SE3 T_cw;
@@ -61,7 +67,7 @@ struct KeyFrame {
   std::shared_ptr<const Words> words;  // what the vocabulary says of it; null without one
   std::vector<MapPointId> points;      // for each feature its map point, or an invalid handle
   std::vector<Neighbour> shared;       // every key frame sharing at least one point, sorted by handle; exact at all times
-  KeyFrameId parent;                   // in the spanning tree; invalid for the root
+  KeyFrameId parent;                   // in the part's spanning tree; invalid for its root
   std::vector<KeyFrameId> children;    // sorted by handle
   std::vector<KeyFrameId> loop_edges;  // sorted by handle
   int protections = 0;                 // while positive the key frame can't be erased
@@ -69,19 +75,29 @@ struct KeyFrame {
                                        // relative to it before a change have translations in the old unit
 };
 
+// Numbers count parts as they are begun and are not used again.
+struct MapPart {
+  uint32_t number = 0;
+  KeyFrameId root;
+  size_t key_frames = 0;
+};
+
 struct MapState;  // map_state.h
 
 class Map {
  public:
   // ---- Key frames ----
-  // Adds a key frame without points. The first one is the root of the spanning tree. Refuses (invalid handle) a pose that is
-  // not finite.
-  KeyFrameId add_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features);
+  // Adds a key frame without points to a part there is; without one to the oldest. The first of all begins a part as
+  // begin_part() does. Refuses (invalid handle) a pose that is not finite.
+  KeyFrameId add_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features,
+                           std::optional<uint32_t> part = {});
+  // Adds a key frame as the root of a new part.
+  KeyFrameId begin_part(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features);
   // Makes the best covisible key frame (most shared points; ties: lower serial) its parent; the newest other key frame
-  // when it shares nothing. Call once, after the observations of a new key frame are in.
+  // of its part when it shares nothing. Call once, after the observations of a new key frame are in.
   void attach_to_tree(KeyFrameId id);
   // Erases it with its observations and edges; points left with fewer than two observers go too (one is enough if that observer has
-  // depth for it). Children are re-attached as in §2 of algorithms.md. False (and nothing done) for the root, a protected
+  // depth for it). Children are re-attached as in §2 of algorithms.md. False (and nothing done) for a root, a protected
   // or a stale one. Its pose relative to its parent stays known to resolve().
   bool erase_key_frame(KeyFrameId id);
   const KeyFrame* find(KeyFrameId id) const { return key_frames_.find(id); }  // nullptr: stale
@@ -90,7 +106,8 @@ class Map {
   bool set_pose(KeyFrameId id, const SE3& T_cw);
   // Makes it known to the database. Once.
   void set_words(KeyFrameId id, std::shared_ptr<const Words> words);
-  // The correction of a loop: the pose, and the factor by which lengths near this key frame grew.
+  // The correction of a loop: the pose, and the factor by which lengths near this key frame grew. Counted by moves(), as
+  // is join_parts(): what was read of the map before such a move does not fit what is read after it.
   bool correct_pose(KeyFrameId id, const SE3& T_cw, double growth);
   // Gives every key frame these intrinsics: those it was made with were refined.
   void set_camera(const Pinhole& camera);
@@ -98,10 +115,10 @@ class Map {
   void unprotect(KeyFrameId id);
   void add_loop_edge(KeyFrameId a, KeyFrameId b);
   const KeyFrameDatabase& database() const { return database_; }
-  KeyFrameId root() const { return root_; }
   KeyFrameId newest() const;  // greatest serial
   size_t key_frame_count() const { return key_frames_.size(); }
-  std::vector<KeyFrameId> key_frames() const;  // by rising serial
+  std::vector<KeyFrameId> key_frames() const;               // by rising serial
+  std::vector<KeyFrameId> key_frames(uint32_t part) const;  // of one part
 
   // A live key frame that stands for `id`, and T_ar that takes r = the returned one's camera to a = the asked one's camera: itself and
   // the identity when live; for an erased one the nearest living ancestor. Nothing for a handle that never was.
@@ -112,6 +129,20 @@ class Map {
     double scale = 1;
   };
   std::optional<Resolved> resolve(KeyFrameId id) const;
+
+  uint64_t moves() const { return moves_; }
+
+  // ---- Parts ----
+  const std::vector<MapPart>& parts() const { return parts_; }  // by rising number: the oldest first
+  const MapPart* part(uint32_t number) const;                   // nullptr: there is none (any more)
+  KeyFrameId root() const { return parts_.empty() ? KeyFrameId{} : parts_.front().root; }  // of the oldest part
+  bool is_root(KeyFrameId id) const;
+  // Joins the part of `child` to that of `parent`: all of it is moved by S (p_there = S * p_here), its tree hangs on
+  // `child` from now on, and `child` below `parent`. False (nothing done) when either is stale, both are of one part, or
+  // S is not finite.
+  bool join_parts(KeyFrameId child, KeyFrameId parent, const Sim3& S);
+  // Everything of a part goes. False when there is none of this number.
+  bool erase_part(uint32_t number);
 
   // ---- Covisibility (derived from `shared`) ----
   int weight(KeyFrameId a, KeyFrameId b) const;                           // points both observe
@@ -127,13 +158,15 @@ class Map {
   // Adds a point seen by `feature` of `reference` (its first observation). Refuses (invalid handle) a position that is not
   // finite, or a feature that has a point already.
   MapPointId add_point(const Eigen::Vector3d& position_w, KeyFrameId reference, uint32_t feature);
-  // False when either is stale, the feature has a point, or the key frame already observes this point.
+  // False when either is stale, the feature has a point, or the key frame already observes this point or is of another
+  // part.
   bool add_observation(MapPointId point, KeyFrameId key_frame, uint32_t feature);
   // Removes one observation; the point goes too when too few are left (as in erase_key_frame). False when there is none.
   bool erase_observation(MapPointId point, KeyFrameId key_frame);
   bool erase_point(MapPointId id);
   // Moves the observations of `old` to `by` (where `by` is already seen by that key frame, the feature is let go), adds up visible and found,
-  // refreshes `by`, erases `old` and forwards its handle. False when either is stale or both are the same.
+  // refreshes `by`, erases `old` and forwards its handle. False when either is stale, both are the same, or of different
+  // parts.
   bool replace_point(MapPointId old, MapPointId by);
   // The live handle that `id` has become through replacements; invalid when it was erased.
   MapPointId forwarded(MapPointId id) const;
@@ -161,8 +194,9 @@ class Map {
   uint32_t next_serial() const { return next_serial_; }
   uint64_t refused_non_finite() const { return refused_non_finite_; }  // commits refused for a non-finite pose or point
 
-  // The first broken invariant found, described; empty when all hold: observations mutual, weights exact and mutual, the tree a tree
-  // that holds every key frame, no link to an erased thing, everything finite, counts consistent.
+  // The first broken invariant found, described; empty when all hold: observations mutual, weights exact and mutual,
+  // each part's tree a tree that holds every key frame of it, no link to an erased thing or another part, everything
+  // finite, counts consistent.
   std::string check() const;
 
   // ---- Saving and loading (map_state.h) ----
@@ -183,12 +217,17 @@ class Map {
   std::unordered_map<MapPointId, MapPointId> replaced_by_;   // looked up, never iterated
   std::unordered_map<KeyFrameId, Ancestor> erased_frames_;   // looked up, never iterated
   KeyFrameDatabase database_;
-  KeyFrameId root_;
+  std::vector<MapPart> parts_;  // by rising number; each has a key frame
+  uint32_t next_part_ = 0;
   uint32_t next_serial_ = 0;
-  uint64_t refused_non_finite_ = 0;
+  uint64_t refused_non_finite_ = 0, moves_ = 0;
 
+  MapPart& part_at(uint32_t number);
+  KeyFrameId insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features, uint32_t part);
+  void hang_tree_on(KeyFrameId id);
   void add_weight(KeyFrameId a, KeyFrameId b, int delta);
   void rebuild_shared();  // of all key frames, from the observations
+  void find_parts(const std::vector<KeyFrameId>& frames);  // from the trees; frames by rising serial
   void unlink_observations(MapPointId id);
   void reattach_children(KeyFrameId id);
 };

@@ -27,6 +27,8 @@ std::string check_point(const Map& map, MapPointId id, const MapPoint& point) {
     const KeyFrame* key_frame = map.find(o.key_frame);
     if (!key_frame) return name(id) + " is observed by an erased " + name(o.key_frame);
     if (o.feature >= key_frame->points.size() || key_frame->points[o.feature] != id) return name(id) + " and " + name(o.key_frame) + " disagree on an observation";
+    if (key_frame->part != map.at(point.observations.front().key_frame).part)
+      return name(id) + " is seen from two parts";
     reference_observes |= o.key_frame == point.reference;
   }
   if (!reference_observes) return name(id) + "'s reference does not observe it";
@@ -76,10 +78,13 @@ std::string check_links(const Map& map, KeyFrameId id, const KeyFrame& key_frame
   }
   for (const KeyFrameId& other : key_frame.loop_edges) {
     if (!map.find(other)) return name(id) + " has a loop edge to an erased key frame";
+    if (map.at(other).part != key_frame.part) return name(id) + " has a loop edge to another part";
     const auto& back = map.at(other).loop_edges;
     if (!std::binary_search(back.begin(), back.end(), id)) return name(id) + " has a loop edge that is not mutual";
   }
-  if (id == map.root()) return key_frame.parent.valid() ? name(id) + " is the root and has a parent" : "";
+  const MapPart* part = map.part(key_frame.part);
+  if (!part) return name(id) + " is of a part that is not there";
+  if (id == part->root) return key_frame.parent.valid() ? name(id) + " is a root and has a parent" : "";
   if (!key_frame.parent.valid()) {
     // Just added and not attached yet: the newest only.
     return key_frame.serial + 1 == map.next_serial() && key_frame.children.empty() ? "" : name(id) + " has no parent";
@@ -88,10 +93,10 @@ std::string check_links(const Map& map, KeyFrameId id, const KeyFrame& key_frame
   if (!parent || !std::binary_search(parent->children.begin(), parent->children.end(), id)) return name(id) + "'s parent is erased or does not know it";
   // Up the tree to the root, in no more steps than there are key frames.
   KeyFrameId at = id;
-  for (size_t steps = 0; at != map.root(); ++steps) {
+  for (size_t steps = 0; at != part->root; ++steps) {
     if (steps > map.key_frame_count()) return name(id) + " is on a cycle of the spanning tree";
     at = map.at(at).parent;
-    if (!map.find(at)) return name(id) + " is not connected to the root";
+    if (!map.find(at)) return name(id) + " is not connected to its part's root";
   }
   return {};
 }
@@ -116,6 +121,22 @@ std::string check_database(const Map& map) {
   return problem;
 }
 
+std::string check_parts(const Map& map) {
+  size_t total = 0;
+  for (const MapPart& part : map.parts()) {
+    const KeyFrame* root = map.find(part.root);
+    if (!root || root->part != part.number) return "the root of part " + std::to_string(part.number) + " is erased";
+    size_t key_frames = 0;
+    map.for_each_key_frame([&](KeyFrameId, const KeyFrame& k) { key_frames += k.part == part.number; });
+    if (key_frames != part.key_frames) return "part " + std::to_string(part.number) + " has a wrong count";
+    total += key_frames;
+  }
+  if (total != map.key_frame_count()) return "a key frame belongs to no part";
+  return strictly_sorted(map.parts(), [](const MapPart& a, const MapPart& b) { return a.number < b.number; })
+             ? ""
+             : "the parts are not sorted";
+}
+
 }  // namespace
 
 std::string Map::check() const {
@@ -131,8 +152,8 @@ std::string Map::check() const {
   for_each_point([&](MapPointId id, const MapPoint& point) {
     if (problem.empty()) problem = check_point(*this, id, point);
   });
+  if (problem.empty()) problem = check_parts(*this);
   if (problem.empty()) problem = check_database(*this);
-  if (problem.empty() && key_frame_count() > 0 && !find(root_)) problem = "the root is erased";
   return problem;
 }
 

@@ -42,10 +42,11 @@ bool Map::add_observation(MapPointId id, KeyFrameId key_frame_id, uint32_t featu
   MapPoint* point = points_.find(id);
   KeyFrame* key_frame = key_frames_.find(key_frame_id);
   if (!point || !key_frame || feature >= key_frame->points.size() || key_frame->points[feature].valid()) return false;
-  const auto at = std::lower_bound(point->observations.begin(), point->observations.end(), key_frame_id, ByHandle{});
-  if (at != point->observations.end() && at->key_frame == key_frame_id) return false;
+  if (at(point->reference).part != key_frame->part) return false;
+  const auto place = std::lower_bound(point->observations.begin(), point->observations.end(), key_frame_id, ByHandle{});
+  if (place != point->observations.end() && place->key_frame == key_frame_id) return false;
   for (const Observation& other : point->observations) add_weight(key_frame_id, other.key_frame, 1);
-  point->observations.insert(at, {key_frame_id, feature});
+  point->observations.insert(place, {key_frame_id, feature});
   key_frame->points[feature] = id;
   return true;
 }
@@ -88,6 +89,7 @@ bool Map::erase_point(MapPointId id) {
 
 bool Map::replace_point(MapPointId old, MapPointId by) {
   if (old == by || !points_.find(old) || !points_.find(by)) return false;
+  if (at(at(old).reference).part != at(at(by).reference).part) return false;
   const std::vector<Observation> observations = points_.at(old).observations;
   const uint32_t visible = points_.at(old).visible, found = points_.at(old).found;
   unlink_observations(old);

@@ -101,8 +101,11 @@ std::string problem_of(const MapState& state) {
     const std::string problem = problem_of(state, state.points[i]);
     if (!problem.empty()) return point_name(i) + " " + problem;
   }
-  const bool root_there = state.root < state.key_frames.size();
-  if (state.key_frames.empty() ? state.root != kNone : !root_there) return "it has no root";
+  // The oldest part's root is the first that has no parent.
+  uint32_t root = 0;
+  while (root < state.key_frames.size() && state.key_frames[root].parent != kNone) ++root;
+  if (state.root != (root < state.key_frames.size() ? root : kNone)) return "it has no root";
+  if (root == state.key_frames.size() && root > 0) return "it has no root";
   return {};
 }
 
@@ -133,7 +136,7 @@ MapState Map::state() const {
     for (const KeyFrameId& other : k.loop_edges) s.loop_edges.push_back(frame_index[other.slot]);
     std::sort(s.loop_edges.begin(), s.loop_edges.end());
   }
-  if (root_.valid()) state.root = frame_index[root_.slot];
+  if (root().valid()) state.root = frame_index[root().slot];
   return state;
 }
 
@@ -156,6 +159,20 @@ void Map::rebuild_shared() {
       key_frame.shared.push_back({other, weights[other.slot]});
       weights[other.slot] = 0;
     }
+  }
+}
+
+// Each key frame without a parent is the root of a part, numbered as they come.
+void Map::find_parts(const std::vector<KeyFrameId>& frames) {
+  for (const KeyFrameId& root : frames) {
+    if (at(root).parent.valid()) continue;
+    std::vector<KeyFrameId> tree{root};
+    for (size_t k = 0; k < tree.size(); ++k) {
+      KeyFrame& key_frame = key_frames_.at(tree[k]);
+      key_frame.part = next_part_;
+      tree.insert(tree.end(), key_frame.children.begin(), key_frame.children.end());
+    }
+    parts_.push_back({next_part_++, root, tree.size()});
   }
 }
 
@@ -200,8 +217,8 @@ Result<Map> Map::from_state(MapState state) {
     map.key_frames_.at(key_frame.parent).children.push_back(frames[i]);
   }
   for (size_t i = 0; i < points.size(); ++i) map.points_.at(points[i]).reference = frames[state.points[i].reference];
-  if (state.root != kNone) map.root_ = frames[state.root];
   map.next_serial_ = state.next_serial;
+  map.find_parts(frames);
   map.rebuild_shared();
   if (const std::string problem = map.check(); !problem.empty()) return fail(problem);
   return map;

@@ -22,7 +22,7 @@ struct KeyFrameState {
   SE3 T_cw;
   FeaturesPtr features;
   std::vector<uint32_t> points;      // for each feature the index of its map point, or MapState::kNone
-  uint32_t parent = 0xffffffffu;     // index of a key frame, or MapState::kNone
+  uint32_t parent = 0xffffffffu;     // index of a key frame, or MapState::kNone: the root of a part
   std::vector<uint32_t> loop_edges;  // indices of key frames, rising
 };
 
@@ -41,7 +41,7 @@ struct MapState {
 
   std::vector<KeyFrameState> key_frames;
   std::vector<MapPointState> points;
-  uint32_t root = kNone;  // index of a key frame
+  uint32_t root = kNone;  // index of the first key frame without a parent
   uint32_t next_serial = 0;
 };
 

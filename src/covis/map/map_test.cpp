@@ -217,11 +217,96 @@ TEST(Map, OneViewWithDepthKeepsAPoint) {
   EXPECT_EQ(f.map.check(), "");
 }
 
+TEST(Map, PartsStandBesideEachOther) {
+  Fixture f;
+  const KeyFrameId a = f.frame(0, true), b = f.frame(1, true);
+  f.share(a, b, 30, 0);
+  f.map.attach_to_tree(b);
+  const KeyFrameId c = f.map.begin_part(20, 0, pose_at(0), make_features(f.random, 400, true));
+  const KeyFrameId d = f.map.add_key_frame(30, 0, pose_at(1), make_features(f.random, 400, true), f.map.at(c).part);
+  f.map.attach_to_tree(d);  // it shares nothing: below the newest of its own part
+  const MapPointId p = f.map.add_point({0, 0, 5}, a, 300), q = f.map.add_point({0, 0, 5}, c, 300);
+  EXPECT_EQ(f.map.at(d).parent, c);
+  EXPECT_TRUE(f.map.is_root(a) && f.map.is_root(c));
+  EXPECT_EQ(f.map.root(), a);
+  EXPECT_EQ(f.map.parts().size(), 2u);
+  EXPECT_EQ(f.map.key_frames(f.map.at(c).part), (std::vector<KeyFrameId>{c, d}));
+  EXPECT_EQ(f.map.check(), "");
+  // No point is seen from both, no root is erased.
+  EXPECT_FALSE(f.map.add_observation(p, c, 5));
+  EXPECT_FALSE(f.map.replace_point(p, q));
+  EXPECT_FALSE(f.map.erase_key_frame(c));
+  EXPECT_EQ(f.map.check(), "");
+  EXPECT_TRUE(f.map.erase_part(f.map.at(c).part));
+  EXPECT_FALSE(f.map.erase_part(1));
+  EXPECT_EQ(f.map.find(q), nullptr);
+  EXPECT_EQ(f.map.key_frame_count(), 2u);
+  EXPECT_EQ(f.map.check(), "");
+  const KeyFrameId e = f.map.begin_part(40, 0, SE3(), make_features(f.random, 10, true));
+  EXPECT_EQ(f.map.at(e).part, 2u) << "numbers are not used again";
+}
+
+// What a part looks like from within does not change when it is joined to another.
+TEST(Map, JoiningMovesAPartAsAWhole) {
+  Fixture f;
+  const KeyFrameId a = f.frame(0, true), b = f.frame(1, true);
+  f.map.attach_to_tree(b);
+  const uint32_t part = f.map.at(f.map.begin_part(20, 0, pose_at(0), make_features(f.random, 400, true))).part;
+  const auto add = [&](double x) {
+    return f.map.add_key_frame(static_cast<int64_t>(x), 0, pose_at(x), make_features(f.random, 400, true), part);
+  };
+  const KeyFrameId root = f.map.key_frames(part).front(), c = add(1), d = add(2), gone = add(3);
+  f.share(root, c, 40, 0);
+  f.map.attach_to_tree(c);
+  f.share(c, d, 40, 50);
+  f.map.attach_to_tree(d);
+  f.share(d, gone, 40, 100);
+  f.map.attach_to_tree(gone);
+  const MapPointId p = f.map.add_point({0.3, -0.2, 5}, d, 200);
+  f.map.add_observation(p, root, 200);
+  f.map.refresh_point(p);
+  f.map.add_loop_edge(root, d);
+  EXPECT_TRUE(f.map.erase_key_frame(gone));
+  const Eigen::Vector3d seen = f.map.at(d).T_cw * f.map.at(p).position_w;
+  const float d_max = f.map.at(p).d_max;
+  const SE3 T_gone_d = f.map.resolve(gone)->T_ar;
+  const uint64_t moves = f.map.moves();
+
+  const Sim3 S(so3_exp({0.1, 0.7, -0.3}), {4, 5, 6}, 2.5);
+  EXPECT_FALSE(f.map.join_parts(c, d, S)) << "of one part";
+  EXPECT_FALSE(f.map.join_parts(d, b, Sim3(Eigen::Matrix3d::Identity(), {0, NAN, 0}, 1)));
+  EXPECT_EQ(f.map.moves(), moves);
+  EXPECT_TRUE(f.map.join_parts(d, b, S));
+  EXPECT_GT(f.map.moves(), moves);
+  EXPECT_EQ(f.map.check(), "");
+  EXPECT_EQ(f.map.parts().size(), 1u);
+  EXPECT_EQ(f.map.root(), a);
+  for (const KeyFrameId& id : {root, c, d}) EXPECT_EQ(f.map.at(id).part, f.map.at(a).part);
+  EXPECT_EQ(f.map.at(d).parent, b);
+  EXPECT_EQ(f.map.at(c).parent, d) << "the tree hangs on the key frame that was tied";
+  EXPECT_EQ(f.map.at(root).parent, c);
+  const Eigen::Vector3d now = f.map.at(d).T_cw * f.map.at(p).position_w;
+  EXPECT_LT((now - 2.5 * seen).norm(), 1e-9);
+  EXPECT_NEAR(f.map.at(p).d_max, 2.5 * d_max, 1e-4);
+  const MapPoint moved = f.map.at(p);
+  f.map.refresh_point_geometry(p);
+  EXPECT_LT((moved.normal_w - f.map.at(p).normal_w).norm(), 1e-9);
+  EXPECT_NEAR(moved.d_min, f.map.at(p).d_min, 1e-4);
+  // Poses told before, of erased key frames as well, come along in the new unit.
+  const auto resolved = f.map.resolve(gone);
+  ASSERT_TRUE(resolved);
+  EXPECT_DOUBLE_EQ(resolved->scale, 2.5);
+  EXPECT_LT((resolved->T_ar.t() - 2.5 * T_gone_d.t()).norm(), 1e-9);
+}
+
 // The same operations on Map and on a naive model; both must agree after each.
 struct Model {
   std::map<KeyFrameId, std::map<uint32_t, MapPointId>> frames;
   std::map<MapPointId, std::map<KeyFrameId, uint32_t>> points;
+  std::map<KeyFrameId, uint32_t> part;
+  std::set<KeyFrameId> roots;
 
+  uint32_t part_of(MapPointId p) { return part[points[p].begin()->first]; }
   void erase_point(MapPointId p) {
     for (const auto& [frame, feature] : points[p]) frames[frame].erase(feature);
     points.erase(p);
@@ -251,7 +336,10 @@ void expect_equal(const Map& map, const Model& model) {
     weights.erase(k);
     for (const auto& [other, weight] : weights) ASSERT_EQ(map.weight(k, other), weight);
     ASSERT_EQ(map.at(k).shared.size(), weights.size());
+    ASSERT_EQ(map.at(k).part, model.part.at(k));
+    ASSERT_EQ(map.is_root(k), model.roots.contains(k));
   }
+  ASSERT_EQ(map.parts().size(), model.roots.size());
 }
 
 TEST(Map, RandomOperationsAgreeWithAModel) {
@@ -260,15 +348,23 @@ TEST(Map, RandomOperationsAgreeWithAModel) {
     Map map;
     Model model;
     const bool depth = seed % 2;
+    uint32_t parts_begun = 0;
     constexpr int kFeatures = 30;
     const auto any_frame = [&] { return std::next(model.frames.begin(), random.below(static_cast<uint32_t>(model.frames.size())))->first; };
     const auto any_point = [&] { return std::next(model.points.begin(), random.below(static_cast<uint32_t>(model.points.size())))->first; };
     for (int step = 0; step < 1500; ++step) {
       const uint32_t what = random.below(100);
       if (model.frames.size() < 3 || what < 5) {
-        const KeyFrameId k = map.add_key_frame(step, step, pose_at(random.uniform(-5, 5)), make_features(random, kFeatures, depth));
+        const bool begins = model.frames.empty() || random.below(5) == 0;
+        const SE3 pose = pose_at(random.uniform(-5, 5));
+        const FeaturesPtr features = make_features(random, kFeatures, depth);
+        const uint32_t part = begins ? parts_begun++ : model.part[any_frame()];
+        const KeyFrameId k =
+            begins ? map.begin_part(step, step, pose, features) : map.add_key_frame(step, step, pose, features, part);
+        map.attach_to_tree(k);
         model.frames[k];
-        if (k != map.root()) map.attach_to_tree(k);
+        model.part[k] = part;
+        if (begins) model.roots.insert(k);
       } else if (what < 35 || model.points.size() < 5) {
         const KeyFrameId k = any_frame();
         const uint32_t feature = random.below(kFeatures);
@@ -282,7 +378,8 @@ TEST(Map, RandomOperationsAgreeWithAModel) {
         const KeyFrameId k = any_frame();
         const MapPointId p = any_point();
         const uint32_t feature = random.below(kFeatures);
-        const bool possible = !model.frames[k].contains(feature) && !model.points[p].contains(k);
+        const bool possible =
+            !model.frames[k].contains(feature) && !model.points[p].contains(k) && model.part[k] == model.part_of(p);
         ASSERT_EQ(map.add_observation(p, k, feature), possible);
         if (possible) {
           model.frames[k][feature] = p;
@@ -300,8 +397,9 @@ TEST(Map, RandomOperationsAgreeWithAModel) {
         model.erase_point(p);
       } else if (what < 93) {
         const MapPointId old = any_point(), by = any_point();
-        ASSERT_EQ(map.replace_point(old, by), old != by);
-        if (old != by) {
+        const bool possible = old != by && model.part_of(old) == model.part_of(by);
+        ASSERT_EQ(map.replace_point(old, by), possible);
+        if (possible) {
           const auto observers = model.points[old];
           model.erase_point(old);
           for (const auto& [k, feature] : observers) {
@@ -313,17 +411,37 @@ TEST(Map, RandomOperationsAgreeWithAModel) {
         }
       } else if (what < 97) {
         const KeyFrameId k = any_frame();
-        const bool possible = k != map.root();
+        const bool possible = !model.roots.contains(k);
         ASSERT_EQ(map.erase_key_frame(k), possible);
         if (possible) {
           const auto features = model.frames[k];
           for (const auto& [feature, p] : features) model.erase_observation(p, k, depth);
           model.frames.erase(k);
+          model.part.erase(k);
           ASSERT_TRUE(map.resolve(k));
         }
-      } else {
+      } else if (what < 98) {
         const KeyFrameId a = any_frame(), b = any_frame();
-        if (a != b) map.add_loop_edge(a, b);
+        if (a != b && model.part[a] == model.part[b]) map.add_loop_edge(a, b);
+      } else if (random.below(8) != 0) {
+        const KeyFrameId child = any_frame(), parent = any_frame();
+        const Sim3 S(so3_exp({random.uniform(-1, 1), 0, 1}), {1, random.uniform(-1, 1), 2}, random.uniform(0.5, 2));
+        const uint32_t from = model.part[child], to = model.part[parent];
+        ASSERT_EQ(map.join_parts(child, parent, S), from != to);
+        if (from == to) continue;
+        std::erase_if(model.roots, [&](KeyFrameId k) { return model.part[k] == from; });
+        for (auto& [k, part] : model.part) {
+          if (part == from) part = to;
+        }
+      } else {
+        const uint32_t part = random.below(parts_begun);
+        const bool there =
+            std::any_of(model.part.begin(), model.part.end(), [&](const auto& k) { return k.second == part; });
+        ASSERT_EQ(map.erase_part(part), there);
+        std::erase_if(model.points, [&](const auto& p) { return model.part[p.second.begin()->first] == part; });
+        std::erase_if(model.frames, [&](const auto& k) { return model.part[k.first] == part; });
+        std::erase_if(model.roots, [&](KeyFrameId k) { return model.part[k] == part; });
+        std::erase_if(model.part, [&](const auto& k) { return k.second == part; });
       }
       expect_equal(map, model);
       if (testing::Test::HasFatalFailure()) return;

@@ -67,7 +67,7 @@ TEST(FocalRefinement, GivesTheMapTheCameraItTells) {
   SharedMap map;
   drive(map, 1.02);
   GlobalAdjuster adjuster;
-  adjuster.start_focal(map, 510);
+  adjuster.start_focal(map, map.read()->root(), 510);
   ASSERT_TRUE(adjuster.running());
   EXPECT_TRUE(adjuster.refines_focal());
   adjuster.commit(map);
@@ -84,7 +84,7 @@ TEST(FocalRefinement, LeavesARightOneAndTheMap) {
   std::vector<SE3> before;
   for (const KeyFrameId& id : map.read()->key_frames()) before.push_back(map.read()->at(id).T_cw);
   GlobalAdjuster adjuster;
-  adjuster.start_focal(map, 500);
+  adjuster.start_focal(map, map.read()->root(), 500);
   adjuster.commit(map);
   EXPECT_FALSE(adjuster.refined_camera());
   const auto m = map.read();
@@ -99,7 +99,7 @@ TEST(FocalRefinement, KeepsNearTheGivenOne) {
   SharedMap map;
   drive(map, 1.02);
   GlobalAdjuster adjuster;
-  adjuster.start_focal(map, 530);  // what the map tells is more than 5 % away from this
+  adjuster.start_focal(map, map.read()->root(), 530);  // what the map tells is more than 5 % away from this
   adjuster.commit(map);
   EXPECT_FALSE(adjuster.refined_camera());
 }

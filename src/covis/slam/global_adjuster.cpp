@@ -12,25 +12,25 @@
 
 namespace covis {
 
-void GlobalAdjuster::start(const SharedMap& shared, int iterations) {
+void GlobalAdjuster::start(const SharedMap& shared, KeyFrameId of_part, int iterations) {
   abandon();
   given_fx_ = 0;
-  begin(shared, iterations);
+  begin(shared, of_part, iterations);
 }
 
-void GlobalAdjuster::start_focal(const SharedMap& shared, double given_fx) {
+void GlobalAdjuster::start_focal(const SharedMap& shared, KeyFrameId of_part, double given_fx) {
   constexpr int kIterations = 20;
   abandon();
   given_fx_ = given_fx;
-  begin(shared, kIterations);
+  begin(shared, of_part, kIterations);
 }
 
-void GlobalAdjuster::begin(const SharedMap& shared, int iterations) {
+void GlobalAdjuster::begin(const SharedMap& shared, KeyFrameId of_part, int iterations) {
   camera_.reset();
   problem_ = {};
   {
     const auto map = shared.read();
-    const std::vector<KeyFrameId> frames = map->key_frames();
+    const std::vector<KeyFrameId> frames = map->key_frames(map->at(of_part).part);
     if (frames.size() < 2) return;
     problem_.gather(*map, frames, frames.size());
   }
@@ -72,11 +72,13 @@ void GlobalAdjuster::abandon() {
 double GlobalAdjuster::commit(SharedMap& map) {
   thread_.join();
   if (given_fx_ > 0) {
+    const auto locked = map.write();
+    if (locked->parts().size() > 1) camera_.reset();  // begun meanwhile: the others were not adjusted to it
     if (camera_) {
-      const auto locked = map.write();
       locked->set_camera(*camera_);
       take_over(*locked);
-      log(LogLevel::info, "focal length refined: " + std::to_string(camera_->fx) + " pixels instead of " + std::to_string(given_fx_));
+      log(LogLevel::info, "focal length refined: " + std::to_string(camera_->fx) + " pixels instead of " +
+                              std::to_string(given_fx_));
     }
   } else if (summary_.ok) {
     take_over(*map.write());
@@ -88,6 +90,10 @@ double GlobalAdjuster::commit(SharedMap& map) {
 }
 
 void GlobalAdjuster::take_over(Map& map) const {
+  const auto& frames = problem_.key_frames;
+  const auto alive = std::find_if(frames.begin(), frames.end(), [&](KeyFrameId id) { return map.find(id); });
+  if (alive == frames.end()) return;  // the part was given up
+  const MapPart part = *map.part(map.at(*alive).part);
   std::vector<SE3> before, after;    // by slot
   std::vector<uint8_t> adjusted;     // by slot: has an adjusted pose
   const auto room = [&](KeyFrameId id) {
@@ -107,7 +113,7 @@ void GlobalAdjuster::take_over(Map& map) const {
     adjusted[id.slot] = 1;
   }
   // From the root down: what is newer than the copy keeps its place beside its parent.
-  std::vector<KeyFrameId> open{map.root()};
+  std::vector<KeyFrameId> open{part.root};
   for (size_t k = 0; k < open.size(); ++k) {
     const KeyFrame& key_frame = map.at(open[k]);
     if (!adjusted[open[k].slot] && key_frame.parent.valid()) {
@@ -118,6 +124,7 @@ void GlobalAdjuster::take_over(Map& map) const {
   }
   std::vector<std::pair<MapPointId, Eigen::Vector3d>> places;
   map.for_each_point([&](MapPointId id, const MapPoint& point) {
+    if (map.at(point.reference).part != part.number) return;
     const auto at = std::lower_bound(problem_.points.begin(), problem_.points.end(), id);
     if (at != problem_.points.end() && *at == id) {
       places.emplace_back(id, problem_.problem.points[static_cast<size_t>(at - problem_.points.begin())]);

@@ -17,11 +17,11 @@ class GlobalAdjuster {
  public:
   ~GlobalAdjuster() { abandon(); }
 
-  // Copies the map under a read guard and begins.
-  void start(const SharedMap& map, int iterations);
+  // Copies the part of the map that the key frame belongs to, under a read guard, and begins.
+  void start(const SharedMap& map, KeyFrameId of_part, int iterations);
   // The same with the focal length among what is adjusted, as far as the map tells it; within 5 % of given_fx. Where it
   // does not, or agrees with what it is, nothing comes of it.
-  void start_focal(const SharedMap& map, double given_fx);
+  void start_focal(const SharedMap& map, KeyFrameId of_part, double given_fx);
   bool running() const { return thread_.joinable(); }
   // The result is there: commit() will not wait.
   bool ready() const { return done_.load(); }
@@ -34,7 +34,7 @@ class GlobalAdjuster {
   void abandon();
 
  private:
-  void begin(const SharedMap& map, int iterations);
+  void begin(const SharedMap& map, KeyFrameId of_part, int iterations);
   void adjust(int iterations);
   bool refine_focal(BundleAdjuster& adjuster);
   void take_over(Map& map) const;

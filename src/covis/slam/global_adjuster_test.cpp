@@ -71,7 +71,7 @@ TEST(GlobalAdjuster, TakesItsResultOverBesideNewWork) {
   }
   GlobalAdjuster adjuster;
   EXPECT_FALSE(adjuster.running());
-  adjuster.start(world.map, 20);
+  adjuster.start(world.map, world.frames.front(), 20);
   EXPECT_TRUE(adjuster.running());
   // Meanwhile a key frame goes, and one comes that hangs on the last.
   KeyFrameId fresh;
@@ -103,9 +103,9 @@ TEST(GlobalAdjuster, IsGivenUpAtAnyTime) {
   const SE3 before = world.map.read()->at(world.frames[3]).T_cw;
   for (int k = 0; k < 20; ++k) {
     GlobalAdjuster adjuster;
-    adjuster.start(world.map, 1000);
+    adjuster.start(world.map, world.frames.front(), 1000);
     if (k % 2) adjuster.abandon();
-    if (k % 4 == 1) adjuster.start(world.map, 1000);
+    if (k % 4 == 1) adjuster.start(world.map, world.frames.front(), 1000);
   }
   EXPECT_EQ(world.map.read()->at(world.frames[3]).T_cw.t(), before.t());
 }

@@ -14,6 +14,7 @@ namespace covis {
 // A copy of one key frame: enough to track against without the map.
 struct KeyFrameView {
   KeyFrameId id;
+  uint32_t part = 0;  // of the map
   SE3 T_cw;
   double scale = 1;  // KeyFrame::scale
   FeaturesPtr features;

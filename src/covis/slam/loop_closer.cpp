@@ -43,13 +43,17 @@ bool LoopCloser::process(KeyFrameId current, LoopReport& report) {
   }
   report.verify_ms = watch.ms() - report.query_ms;
   if (!found) return false;
-  if (nothing_to_correct(view, *found, report)) {
+  if (!found->elsewhere && nothing_to_correct(view, *found, report)) {
     fuse(view, *found, report);
     last_loop_serial_ = map_.read()->at(current).serial;
     return false;
   }
   report.loop = found->place.key_frame;
-  correct(view, *found, report);
+  if ((report.merged = found->elsewhere)) {
+    join(view, *found, report);
+  } else {
+    correct(view, *found, report);
+  }
   fuse(view, *found, report);
   {
     const auto map = map_.write();
@@ -72,7 +76,8 @@ std::vector<KeyFrameId> LoopCloser::candidates(const Map& map, KeyFrameId curren
   std::vector<KeyFrameId> result;
   for (const auto& candidate : map.database().query(map, *key_frame.words, excluded, min_score)) {
     // What was mapped a moment ago is no place come back to.
-    if (map.at(candidate.key_frame).serial + kBetweenLoops > key_frame.serial) continue;
+    const KeyFrame& place = map.at(candidate.key_frame);
+    if (place.part == key_frame.part && place.serial + kBetweenLoops > key_frame.serial) continue;
     if (result.size() < kCandidates) result.push_back(candidate.key_frame);
   }
   return result;
@@ -203,7 +208,11 @@ bool LoopCloser::refine(const Place& place, const View& view, SE3& T_cw, Project
 std::optional<LoopCloser::Found> LoopCloser::verify(const View& current, KeyFrameId candidate, LoopReport& report) {
   const LoopOptions& o = options_.loop;
   Found found;
-  found.place = copy_place(*map_.read(), candidate);
+  {
+    const auto map = map_.read();
+    found.place = copy_place(*map, candidate);
+    found.elsewhere = map->at(candidate).part != map->at(current.id).part;
+  }
   const Place& place = found.place;
   const std::vector<Sim3Match> matches = match_points(current, place);
   report.matches = std::max(report.matches, static_cast<int>(matches.size()));
@@ -232,16 +241,45 @@ std::optional<LoopCloser::Found> LoopCloser::verify(const View& current, KeyFram
   }
   const int count = static_cast<int>(projection.matches.size());
   report.found_again = std::max(report.found_again, count);
-  if (count < o.min_found || count < o.min_found_share * projection.in_view) return std::nullopt;
+  const int least = found.elsewhere ? o.merge_min_found : o.min_found;
+  const double least_share = found.elsewhere ? o.merge_min_found_share : o.min_found_share;
+  if (count < least || count < least_share * projection.in_view) return std::nullopt;
   found.S_cw = Sim3(T_cw.R(), scale * T_cw.t(), scale);
   for (const auto& [feature, p] : projection.matches) found.matches.emplace_back(feature, place.points[p]);
   const auto map = map_.read();
-  if (!neighbours_agree(*map, current, found) || !drift_explains(*map, current, found, report)) return std::nullopt;
+  if (!neighbours_agree(*map, current, found)) return std::nullopt;
+  if (found.elsewhere) {
+    report.scale = found.S_cw.scale();
+    if (!seen_from_there(*map, current, found)) return std::nullopt;
+  } else if (!drift_explains(*map, current, found, report)) {
+    return std::nullopt;
+  }
   return found;
 }
 
+// A key frame beside one that is tied may see less of the other place: half as many points will do.
+bool LoopCloser::enough_for_neighbour(const Projection& projection) const {
+  const auto found = static_cast<double>(projection.matches.size());
+  return found >= options_.loop.min_found / 2 && found >= options_.loop.min_found_share * projection.in_view;
+}
+
+// The other way round: the views of the place must find the points of the current key frame and of those round it.
+// Things that are there and here are seen from both; of what is only alike each side sees more than the other has.
+bool LoopCloser::seen_from_there(const Map& map, const View& current, const Found& found) {
+  constexpr int kAsked = 3;
+  Found back;
+  back.place = copy_place(map, current.id);
+  const Sim3 S_wc = found.S_cw.inverse() * Sim3(current.T_cw);  // of the worlds: the current one's to the place's
+  for (int k = 0; k < kAsked && k < static_cast<int>(found.place.group.size()); ++k) {
+    const View view = copy_view(map, found.place.group[static_cast<size_t>(k)]);
+    const Projection projection = project(back.place, view, (Sim3(view.T_cw) * S_wc).as_pose(), 8);
+    if (!enough_for_neighbour(projection)) return false;
+  }
+  return true;
+}
+
 // The best covisible key frames, moved along with the current one, must find the place's points too: two of the first
-// five, or as many as there are.
+// five, or as many as there are; to join parts there must be one at least.
 bool LoopCloser::neighbours_agree(const Map& map, const View& current, const Found& found) {
   constexpr int kAsked = 5, kWanted = 2;
   int asked = 0, agree = 0;
@@ -250,10 +288,9 @@ bool LoopCloser::neighbours_agree(const Map& map, const View& current, const Fou
     const Sim3 S_nw = Sim3(view.T_cw * current.T_cw.inverse()) * found.S_cw;
     const Projection projection = project(found.place, view, S_nw.as_pose(), 8);
     ++asked;
-    agree += static_cast<int>(projection.matches.size()) >= options_.loop.min_found / 2 &&
-             static_cast<double>(projection.matches.size()) >= options_.loop.min_found_share * projection.in_view;
+    agree += enough_for_neighbour(projection);
   }
-  return agree >= std::min(asked, kWanted);
+  return agree >= std::max(std::min(asked, kWanted), found.elsewhere ? 1 : 0);
 }
 
 // A place seen again whose correction would move its points by no more than two pixels: the camera looked away for a
@@ -276,7 +313,7 @@ bool LoopCloser::drift_explains(const Map& map, const View& current, const Found
   const uint32_t first = map.at(found.place.key_frame).serial, last = map.at(current.id).serial;
   double path = 0;
   std::optional<Eigen::Vector3d> before;
-  for (const KeyFrameId& id : map.key_frames()) {
+  for (const KeyFrameId& id : map.key_frames(map.at(current.id).part)) {
     const KeyFrame& key_frame = map.at(id);
     if (key_frame.serial < std::min(first, last) || key_frame.serial > std::max(first, last)) continue;
     const Eigen::Vector3d centre = key_frame.T_cw.centre();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Closing a recognised loop: the pose graph over Sim(3), the points carried along, and both places' points made one
-// (ORB-SLAM, VII-C and VII-D).
+// (ORB-SLAM, VII-C and VII-D). Joining two parts of the map that turn out to show one place.
 #include <algorithm>
 
 #include "covis/core/log.h"
@@ -17,12 +17,10 @@ void LoopCloser::correct(const View& current, const Found& found, LoopReport& re
   std::vector<SE3> before;
   {
     const auto map = map_.read();
-    frames = map->key_frames();
-    std::vector<int32_t> index;  // by slot
-    for (size_t k = 0; k < frames.size(); ++k) {
-      index.resize(std::max<size_t>(index.size(), frames[k].slot + size_t{1}), -1);
-      index[frames[k].slot] = static_cast<int32_t>(k);
-    }
+    frames = map->key_frames(map->at(current.id).part);
+    std::vector<int32_t> index;  // by slot; -1: of another part
+    map->for_each_key_frame([&](KeyFrameId id, const KeyFrame&) { index.resize(id.slot + size_t{1}, -1); });
+    for (size_t k = 0; k < frames.size(); ++k) index[frames[k].slot] = static_cast<int32_t>(k);
     std::vector<uint8_t> moved(frames.size(), 0);  // goes with the current key frame
     moved[static_cast<size_t>(index[current.id.slot])] = 1;
     for (const Neighbour& n : map->neighbours(current.id)) moved[static_cast<size_t>(index[n.key_frame.slot])] = 1;
@@ -31,11 +29,12 @@ void LoopCloser::correct(const View& current, const Found& found, LoopReport& re
       const SE3& T = map->at(frames[k]).T_cw;
       before.push_back(T);
       graph.poses.push_back(moved[k] ? Sim3(T) * S_wc * found.S_cw : Sim3(T));
-      graph.fixed.push_back(frames[k] == map->root());  // the world stays where it is
+      graph.fixed.push_back(map->is_root(frames[k]));  // the world stays where it is
     }
     // As it was before the loop …
     for (const auto& [a, b] : map->essential_graph()) {
       const int32_t i = index[a.slot], j = index[b.slot];
+      if (i < 0) continue;
       const Sim3 S_ji = Sim3(before[static_cast<size_t>(j)] * before[static_cast<size_t>(i)].inverse());
       graph.edges.push_back({i, j, S_ji});
     }
@@ -75,6 +74,21 @@ void LoopCloser::correct(const View& current, const Found& found, LoopReport& re
   }
   for (const auto& [id, position] : places) map->set_position(id, position);
   for (const auto& [id, position] : places) map->refresh_point_geometry(id);
+}
+
+// The younger part goes to the older one's world, as a whole. Nothing contradicts where it comes to lie, so that there
+// is no error to spread by a pose graph; the full bundle adjustment that follows does the rest.
+void LoopCloser::join(const View& current, const Found& found, LoopReport& report) {
+  const auto map = map_.write();
+  const KeyFrameId place = found.place.key_frame;
+  const uint32_t here = map->at(current.id).part, there = map->at(place).part;
+  const Sim3 S = found.S_cw.inverse() * Sim3(current.T_cw);  // from the current world to that of the place
+  report.merged_key_frames = static_cast<int>(map->part(std::max(here, there))->key_frames);
+  if (here > there) {
+    map->join_parts(current.id, place, S);
+  } else {
+    map->join_parts(place, current.id, S.inverse());
+  }
 }
 
 void LoopCloser::fuse(const View& current, const Found& found, LoopReport& report) {

@@ -12,7 +12,7 @@ void MapProblem::gather(const Map& map, const std::vector<KeyFrameId>& frames, s
   std::vector<std::pair<KeyFrameId, int32_t>> pose_of;  // sorted by handle
   for (size_t k = 0; k < frames.size(); ++k) {
     problem.poses.push_back(map.at(frames[k]).T_cw);
-    problem.fixed.push_back(k >= moving || frames[k] == map.root());
+    problem.fixed.push_back(k >= moving || map.is_root(frames[k]));
     pose_of.emplace_back(frames[k], static_cast<int32_t>(k));
   }
   std::sort(pose_of.begin(), pose_of.end());

@@ -17,7 +17,7 @@ struct MapProblem {
   std::vector<MapPointId> points;      // for each point
 
   // Of the points that the first `moving` of `frames` see: all observations from any of `frames`. Key frames from the
-  // `moving`th on, and the root, stay fixed.
+  // `moving`th on, and roots, stay fixed.
   void gather(const Map& map, const std::vector<KeyFrameId>& frames, size_t moving);
   // Writes the result to what still exists; observations found to be outliers go.
   void commit(Map& map) const;

@@ -32,7 +32,7 @@ MappingReport Mapper::process(const KeyFrameRequest& request, const std::atomic<
   report.create_ms = lap(watch);
   report.points_fused = fuse_neighbours(report.key_frame);
   report.fuse_ms = lap(watch);
-  const bool enough = map_.read()->key_frame_count() > 2;
+  const bool enough = key_frames_of_its_part(report.key_frame) > 2;
   if (enough && !(interrupt && interrupt->load())) {
     local_bundle_adjustment(report.key_frame, interrupt, report);
     report.ba_ms = lap(watch);
@@ -41,17 +41,23 @@ MappingReport Mapper::process(const KeyFrameRequest& request, const std::atomic<
   }
   take_over_adjustment(report);
   close_loop(report.key_frame, report);
-  adjust_focal();
+  adjust_focal(report.key_frame);
   report.loop_ms = lap(watch);
   report.total_ms = total.ms();
   return report;
 }
 
+size_t Mapper::key_frames_of_its_part(KeyFrameId id) const {
+  const auto map = map_.read();
+  return map->part(map->at(id).part)->key_frames;
+}
+
 KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
   const auto map = map_.write();
   SE3 T_cw = request.T_cr;
+  std::optional<Map::Resolved> reference;
   if (request.reference.valid()) {
-    const auto reference = map->resolve(request.reference);
+    reference = map->resolve(request.reference);
     if (!reference) return {};
     const double growth = reference->scale / request.reference_scale;
     const SE3 T_cr(request.T_cr.R(), Eigen::Vector3d(growth * request.T_cr.t()));
@@ -69,7 +75,9 @@ KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
     renewed->camera = *refined_;
     features = std::move(renewed);
   }
-  const KeyFrameId id = map->add_key_frame(request.frame, request.stamp, T_cw, std::move(features));
+  const KeyFrameId id = reference ? map->add_key_frame(request.frame, request.stamp, T_cw, std::move(features),
+                                                       map->at(reference->key_frame).part)
+                                  : map->begin_part(request.frame, request.stamp, T_cw, std::move(features));
   if (!id.valid()) return id;
   for (uint32_t feature = 0; feature < request.points.size(); ++feature) {
     const MapPointId point = map->forwarded(request.points[feature]);
@@ -132,7 +140,7 @@ int Mapper::cull_key_frames(KeyFrameId current) {
   int culled = 0;
   for (const Neighbour& neighbour : map->neighbours(current)) {
     const KeyFrameId id = neighbour.key_frame;
-    if (id == map->root()) continue;
+    if (map->is_root(id)) continue;
     const KeyFrame& key_frame = map->at(id);
     const Features& features = *key_frame.features;
     int points = 0, redundant = 0;
@@ -169,20 +177,21 @@ void Mapper::take_over_adjustment(MappingReport& report) {
 }
 
 // A monocular map of a camera that turns and moves tells its focal length; a wrong one makes the scale drift at every
-// turn. It is asked for again as the map grows, until the map is large.
-void Mapper::adjust_focal() {
+// turn. It is asked for again as the map grows, until the map is large; not while there are several parts, which all
+// would have to follow.
+void Mapper::adjust_focal(KeyFrameId current) {
   constexpr uint32_t kLeastStep = 5, kStepShare = 4;  // key frames from one time to the next: a share of those made
   constexpr int kLeastAge = 2, kAgeShare = 25;        // key frames it is given: more in a larger map
   constexpr size_t kLargest = 100;                    // key frames of a map
   if (!monocular() || !options_.mapper.refine_focal || global_.running()) return;
   {
     const auto map = map_.read();
-    if (map->next_serial() < next_focal_ || map->key_frame_count() > kLargest) return;
+    if (map->next_serial() < next_focal_ || map->key_frame_count() > kLargest || map->parts().size() != 1) return;
     next_focal_ = map->next_serial() + std::max(kLeastStep, map->next_serial() / kStepShare);
     focal_age_ = kLeastAge + static_cast<int>(map->key_frame_count()) / kAgeShare;
-    if (given_fx_ <= 0) given_fx_ = map->at(map->root()).features->camera.fx;
+    if (given_fx_ <= 0) given_fx_ = map->at(current).features->camera.fx;
   }
-  global_.start_focal(map_, given_fx_);
+  global_.start_focal(map_, current, given_fx_);
   global_age_ = 0;
 }
 
@@ -190,7 +199,7 @@ void Mapper::close_loop(KeyFrameId current, MappingReport& report) {
   if (!vocabulary_ || !options_.loop.close) return;
   if (!closer_.process(current, report.loop)) return;
   global_.abandon();
-  if (options_.loop.ba_iterations > 0) global_.start(map_, options_.loop.ba_iterations);
+  if (options_.loop.ba_iterations > 0) global_.start(map_, current, options_.loop.ba_iterations);
   global_age_ = 0;
 }
 
@@ -198,12 +207,12 @@ void Mapper::finish() {
   if (global_.running()) global_.commit(map_);
 }
 
-void Mapper::reset() {
-  global_.abandon();
-  next_focal_ = kFirstFocal;
+void Mapper::discard(uint32_t part) {
+  const auto map = map_.write();
+  map->erase_part(part);
+  if (!map->parts().empty()) return;
   closer_.reset();
-  recent_.clear();
-  map_.write()->clear();
+  next_focal_ = map->next_serial() + kFirstFocal;
 }
 
 }  // namespace covis

@@ -31,14 +31,14 @@ class Mapper {
   // The whole of local mapping for one key frame. `interrupt` (may be null) becomes true when another waits: bundle
   // adjustment is then cut short.
   MappingReport process(const KeyFrameRequest& request, const std::atomic<bool>* interrupt);
-  // Two key frames and their points, adjusted and scaled to a median depth of 1. The report's key frame is invalid, and
-  // the map left empty, when too little survives.
+  // Two key frames and their points, adjusted and scaled to a median depth of 1, as a new part of the map. The report's
+  // key frame is invalid, and nothing made, when too little survives.
   MappingReport initialise(const InitialMapRequest& request);
   // Waits for what runs in the background and takes it over.
   void finish();
-  // Everything is forgotten (a monocular map that failed in its first moments).
-  void reset();
-  // Bundle adjustment of the whole map; the root stays. Returns its summary.
+  // A part of the map is forgotten (a monocular one that failed in its first moments).
+  void discard(uint32_t part);
+  // Bundle adjustment of the whole map; the roots stay. Returns its summary.
   BundleSummary full_bundle_adjustment(int iterations);
 
  private:
@@ -48,6 +48,7 @@ class Mapper {
   };
 
   KeyFrameId insert(const KeyFrameRequest& request);
+  size_t key_frames_of_its_part(KeyFrameId id) const;
   void add_words(KeyFrameId id);
   int cull_recent_points(KeyFrameId current);
   int create_points(KeyFrameId current);
@@ -56,7 +57,7 @@ class Mapper {
   int cull_key_frames(KeyFrameId current);
   void close_loop(KeyFrameId current, MappingReport& report);
   void take_over_adjustment(MappingReport& report);
-  void adjust_focal();
+  void adjust_focal(KeyFrameId current);
 
   bool monocular() const { return options_.sensor == Sensor::monocular; }
   double close_depth(const Features& features) const {

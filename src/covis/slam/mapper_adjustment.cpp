@@ -130,14 +130,14 @@ MappingReport Mapper::initialise(const InitialMapRequest& request) {
   const double scale = 1 / *middle;
 
   auto map = map_.write();
-  map->clear();
-  recent_.clear();
   const SE3 T_21(problem.poses[1].R(), Eigen::Vector3d(problem.poses[1].t() * scale));
-  report.first = map->add_key_frame(request.first.frame, request.first.stamp, SE3(), request.first.features);
-  report.key_frame = map->add_key_frame(request.second.frame, request.second.stamp, T_21, request.second.features);
-  if (!report.first.valid() || !report.key_frame.valid()) {
-    map->clear();
-    report.first = report.key_frame = {};
+  report.first = map->begin_part(request.first.frame, request.first.stamp, SE3(), request.first.features);
+  const uint32_t part = map->at(report.first).part;
+  report.key_frame =
+      map->add_key_frame(request.second.frame, request.second.stamp, T_21, request.second.features, part);
+  if (!report.key_frame.valid()) {
+    map->erase_part(part);
+    report.first = {};
     return report;
   }
   for (size_t p = 0; p < good.size(); ++p) {

@@ -155,12 +155,34 @@ TEST_F(MapperTest, AdjustmentBringsADisturbedKeyFrameBack) {
   EXPECT_LT((shared.read()->at(id).T_cw.inverse().t() - frames.T_cw(8).inverse().t()).norm(), 0.005);
 }
 
-TEST_F(MapperTest, ResetForgetsEverything) {
+TEST_F(MapperTest, APartThatIsDiscardedIsForgotten) {
   const KeyFrameId first = process(request(0, {}, 1, true)).key_frame;
-  mapper.reset();
+  const uint32_t part = shared.read()->at(first).part;
+  mapper.discard(part);
   EXPECT_EQ(shared.read()->key_frame_count(), 0u);
   EXPECT_EQ(shared.read()->point_count(), 0u);
   EXPECT_FALSE(process(request(4, {})).key_frame == first);
+}
+
+TEST_F(MapperTest, WithoutAReferenceAPartOfItsOwnIsBegun) {
+  const KeyFrameId old = process(request(0, {}, 1, true)).key_frame;
+  const KeyFrameId first = process(request(12, {}, 1, true)).key_frame;
+  const KeyFrameId second = process(request(16, first)).key_frame;
+  {
+    const auto map = shared.read();
+    EXPECT_EQ(map->check(), "");
+    ASSERT_EQ(map->parts().size(), 2u);
+    EXPECT_TRUE(map->is_root(first));
+    EXPECT_EQ(map->at(second).part, map->at(first).part);
+  }
+  const uint32_t part = shared.read()->at(first).part;
+  mapper.discard(part);
+  EXPECT_NE(shared.read()->find(old), nullptr) << "nothing else is thrown away";
+  EXPECT_EQ(shared.read()->find(first), nullptr);
+  EXPECT_EQ(shared.read()->check(), "");
+  KeyFrameRequest late = request(20, old);
+  late.reference = first;
+  EXPECT_FALSE(process(late).key_frame.valid()) << "asked for beside what is gone";
 }
 
 // Two views and no depth: an initial map, then points by triangulation with a third.

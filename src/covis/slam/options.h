@@ -25,6 +25,7 @@ struct TrackerOptions {
   int min_inliers_recovered = 50;     // the same within one second of a recovery
   double min_recovered_share = 0.1;   // of the map points in view that must be matched to accept a recovered pose: things
                                       // of which there are several alike match, what stands round them does not
+  double new_map_after = 2;           // seconds after a loss at which a new map is begun beside the old one; 0: never
   double close_depth_baselines = 40;  // depth in base lines up to which a point is close
   int min_close_points = 100;  // close points a frame makes at least (also farther ones), and the need-more bound
   int new_close_points = 70;   // untracked close points that make a key frame worth it
@@ -68,6 +69,8 @@ struct LoopOptions {
   double max_drift_mono = 0.3;    // the same, monocular
   double max_rotation = 45;       // greatest correction of orientation, degrees
   double max_scale = 3;           // greatest change of scale, a factor
+  int merge_min_found = 50;       // min_found to join two maps, of whose relation nothing else is known
+  double merge_min_found_share = 0.25;  // min_found_share, likewise
   int ba_iterations = 10;         // of the full bundle adjustment after a loop
   int ba_key_frames = 5;          // key frames after which its result is taken over
 };

@@ -11,6 +11,13 @@ namespace {
 
 constexpr size_t kRecords = 1 << 14;  // of frames, room for which is made at once: memory is used only when they come
 
+int index_of(const std::vector<MapSummary>& maps, uint32_t part) {
+  for (size_t m = 0; m < maps.size(); ++m) {
+    if (maps[m].part == part) return static_cast<int>(m);
+  }
+  return -1;
+}
+
 }  // namespace
 
 System::System(const Camera& camera, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
@@ -47,6 +54,7 @@ void System::set_map(Map map) {
       map.set_words(id, std::move(words));
     }
   }
+  loaded_parts_ = map.parts().empty() ? 0 : map.parts().back().number + 1;
   *map_.write() = std::move(map);
   use_refined_camera();
   tracker_.start_lost();
@@ -64,12 +72,12 @@ void System::use_refined_camera() {
   if (same && std::abs(of_map.fx / present.fx - 1) < 2 * kMaxChange) frontend_.set_pinhole(of_map);
 }
 
-std::optional<SE3> System::locate(const Input& input) {
+std::optional<PoseOfFrame> System::locate(const Input& input) {
   finish();
   Tracker tracker(map_, options_, vocabulary_);
-  const auto T_cw = tracker.locate(extract(input), input.frame);
-  if (!T_cw) return std::nullopt;
-  return T_cw->inverse();
+  const auto found = tracker.locate(extract(input), input.frame);
+  if (!found) return std::nullopt;
+  return PoseOfFrame{input.frame, input.stamp, found->T_cw.inverse(), index_of(maps(), found->part), found->part};
 }
 
 FrameReport System::process(const Input& input) {
@@ -98,11 +106,9 @@ FrameReport System::process(const Input& input) {
   FrameRecord& fresh = records_.emplace_back();
   fresh.frame = input.frame;
   fresh.stamp = input.stamp;
-  if (outcome.discard_map) {
+  if (outcome.discard_part) {
     collect(report, true);
-    mapping_.mapper().reset();
-    for (size_t r = map_start_; r < records_.size(); ++r) records_[r].tracked = records_[r].online = false;
-    map_start_ = records_.size();
+    discard(*outcome.discard_part);
   }
   const bool first = outcome.result.method == TrackMethod::initialised;
   if (!first && outcome.result.state == TrackState::tracking) {
@@ -112,6 +118,7 @@ FrameReport System::process(const Input& input) {
     record.reference_scale = outcome.result.reference_scale;
     record.T_cr = outcome.result.T_cr;
     record.T_wc_online = outcome.result.T_cw.inverse();
+    record.part_online = outcome.result.part;
   }
   if (outcome.key_frame) {
     frontend_.give_away_last();
@@ -127,6 +134,7 @@ FrameReport System::process(const Input& input) {
     if (const FrameRecord& record = records_.back(); record.tracked) {
       report.track.T_cw = record.T_wc_online.inverse();
       report.track.reference = record.reference;
+      report.track.part = record.part_online;
       report.track.inliers = report.mapping.back().points_created;
     } else {
       report.track.method = TrackMethod::none;
@@ -163,6 +171,7 @@ void System::take(const MappingReport& report) {
     if (!record->tracked && online) {
       record->online = true;
       record->T_wc_online = key_frame->T_cw.inverse();
+      record->part_online = key_frame->part;
     }
     record->tracked = true;
     record->reference = id;
@@ -171,6 +180,17 @@ void System::take(const MappingReport& report) {
   };
   hang(report.key_frame, true);
   if (report.first.valid()) hang(report.first, false);
+}
+
+void System::discard(uint32_t part) {
+  {
+    const auto map = map_.read();
+    for (FrameRecord& record : records_) {
+      const auto resolved = map->resolve(record.reference);
+      if (resolved && map->at(resolved->key_frame).part == part) record.tracked = record.online = false;
+    }
+  }
+  mapping_.mapper().discard(part);
 }
 
 std::vector<MappingReport> System::finish() {
@@ -189,35 +209,63 @@ BundleSummary System::full_bundle_adjustment(int iterations) {
   return mapping_.mapper().full_bundle_adjustment(iterations);
 }
 
-std::vector<PoseOfFrame> System::trajectory() const {
-  std::vector<PoseOfFrame> poses;
-  const auto map = map_.read();
+// Calls visit(record, T_wc, part) for each frame that has a pose.
+template <class Visit>
+void System::for_each_pose(const Map& map, Visit&& visit) const {
   for (const FrameRecord& record : records_) {
     if (!record.tracked) continue;
-    const auto resolved = map->resolve(record.reference);
+    const auto resolved = map.resolve(record.reference);
     if (!resolved) continue;
     const double growth = resolved->scale / record.reference_scale;
     const SE3 T_cr(record.T_cr.R(), Eigen::Vector3d(growth * record.T_cr.t()));
-    const SE3 T_cw = T_cr * resolved->T_ar * map->at(resolved->key_frame).T_cw;
-    poses.push_back({record.frame, record.stamp, T_cw.inverse()});
+    const SE3 T_cw = T_cr * resolved->T_ar * map.at(resolved->key_frame).T_cw;
+    visit(record, T_cw.inverse(), map.at(resolved->key_frame).part);
   }
+}
+
+std::vector<MapSummary> System::maps() const { return maps(*map_.read()); }
+
+std::vector<MapSummary> System::maps(const Map& map) const {
+  std::vector<MapSummary> maps;
+  for (const MapPart& part : map.parts())
+    maps.push_back({part.number, part.number < loaded_parts_, 0, part.key_frames, 0});
+  const auto of = [&](uint32_t part) -> MapSummary& { return maps[static_cast<size_t>(index_of(maps, part))]; };
+  map.for_each_point([&](MapPointId, const MapPoint& point) { ++of(map.at(point.reference).part).points; });
+  for_each_pose(map, [&](const FrameRecord&, const SE3&, uint32_t part) { ++of(part).frames; });
+  std::stable_sort(maps.begin(), maps.end(), [](const MapSummary& a, const MapSummary& b) {
+    return a.loaded != b.loaded ? a.loaded : a.frames > b.frames;
+  });
+  return maps;
+}
+
+std::vector<PoseOfFrame> System::trajectory() const {
+  const auto map = map_.read();
+  const std::vector<MapSummary> of = maps(*map);
+  std::vector<PoseOfFrame> poses;
+  for_each_pose(*map, [&](const FrameRecord& record, const SE3& T_wc, uint32_t part) {
+    poses.push_back({record.frame, record.stamp, T_wc, index_of(of, part), part});
+  });
   return poses;
 }
 
 std::vector<PoseOfFrame> System::online_trajectory() const {
+  const std::vector<MapSummary> of = maps();
   std::vector<PoseOfFrame> poses;
   for (const FrameRecord& record : records_) {
-    if (record.online) poses.push_back({record.frame, record.stamp, record.T_wc_online});
+    if (record.online && index_of(of, record.part_online) == 0)
+      poses.push_back({record.frame, record.stamp, record.T_wc_online, 0, record.part_online});
   }
   return poses;
 }
 
 std::vector<PoseOfFrame> System::key_frames() const {
-  std::vector<PoseOfFrame> poses;
   const auto map = map_.read();
+  const std::vector<MapSummary> of = maps(*map);
+  std::vector<PoseOfFrame> poses;
   for (const KeyFrameId& id : map->key_frames()) {
     const KeyFrame& key_frame = map->at(id);
-    poses.push_back({key_frame.frame, key_frame.stamp, key_frame.T_cw.inverse()});
+    const uint32_t part = key_frame.part;
+    poses.push_back({key_frame.frame, key_frame.stamp, key_frame.T_cw.inverse(), index_of(of, part), part});
   }
   return poses;
 }

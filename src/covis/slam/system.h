@@ -37,7 +37,8 @@ struct FrameRecord {
   KeyFrameId reference;
   double reference_scale = 1;  // KeyFrame::scale of the reference when it was told
   SE3 T_cr;         // relative to the reference: carries every later correction
-  SE3 T_wc_online;  // as it was when tracked
+  SE3 T_wc_online;  // as it was when tracked, …
+  uint32_t part_online = 0;  // … in the world of this part of the map
 };
 
 struct FrameReport {
@@ -50,6 +51,16 @@ struct PoseOfFrame {
   int64_t frame = 0;
   Timestamp stamp = 0;
   SE3 T_wc;
+  int map = 0;        // in whose world: index into System::maps() …
+  uint32_t part = 0;  // … and MapSummary::part
+};
+
+// A map of its own: a part of the whole (Map::parts()) as those outside see it.
+struct MapSummary {
+  uint32_t part = 0;    // its number
+  bool loaded = false;  // it was put in place by set_map(), or joined to what was
+  size_t frames = 0;    // of the recording that have a pose in it
+  size_t key_frames = 0, points = 0;
 };
 
 class System {
@@ -70,17 +81,20 @@ class System {
 
   // Puts a map in place, for example a saved one: before the first frame. The camera is looked for in it.
   void set_map(Map map);
-  // Relocalisation alone: the T_wc of one image in the present map, from nothing but the image; nothing when its place
-  // is not recognised. Waits for mapping.
-  std::optional<SE3> locate(const Input& input);
+  // Relocalisation alone: where one image was taken, from nothing but the image; nothing when its place is not
+  // recognised. Waits for mapping.
+  std::optional<PoseOfFrame> locate(const Input& input);
 
   // Waits for mapping to end. process() may go on afterwards.
   std::vector<MappingReport> finish();
   // Bundle adjustment of all key frames and points; call after finish().
   BundleSummary full_bundle_adjustment(int iterations);
 
-  // Poses of all tracked frames, with every correction (final) or as they were given (online). World: the first key
-  // frame's camera.
+  // The maps there are: loaded ones first, then those with more frames, then the older ones. More than one: the camera
+  // was lost and the maps made before and after were not joined (yet).
+  std::vector<MapSummary> maps() const;
+  // Poses of all tracked frames, with every correction (final) or as they were given (online; of the first map alone).
+  // World: the camera of the map's first key frame.
   std::vector<PoseOfFrame> trajectory() const;
   std::vector<PoseOfFrame> online_trajectory() const;
   std::vector<PoseOfFrame> key_frames() const;
@@ -92,6 +106,10 @@ class System {
   void collect(FrameReport& report, bool wait);
   void take(const MappingReport& report);
   void use_refined_camera();
+  void discard(uint32_t part);
+  std::vector<MapSummary> maps(const Map& map) const;
+  template <class Visit>
+  void for_each_pose(const Map& map, Visit&& visit) const;
 
   const SystemOptions options_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
@@ -100,7 +118,7 @@ class System {
   Tracker tracker_;
   MappingActor mapping_;
   std::vector<FrameRecord> records_;
-  size_t map_start_ = 0;    // record from which the present map counts
+  uint32_t loaded_parts_ = 0;  // parts below this number were put in place
   int64_t processed_ = 0;   // frames so far
   int64_t visible_at_ = 0;  // count of frames at which pending mapping is taken over
 };

@@ -53,6 +53,7 @@ struct TrackResult {
   SE3 T_cw;                    // meaningful when tracking
   KeyFrameId reference;        // key frame the pose hangs on
   double reference_scale = 1;  // KeyFrame::scale of it
+  uint32_t part = 0;           // of the map, to which it belongs: poses of different parts have different worlds
   SE3 T_cr;                    // from its camera to this frame's
   int features = 0;            // key points of the frame
   int predicted_matches = 0;   // matches of the motion model or the reference key frame

@@ -2,7 +2,6 @@
 #include "covis/slam/tracker.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "covis/core/log.h"
 #include "covis/core/reserve.h"
@@ -49,20 +48,21 @@ Tracker::Tracker(const SharedMap& map, const SystemOptions& options, std::shared
   observed_feature_.reserve(kFeatures);
 }
 
-std::optional<SE3> Tracker::locate(FeaturesPtr features, int64_t frame) {
+std::optional<Tracker::Located> Tracker::locate(FeaturesPtr features, int64_t frame) {
   current_.start(std::move(features), frame, 0);
   TrackResult result;
   if (!recover(result, true)) return std::nullopt;
-  return current_.T_cw;
+  return Located{current_.T_cw, local_map_.reference.part};
 }
 
 void Tracker::start_lost() {
   state_ = TrackState::lost;
   weak_ = options_.tracker.weak_inliers > 0;
   has_velocity_ = false;
-  keep_map_ = true;
+  const auto map = map_.read();
+  kept_parts_ = map->parts().empty() ? 0 : map->parts().back().number + 1;
   last_ = {};
-  last_key_frame_ = std::numeric_limits<int64_t>::max();  // the map has key frames, none of this recording
+  last_key_frame_ = kNoneOfThisRecording;
   reference_ = new_reference_ = {};
   local_map_.clear();
   clear_counts();
@@ -85,12 +85,12 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       refresh_last_frame(*map_.read());
       map_changed_ = false;
     }
-    bool found = false;
-    if (state_ == TrackState::tracking) {
-      found = (has_velocity_ && track_by_motion(result)) || track_by_reference(result);
-      found = found && (track_local_map(result, map_is_live) || bridge(result));
+    bool found = find_pose(result, map_is_live);
+    // In real time a loop may have been closed meanwhile: what was read before does not fit what was read after.
+    for (int again = 0; found && options_.realtime && map_.read()->moves() != moves_; ++again) {
+      refresh_last_frame(*map_.read());
+      found = again < 2 && find_pose(result, map_is_live);
     }
-    if (!found) found = recover(result, map_is_live);
     if (found) {
       accept(result);
       if (key_frame_due(result, mapping_idle)) {
@@ -104,6 +104,15 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
   result.state = state_;
   std::swap(last_, current_);
   return outcome;
+}
+
+bool Tracker::find_pose(TrackResult& result, bool map_is_live) {
+  bool found = false;
+  if (state_ == TrackState::tracking) {
+    found = (has_velocity_ && track_by_motion(result)) || track_by_reference(result);
+    found = found && (track_local_map(result, map_is_live) || bridge(result));
+  }
+  return found || recover(result, map_is_live);
 }
 
 bool Tracker::bridge(TrackResult& result) {
@@ -129,53 +138,44 @@ int Tracker::all_inliers() const {
 
 void Tracker::accept(TrackResult& result) {
   count_points();
-  has_velocity_ = state_ == TrackState::tracking && last_.index == current_.index - 1;
+  const bool same_part = local_map_.reference.part == part_;
+  has_velocity_ = state_ == TrackState::tracking && last_.index == current_.index - 1 && same_part;
   if (has_velocity_) velocity_ = (current_.T_cw * last_.T_cw.inverse()).normalized();
   state_ = TrackState::tracking;
   lost_frames_ = 0;
+  lost_since_.reset();
+  beginning_ = false;
   if (result.method != TrackMethod::bridged) bridged_frames_ = 0;
   // Twice the features give more inliers by themselves: the way back asks for more than that.
   const int weak = options_.tracker.weak_inliers;
   weak_ = weak_ ? 2 * result.inliers < 5 * weak : result.inliers < weak;
   reference_ = local_map_.reference.id;
   reference_scale_ = local_map_.reference.scale;
+  part_ = local_map_.reference.part;
   last_T_cr_ = current_.T_cw * local_map_.reference.T_cw.inverse();
   result.T_cw = current_.T_cw;
   result.reference = reference_;
   result.reference_scale = reference_scale_;
+  result.part = part_;
   result.T_cr = last_T_cr_;
   result.reason = {};
 }
 
-void Tracker::lose(Outcome& outcome, bool map_is_live) {
-  constexpr size_t kYoungMap = 5;        // key frames: a monocular map this young is not worth keeping
-  constexpr int kYoungMapPatience = 15;  // frames it is waited for
-  if (state_ != TrackState::lost) log(LogLevel::warning, std::string("tracking lost: ").append(outcome.result.reason));
-  state_ = TrackState::lost;
-  weak_ = options_.tracker.weak_inliers > 0;
-  has_velocity_ = false;
-  ++lost_frames_;
-  if (monocular() && !keep_map_ && map_is_live && lost_frames_ > kYoungMapPatience && map_.read()->key_frame_count() <= kYoungMap) {
-    log(LogLevel::warning, "the initial map was lost at once and is given up; initialising again");
-    outcome.discard_map = true;
-    state_ = TrackState::not_initialised;
-    initializer_.reset();
-    local_map_.clear();
-    clear_counts();
-    lost_frames_ = 0;
-  }
-}
-
 void Tracker::key_frame_made(const MappingReport& report, int64_t frame) {
   map_changed_ = true;
+  const bool first = last_key_frame_ < 0 && frame == begun_frame_;
   if (!report.key_frame.valid()) {
-    if (state_ == TrackState::tracking && last_key_frame_ < 0) state_ = TrackState::not_initialised;
+    if (first) state_ = beginning_ ? TrackState::lost : TrackState::not_initialised;
     return;
   }
   const auto map = map_.read();
-  if (last_key_frame_ < 0) {  // the first of a map: nothing to refresh, all to take over
+  if (first) {  // of a map: nothing to refresh, all to take over
+    beginning_ = false;
+    lost_since_.reset();
+    lost_frames_ = 0;
     reference_ = report.key_frame;
     reference_scale_ = map->at(report.key_frame).scale;
+    part_ = map->at(report.key_frame).part;
     last_.T_cw = map->at(report.key_frame).T_cw;
     last_T_cr_ = SE3();
     map_changed_ = false;
@@ -201,6 +201,7 @@ void Tracker::take_over_points(const Map& map, KeyFrameId key_frame) {
 }
 
 void Tracker::refresh_last_frame(const Map& map) {
+  moves_ = map.moves();
   if (const auto resolved = map.resolve(reference_)) {
     // After a loop lengths may have changed round here, of the camera's motion too.
     const double growth = resolved->scale / reference_scale_;
@@ -208,11 +209,13 @@ void Tracker::refresh_last_frame(const Map& map) {
     velocity_ = SE3(velocity_.R(), Eigen::Vector3d(growth * velocity_.t()));
     reference_ = resolved->key_frame;
     reference_scale_ = map.at(reference_).scale;
+    part_ = map.at(reference_).part;
     last_.T_cw = (last_T_cr_ * map.at(reference_).T_cw).normalized();
   }
   if (new_reference_.valid() && map.find(new_reference_)) {
     reference_ = new_reference_;
     reference_scale_ = map.at(reference_).scale;
+    part_ = map.at(reference_).part;
     last_T_cr_ = last_.T_cw * map.at(reference_).T_cw.inverse();
   }
   new_reference_ = {};

@@ -25,6 +25,9 @@ inline constexpr uint8_t kNone = 0;
 inline constexpr uint8_t kMapPoint = 1;
 inline constexpr uint8_t kTemporary = 2;  // from the frame's own depth, good for one frame
 
+// Frame index of the last key frame while the map has but key frames that were put in place.
+inline constexpr int64_t kNoneOfThisRecording = std::numeric_limits<int64_t>::max();
+
 // The tracker's knowledge of one frame.
 struct TrackedFrame {
   int64_t index = -1;
@@ -49,8 +52,7 @@ class Tracker {
     TrackResult result;
     std::optional<KeyFrameRequest> key_frame;
     std::optional<InitialMapRequest> initial_map;
-    bool discard_map =
-        false;  // a monocular map was lost in its first moments: empty the map, initialisation starts anew
+    std::optional<uint32_t> discard_part;  // a monocular map was lost in its first moments: forget this part
   };
 
   // Tracks one frame. map_is_live: the map may be read now; otherwise (mapping works on a key frame whose result is not
@@ -61,9 +63,13 @@ class Tracker {
   // request that was refused pass an invalid key frame in the report.
   void key_frame_made(const MappingReport& report, int64_t frame);
 
-  // The pose of one image in the map, from nothing: its T_cw, or nothing when its place is not recognised. Leaves the
-  // state of tracking aside: use a tracker of its own for it.
-  std::optional<SE3> locate(FeaturesPtr features, int64_t frame);
+  // The pose of one image in the map, from nothing: its T_cw and part of the map, or nothing when its place is not
+  // recognised. Leaves the state of tracking aside: use a tracker of its own for it.
+  struct Located {
+    SE3 T_cw;
+    uint32_t part = 0;
+  };
+  std::optional<Located> locate(FeaturesPtr features, int64_t frame);
   // The map was changed beside mapping.
   void map_moved() { map_changed_ = true; }
   // A map was put in place that this tracker knows nothing of: the camera is to be found in it.
@@ -71,7 +77,9 @@ class Tracker {
 
   // Whether the next frame should get twice the features: for the monocular initialiser, and while tracking hangs on few
   // points or is lost.
-  bool wants_more_features() const { return state_ == TrackState::not_initialised ? monocular() : weak_; }
+  bool wants_more_features() const {
+    return state_ == TrackState::not_initialised ? monocular() : weak_ || (beginning_ && monocular());
+  }
   TrackState state() const { return state_; }
 
  private:
@@ -80,6 +88,7 @@ class Tracker {
   void initialise_monocular(Outcome& outcome);
   void begin_map(TrackResult& result);
 
+  bool find_pose(TrackResult& result, bool map_is_live);
   bool track_by_motion(TrackResult& result);
   bool track_by_reference(TrackResult& result);
   bool track_local_map(TrackResult& result, bool map_is_live);
@@ -90,6 +99,9 @@ class Tracker {
   bool bridge(TrackResult& result);
   void accept(TrackResult& result);
   void lose(Outcome& outcome, bool map_is_live);
+  // The present part of the map when, monocular and in its first moments, it is not worth keeping.
+  std::optional<uint32_t> young_part() const;
+  bool new_map_due() const;
 
   void refresh_last_frame(const Map& map);
   void take_over_points(const Map& map, KeyFrameId key_frame);
@@ -124,17 +136,22 @@ class Tracker {
   SE3 velocity_;              // from the last camera to the current one
   KeyFrameId reference_;      // the key frame poses are relative to
   double reference_scale_ = 1;  // KeyFrame::scale of it when last seen
+  uint32_t part_ = 0;           // of the map, to which it belongs
   SE3 last_T_cr_;             // last frame relative to it
   KeyFrameId new_reference_;  // a key frame just made, to become the reference
   bool map_changed_ = false;  // since the last frame was refreshed
+  uint64_t moves_ = 0;        // Map::moves() when it was
   LocalMap local_map_;
-  int64_t last_key_frame_ = -1;  // frame index; -1: the map has none yet
+  int64_t last_key_frame_ = -1;  // frame index; -1: the map begun has none yet
+  int64_t begun_frame_ = -1;     // the last frame that asked for a map to be begun
   Timestamp last_key_frame_stamp_ = 0;
   Timestamp last_recovery_ = std::numeric_limits<Timestamp>::min() / 2;
   int lost_frames_ = 0;
+  std::optional<Timestamp> lost_since_;
+  bool beginning_ = false;      // lost for long: a new map is to be begun beside the old one
   int bridged_frames_ = 0;      // in a row
   bool weak_ = false;           // few inliers lately
-  bool keep_map_ = false;      // a map that was put in place is never given up
+  uint32_t kept_parts_ = 0;     // parts below this number were put in place and are never given up
   size_t recovery_cursor_ = 0;  // whose turn it is among all key frames
 
   std::vector<PointCount> counts_;  // by point slot

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first pose of a map (algorithms.md §3.6).
+// The first pose of a map (algorithms.md §3.6), and the loss after which one is begun.
+#include <algorithm>
+
+#include "covis/core/log.h"
 #include "covis/slam/tracker.h"
 
 namespace covis {
 
 void Tracker::initialise(Outcome& outcome) {
-  last_key_frame_ = -1;
   has_velocity_ = false;
   if (monocular()) {
     initialise_monocular(outcome);
@@ -52,9 +54,65 @@ void Tracker::initialise_monocular(Outcome& outcome) {
 // A map was asked for; key_frame_made() tells whether it holds.
 void Tracker::begin_map(TrackResult& result) {
   state_ = TrackState::tracking;
+  begun_frame_ = current_.index;
+  last_key_frame_ = -1;
   last_key_frame_stamp_ = current_.stamp;
+  // What was tried to find the frame in an older map is nothing to the new one.
+  std::fill(current_.points.begin(), current_.points.end(), MapPointId{});
+  std::fill(current_.known.begin(), current_.known.end(), kNone);
+  result.reason = {};
+  result.inliers = 0;
   result.method = TrackMethod::initialised;
   result.key_frame = true;
+}
+
+void Tracker::lose(Outcome& outcome, bool map_is_live) {
+  if (state_ != TrackState::lost) log(LogLevel::warning, std::string("tracking lost: ").append(outcome.result.reason));
+  state_ = TrackState::lost;
+  weak_ = options_.tracker.weak_inliers > 0;
+  has_velocity_ = false;
+  ++lost_frames_;
+  if (!lost_since_) lost_since_ = current_.stamp;
+  if (!map_is_live) return;
+  constexpr int kYoungPartPatience = 15;  // frames it is waited for
+  const std::optional<uint32_t> young = young_part();
+  if (young && lost_frames_ > kYoungPartPatience) {
+    outcome.discard_part = young;
+    log(LogLevel::warning, "the initial map was lost at once and is given up; initialising again");
+    beginning_ = map_.read()->parts().size() > 1;
+    if (!beginning_) state_ = TrackState::not_initialised;
+    initializer_.reset();
+    local_map_.clear();
+    clear_counts();
+    lost_frames_ = 0;
+  } else if (beginning_ || (!young && new_map_due())) {
+    if (!beginning_) {
+      log(LogLevel::warning, last_key_frame_ == kNoneOfThisRecording
+                                 ? "the loaded map is not found: a new one is begun beside it"
+                                 : "lost for long: a new map is begun beside the old one");
+      initializer_.reset();
+    }
+    beginning_ = true;
+    initialise(outcome);
+  }
+}
+
+std::optional<uint32_t> Tracker::young_part() const {
+  constexpr size_t kYoungPart = 5;  // key frames
+  if (!monocular()) return std::nullopt;
+  const auto map = map_.read();
+  const auto resolved = map->resolve(reference_);
+  if (!resolved) return std::nullopt;
+  const MapPart& part = *map->part(map->at(resolved->key_frame).part);
+  if (part.number < kept_parts_ || part.key_frames > kYoungPart) return std::nullopt;
+  return part.number;
+}
+
+// Without places recognised, or loops closed, both maps would never be joined.
+bool Tracker::new_map_due() const {
+  const double after = options_.tracker.new_map_after;
+  return after > 0 && vocabulary_ && options_.loop.close && !options_.localize &&
+         current_.stamp - *lost_since_ >= from_seconds(after);
 }
 
 }  // namespace covis

@@ -31,7 +31,7 @@ class TrackerTest : public testing::Test {
     EXPECT_FALSE(outcome.key_frame && outcome.initial_map);
     if (outcome.key_frame) tracker.key_frame_made(mapper.process(*outcome.key_frame, nullptr), i);
     if (outcome.initial_map) tracker.key_frame_made(mapper.initialise(*outcome.initial_map), i);
-    if (outcome.discard_map) mapper.reset();
+    if (outcome.discard_part) mapper.discard(*outcome.discard_part);
     EXPECT_EQ(outcome.result.state == TrackState::tracking, outcome.result.reason.empty()) << outcome.result.reason;
     return outcome.result;
   }
