@@ -8,6 +8,7 @@
 #include "covis/slam/point_geometry.h"
 
 namespace covis {
+
 void TrackedFrame::start(FeaturesPtr f, int64_t frame, Timestamp t) {
   features = std::move(f);
   index = frame;
