@@ -54,9 +54,9 @@ struct OutputOptions {
 };
 
 // Everything `covis run` leaves: trajectory.txt, trajectory_online.txt, keyframes.txt and map.ply of the first map,
-// trajectory_map1.txt and so on of maps not joined to it, stats.jsonl, summary.json, report.html and trajectory.png. Returns
-// the summary. Each file is written whole or not at all; the
-// first that fails is the error, the others are written all the same.
+// trajectory_map1.txt and so on of maps not joined to it, stats.jsonl, summary.json, report.html and trajectory.png.
+// Returns the summary. Each file is written whole or not at all; the first that fails is the error, the others are
+// written all the same.
 Result<nlohmann::json> write_outputs(const RunRecord& run, const System& system, const OutputOptions& options);
 
 // Of this process now, and of the calling thread since it began.
