@@ -272,8 +272,10 @@ json summarise(const RunRecord& run, const System& system) {
     key_frames += map.key_frames;
     points += map.points;
   }
+  const Pinhole& camera = system.camera();
   return {{"source", run.source},
           {"sensor", sensor_name(run.sensor)},
+          {"camera", {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}}},
           {"frames", run.frames.size()},
           {"frames_tracked", tracked},
           {"frames_tracked_online", online},

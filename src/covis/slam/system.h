@@ -79,6 +79,9 @@ class System {
   };
   FrameReport process(const Input& input);
 
+  // The intrinsics in use: those given, or with the focal length refined (monocular, mapper.refine_focal).
+  const Pinhole& camera() const { return frontend_.pinhole(); }
+
   // Puts a map in place, for example a saved one: before the first frame. The camera is looked for in it.
   void set_map(Map map);
   // Relocalisation alone: where one image was taken, from nothing but the image; nothing when its place is not
