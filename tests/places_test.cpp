@@ -339,7 +339,7 @@ void expect_found_again(const Cut& cut, Size size, double metres, double degrees
 
 TEST_P(Kidnapped, IsFoundAgainWithinTenFrames) { expect_found_again(GetParam(), {}, 0.15, 5); }
 
-TEST_P(Kidnapped, IsFoundAgainWithinTenFramesLong) { expect_found_again(GetParam(), {640, 480}, 0.05, 2); }
+TEST_P(Kidnapped, IsFoundAgainWithinTenFramesLong) { expect_found_again(GetParam(), {640, 480}, 0.1, 3); }
 
 // A hall of equal posters: after a jump along it everything looks known, and nothing is.
 TEST_P(Places, MapsAreNotJoinedByEqualPostersLong) {
