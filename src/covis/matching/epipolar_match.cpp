@@ -2,10 +2,10 @@
 #include "covis/matching/epipolar_match.h"
 
 #include <cmath>
-#include <cstring>
 #include <optional>
 
 #include "covis/matching/descriptor_subset.h"
+#include "covis/matching/near_line.h"
 
 namespace covis {
 namespace {
@@ -32,12 +32,10 @@ std::vector<FeatureMatch> match_epipolar(const Features& a, std::span<const uint
   if (T_ba.t().z() > 0) epipole = b.camera.project(T_ba.t());
 
   // The line first: it rejects most, and costs less than comparing descriptors.
-  std::vector<float> bx(n), by(n), bound(n);
+  LinePoints points(n);
   for (size_t j = 0; j < n; ++j) {
     const auto jb = static_cast<size_t>(to.feature(j));
-    bx[j] = b.x[jb];
-    by[j] = b.y[jb];
-    bound[j] = static_cast<float>(options.max_chi2) * b.pyramid->sigma2[b.level[jb]];
+    points.set(j, b.x[jb], b.y[jb], static_cast<float>(options.max_chi2) * b.pyramid->sigma2[b.level[jb]]);
   }
   const auto near_epipole = [&](size_t ia, size_t jb) {
     if (!epipole || a.depth[ia] > 0 || b.depth[jb] > 0) return false;
@@ -50,7 +48,7 @@ std::vector<FeatureMatch> match_epipolar(const Features& a, std::span<const uint
     int distance = 257;
   };
   std::vector<Owner> owner(n);
-  std::vector<uint8_t> on_line(n + 8, 0);  // read eight at a time
+  std::vector<uint32_t> on_line(points.padded() + LinePoints::kStep);
   for (int32_t i = 0; i < a.size(); ++i) {
     const auto ia = static_cast<size_t>(i);
     if (!use_a.empty() && !use_a[ia]) continue;
@@ -58,20 +56,11 @@ std::vector<FeatureMatch> match_epipolar(const Features& a, std::span<const uint
     const double norm = line.head<2>().norm();
     if (!(norm > 0)) continue;
     const Eigen::Vector3f l = (line / norm).cast<float>();
-    for (size_t j = 0; j < n; ++j) {
-      const float residual = l.x() * bx[j] + l.y() * by[j] + l.z();
-      on_line[j] = residual * residual <= bound[j];
-    }
+    const size_t near = near_line({l.x(), l.y(), l.z()}, points, on_line.data());
     int best = options.max_distance + 1;
     size_t best_j = 0;
-    for (size_t j = 0; j < n; ++j) {
-      uint64_t eight;
-      std::memcpy(&eight, on_line.data() + j, 8);
-      if (eight == 0) {
-        j += 7;
-        continue;
-      }
-      if (!on_line[j]) continue;
+    for (size_t k = 0; k < near; ++k) {
+      const size_t j = on_line[k];
       const int distance = hamming(a.descriptor[ia], to.descriptors()[j]);
       if (distance >= best || near_epipole(ia, static_cast<size_t>(to.feature(j)))) continue;
       best = distance;

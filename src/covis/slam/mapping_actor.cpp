@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/slam/mapping_actor.h"
 
-#include "covis/core/thread_priority.h"
 
 namespace covis {
 
@@ -32,7 +31,6 @@ std::optional<MappingReport> MappingActor::poll() {
 }
 
 void MappingActor::run() {
-  lower_thread_priority();
   while (std::optional<Request> request = inbox_.pop()) {
     interrupt_ = interruptible_ && waiting_ > 1;
     MappingReport report;
