@@ -56,6 +56,15 @@ class CheckLayersTest(unittest.TestCase):
         for header in ['opencv2/core.hpp', 'yaml-cpp/yaml.h', 'spdlog/spdlog.h', 'ceres/ceres.h', 'immintrin.h', 'unistd.h']:
             self.assertIn(f'must not include <{header}>', self.problem('src/covis/features/a.cpp', f'#include <{header}>\n'))
 
+    def test_what_tests_of_the_core_share_needs_little_too(self):
+        self.assert_clean('src/covis/features/test_a.h', '#include <gtest/gtest.h>\n#include <gmock/gmock.h>\n')
+        self.assert_clean('src/covis/features/a_test.cpp', '#include <gtest/gtest.h>\n#include <opencv2/imgproc.hpp>\n')
+        for header in ['opencv2/imgproc.hpp', 'ceres/ceres.h']:
+            self.assertIn(f'must not include <{header}>',
+                          self.problem('src/covis/features/test_a.h', f'#include <{header}>\n'))
+        self.assertIn('must not include <gtest/gtest.h>',
+                      self.problem('src/covis/features/a.h', '#include <gtest/gtest.h>\n'))
+
     def test_modules_around_the_core(self):
         self.assert_clean('src/covis/io/a.cpp', '#include <opencv2/imgcodecs.hpp>\n#include <unistd.h>\n')
         for header in ['opencv2/highgui.hpp', 'spdlog/spdlog.h', 'CLI/CLI.hpp']:

@@ -15,9 +15,29 @@
 #include "covis/features/orb.h"
 #include "covis/features/simd.h"
 #include "covis/features/test_images.h"
+#include "covis/features/test_targets.h"
 
 namespace covis {
 namespace {
+
+ImageU8 to_image(const cv::Mat& mat) {
+  ImageU8 image(mat.cols, mat.rows);
+  for (int y = 0; y < mat.rows; ++y) std::copy(mat.ptr(y), mat.ptr(y) + mat.cols, image.row(y));
+  return image;
+}
+
+// The same pixels, as OpenCV takes them.
+cv::Mat as_mat(ImageU8& image) {
+  return {image.height(), image.width(), CV_8U, image.row(0), static_cast<size_t>(image.stride())};
+}
+
+// As soft as a lens makes it: OpenCV rounds its blur's weights otherwise, which a sharper image shows.
+ImageU8 soft_texture(int width, int height, uint64_t seed) {
+  ImageU8 image = texture(width, height, seed);
+  cv::Mat mat = as_mat(image);
+  cv::GaussianBlur(mat, mat, {5, 5}, 1);
+  return image;
+}
 
 using Scored = std::set<std::tuple<int, int, int>>;
 
@@ -35,9 +55,9 @@ Scored by_opencv(const cv::Mat& image, int border, int threshold) {
 
 TEST(Fast, CornersAndScoresAreOpenCvs) {
   for (uint64_t seed = 1; seed <= 6; ++seed) {
-    cv::Mat image = texture(200 + static_cast<int>(seed) * 13, 150, seed);
+    ImageU8 ours = texture(200 + static_cast<int>(seed) * 13, 150, seed);
+    cv::Mat image = as_mat(ours);
     if (seed > 3) cv::randu(image, 0, 256);
-    const ImageU8 ours = to_image(image);
     for (const int threshold : {1, 7, 20, 60}) {
       FastDetector detector;
       std::vector<Corner> corners;
@@ -124,7 +144,7 @@ TEST(Simd, PyramidAndBlurAreTheScalarOnes) {
 
 TEST(Simd, OrientationAndDescriptorsAreTheScalarOnes) {
   Random random(32);
-  const ImageU8 image = to_image(texture(300, 200, 33));
+  const ImageU8 image = texture(300, 200, 33);
   for (int trial = 0; trial < 500; ++trial) {
     const int x = kEdgeBorder + static_cast<int>(random.below(300 - 2 * kEdgeBorder)),
               y = kEdgeBorder + static_cast<int>(random.below(200 - 2 * kEdgeBorder));
@@ -135,23 +155,9 @@ TEST(Simd, OrientationAndDescriptorsAreTheScalarOnes) {
   }
 }
 
-TEST(Simd, DistancesAreTheScalarOnes) {
-  Random random(34);
-  AlignedVector<Descriptor> many(57);
-  for (Descriptor& d : many) {
-    for (uint64_t& word : d.bits) word = random.next();
-  }
-  std::vector<uint16_t> row(many.size());
-  for_each_target([&] {
-    hamming_row(many[0], many.data(), static_cast<int>(many.size()), row.data());
-    for (size_t j = 0; j < many.size(); ++j) EXPECT_EQ(row[j], hamming(many[0], many[j]));
-  });
-  EXPECT_EQ(row[0], 0);
-}
-
 TEST(Pyramid, ResizeAndBlurAreOpenCvsWithinOneLevel) {
-  const cv::Mat image = texture(640, 480, 5);
-  const ImageU8 ours = to_image(image);
+  ImageU8 ours = soft_texture(640, 480, 5);
+  const cv::Mat image = as_mat(ours);
   ImageU8 small(533, 400);
   BilinearResizer resizer;
   resizer.resize(ours.view(), small.view());
@@ -173,8 +179,8 @@ TEST(Pyramid, ResizeAndBlurAreOpenCvsWithinOneLevel) {
 TEST(Orb, OrientationAndDescriptorsAreOpenCvs) {
   int64_t bits = 0, different = 0;
   for (uint64_t seed = 1; seed <= 3; ++seed) {
-    const cv::Mat image = texture(640, 480, seed);
-    const ImageU8 ours = to_image(image);
+    ImageU8 ours = soft_texture(640, 480, seed);
+    const cv::Mat image = as_mat(ours);
     std::vector<cv::KeyPoint> points;
     cv::FAST(image, points, 20, true);
     const auto orb = cv::ORB::create(100000, 1.2f, 1, 31, 0, 2, cv::ORB::FAST_SCORE, 31, 20);
@@ -204,12 +210,11 @@ TEST(Orb, OrientationAndDescriptorsAreOpenCvs) {
 }
 
 TEST(Orb, OrientationFollowsTheImage) {
-  cv::Mat image = texture(101, 101, 9);
-  const float before = orientation(to_image(image).row(50) + 50, 128);
-  cv::Mat turned;
-  cv::rotate(image, turned, cv::ROTATE_90_CLOCKWISE);
-  const ImageU8 ours = to_image(turned);
-  const float after = orientation(ours.row(50) + 50, ours.stride());
+  ImageU8 image = texture(101, 101, 9), turned(101, 101);
+  cv::Mat turned_mat = as_mat(turned);
+  cv::rotate(as_mat(image), turned_mat, cv::ROTATE_90_CLOCKWISE);
+  const float before = orientation(image.row(50) + 50, image.stride());
+  const float after = orientation(turned.row(50) + 50, turned.stride());
   EXPECT_NEAR(std::remainder(after - before - CV_PI / 2, 2 * CV_PI), 0, 0.02);
 }
 
@@ -275,7 +280,7 @@ TEST(Quadtree, ClusterEmptyAndBestOfANode) {
 
 TEST(Extractor, TheWantedNumberIsReached) {
   for (const auto& [width, height] : {std::pair{640, 480}, std::pair{1241, 376}, std::pair{320, 240}}) {
-    const ImageU8 image = to_image(texture(width, height, 7));
+    const ImageU8 image = texture(width, height, 7);
     for (const int wanted : {300, 1000, 2000}) {
       OrbOptions options;
       options.features = wanted;
@@ -291,18 +296,6 @@ TEST(Extractor, TheWantedNumberIsReached) {
       EXPECT_GE(found.size() + 8, std::min<size_t>(static_cast<size_t>(wanted), corners)) << width << " " << wanted;
       EXPECT_LE(found.size(), static_cast<size_t>(wanted) + 3 * 8);
     }
-  }
-}
-
-TEST(Extractor, ScalarAndSimdGiveTheSameFeatures) {
-  for (const auto& [width, height] :
-       {std::pair{640, 480}, std::pair{333, 251}, std::pair{97, 71}, std::pair{41, 200}, std::pair{20, 20}}) {
-    const ImageU8 image = to_image(texture(width, height, 8));
-    expect_scalar_twin([&] {
-      OrbExtractor extractor{OrbOptions{}};
-      const KeyPoints& k = extractor.extract(image.view());
-      return std::tuple(k.x, k.y, k.angle, k.level, k.descriptor);
-    });
   }
 }
 

@@ -130,7 +130,6 @@ void for_each_target(Visit&& visit) {
 
 }  // namespace
 
-void set_simd_enabled(bool on) { enabled = on; }
 bool simd_enabled() { return enabled; }
 
 std::vector<std::string> simd_targets() {

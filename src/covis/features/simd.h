@@ -20,15 +20,12 @@
 
 namespace covis {
 
-// Off: the scalar twins are used from now on. For tests and measurements; not thread-safe.
-void set_simd_enabled(bool enabled);
-bool simd_enabled();
-
 // The instruction sets that this machine and this build have, best first, by their Highway names in small letters, and at
 // last "scalar", the twins. All give the same results.
 std::vector<std::string> simd_targets();
 // From now on one of those; "best": as at the start. False when there is none of that name. Not thread-safe.
 bool use_simd_target(std::string_view name);
+bool simd_enabled();  // not the scalar twins
 
 // FAST-9/16 scores of `count` neighbouring pixels (fast_score() in fast.h) at a threshold; 3 rows must be there above and below,
 // 3 pixels left and right, and 64 readable bytes behind.

@@ -1,45 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
-// For the tests of features: textured images, and the same by every instruction set.
+// For the tests of features: images with corners at every scale.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
-#include <opencv2/imgproc.hpp>
 
 #include "covis/core/image.h"
 #include "covis/core/random.h"
-#include "covis/features/test_targets.h"
 
 namespace covis {
 
-// Patches of many sizes and grey levels, a little smoothed: corners at every scale.
-inline cv::Mat texture(int width, int height, uint64_t seed) {
+// Boxes of many sizes and grey levels, a little smoothed, with some noise; moved left by `shift` pixels.
+inline ImageU8 texture(int width, int height, uint64_t seed, int shift = 0) {
   Random random(seed);
-  cv::Mat image(height, width, CV_8U, cv::Scalar(128));
-  for (int k = 0; k < width * height / 400; ++k) {
+  Image<float> plain(width, height);
+  for (int y = 0; y < height; ++y) std::fill(plain.row(y), plain.row(y) + width, 128.0f);
+  for (int k = 0; k < width * height / 300; ++k) {
     const int w = 3 + static_cast<int>(random.below(40)), h = 3 + static_cast<int>(random.below(40));
-    const int x = static_cast<int>(random.below(static_cast<uint32_t>(width))),
-              y = static_cast<int>(random.below(static_cast<uint32_t>(height)));
-    cv::rectangle(image, {x - w, y - h, w, h}, cv::Scalar(random.below(256)), cv::FILLED);
+    const int x0 = static_cast<int>(random.below(static_cast<uint32_t>(width + 60))) - shift,
+              y0 = static_cast<int>(random.below(static_cast<uint32_t>(height)));
+    const auto grey = static_cast<float>(random.below(256));
+    for (int y = y0; y < std::min(height, y0 + h); ++y) {
+      for (int x = std::max(0, x0); x < std::min(width, x0 + w); ++x) plain(x, y) = grey;
+    }
   }
-  cv::GaussianBlur(image, image, {3, 3}, 0.8);
+  ImageU8 image(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const auto at = [&](int dx, int dy) {
+        return plain(std::clamp(x + dx, 0, width - 1), std::clamp(y + dy, 0, height - 1));
+      };
+      const float mean = 0.5f * at(0, 0) + 0.125f * (at(-1, 0) + at(1, 0) + at(0, -1) + at(0, 1));
+      image(x, y) = static_cast<uint8_t>(std::clamp(mean + static_cast<float>(random.below(5)), 0.0f, 255.0f));
+    }
+  }
   return image;
-}
-
-inline ImageU8 to_image(const cv::Mat& mat) {
-  ImageU8 image(mat.cols, mat.rows);
-  for (int y = 0; y < mat.rows; ++y) std::copy(mat.ptr(y), mat.ptr(y) + mat.cols, image.row(y));
-  return image;
-}
-
-// What `make` returns by the scalar twins; every target must return the same.
-template <class Make>
-void expect_scalar_twin(Make&& make) {
-  set_simd_enabled(false);
-  const auto expected = make();
-  set_simd_enabled(true);
-  for_each_target([&] { EXPECT_TRUE(make() == expected); });
 }
 
 }  // namespace covis

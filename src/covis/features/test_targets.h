@@ -3,27 +3,30 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
-#include <cstdint>
+#include <string>
 
 #include "covis/features/simd.h"
 
 namespace covis {
 
-// Runs `check` with every instruction set this machine and this build have.
+// Runs `check` with every instruction set this machine and this build have, and with the scalar twins.
 template <class Check>
 void for_each_target(Check&& check) {
-  const int64_t all = hwy::SupportedTargets() & HWY_TARGETS;
-  for (int64_t rest = all; rest != 0; rest &= rest - 1) {
-    const int64_t target = rest & -rest;
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  for (const std::string& target : simd_targets()) {
+    SCOPED_TRACE(target);
+    ASSERT_TRUE(use_simd_target(target));
     check();
   }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  use_simd_target("best");
+}
+
+// What `make` returns by the scalar twins; every target must return the same.
+template <class Make>
+void expect_scalar_twin(Make&& make) {
+  use_simd_target("scalar");
+  const auto expected = make();
+  for_each_target([&] { EXPECT_TRUE(make() == expected); });
 }
 
 }  // namespace covis

@@ -80,7 +80,7 @@ TEST(NearestRow, FindsTheTwoNearestAndTheNearestOfEachColumn) {
       keys.resize(std::max<size_t>(keys.size(), 2), kFarthest);
       expected.push_back({keys[0], keys[1]});
     }
-    const auto check = [&] {
+    for_each_target([&] {
       AlignedVector<uint64_t> column(planes.padded_size(), kFarthest);
       for (uint32_t i = 0; i < queries.size(); ++i) {
         const NearestTwo two = nearest_row(queries[i], i, planes, column.data());
@@ -88,11 +88,7 @@ TEST(NearestRow, FindsTheTwoNearestAndTheNearestOfEachColumn) {
         EXPECT_EQ(two.second, expected[i].second);
       }
       EXPECT_TRUE(std::equal(expected_column.begin(), expected_column.end(), column.begin()));
-    };
-    set_simd_enabled(false);
-    check();
-    set_simd_enabled(true);
-    for_each_target(check);
+    });
   }
 }
 
@@ -111,15 +107,11 @@ TEST(NearLine, FindsByEveryInstructionSetWhatAPlainSearchFinds) {
       const float residual = line[0] * points.x()[k] + line[1] * points.y()[k] + line[2];
       if (residual * residual <= points.bound()[k]) expected.push_back(k);
     }
-    const auto check = [&] {
+    for_each_target([&] {
       std::vector<uint32_t> found(points.padded() + LinePoints::kStep);
       found.resize(near_line(line, points, found.data()));
       EXPECT_EQ(found, expected);
-    };
-    set_simd_enabled(false);
-    check();
-    set_simd_enabled(true);
-    for_each_target(check);
+    });
   }
 }
 
@@ -189,11 +181,11 @@ TEST(WindowMatch, ChecksTheRightColumnAndChiSquare) {
     return matcher.match(f, queries, {}, {.max_chi2_mono = chi2, .max_chi2_stereo = chi2}, match);
   };
   EXPECT_EQ(matches(100, 85, 0), 1);
-  EXPECT_EQ(matches(100, 95, 0), 0);   // off by more than the radius
-  EXPECT_EQ(matches(100, -1, 0), 1);   // not asked
-  EXPECT_EQ(matches(102, -1, 5), 1);   // 4 <= 5
-  EXPECT_EQ(matches(103, -1, 5), 0);   // 9 > 5
-  EXPECT_EQ(matches(102, 82, 5), 0);   // 4 + 4 > 5
+  EXPECT_EQ(matches(100, 95, 0), 0);  // off by more than the radius
+  EXPECT_EQ(matches(100, -1, 0), 1);  // not asked
+  EXPECT_EQ(matches(102, -1, 5), 1);  // 4 <= 5
+  EXPECT_EQ(matches(103, -1, 5), 0);  // 9 > 5
+  EXPECT_EQ(matches(102, 82, 5), 0);  // 4 + 4 > 5
 }
 
 TEST(CheckRotation, KeepsTheBulkWhateverItsAngle) {

@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-#include "covis/features/simd.h"
+#include "covis/features/test_targets.h"
 #include "covis/vocabulary/test_vocabulary.h"
 #include "covis/vocabulary/vocabulary_text.h"
 
@@ -118,14 +118,8 @@ TEST_F(WordsTest, OfNothingAreNone) {
   EXPECT_THAT(words.offset, testing::ElementsAre(0u));
 }
 
-TEST_F(WordsTest, AreTheSameWithoutSimd) {
-  for (size_t i = 0; i < 5; ++i) {
-    const Words with = vocabulary_->transform(images_.image(i));
-    set_simd_enabled(false);
-    const Words without = vocabulary_->transform(images_.image(i));
-    set_simd_enabled(true);
-    EXPECT_EQ(with, without);
-  }
+TEST_F(WordsTest, AreTheSameByEveryInstructionSet) {
+  for (size_t i = 0; i < 5; ++i) expect_scalar_twin([&] { return vocabulary_->transform(images_.image(i)); });
 }
 
 TEST_F(WordsTest, ScoreIsOneOfEqualNoneOfDisjointAndSymmetric) {
