@@ -22,6 +22,7 @@
 #include "covis/io/sequence.h"
 #include "covis/slam/system.h"
 #include "places.h"
+#include "resources.h"
 #include "run_session.h"
 
 namespace covis::app {
@@ -331,9 +332,10 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember(keys(kFormats)));
   command->add_option("--features", arguments->features, "key points an image (short for --set orb.features=N)")
       ->check(CLI::Range(50, 30000));
-  command->add_option("--simd", arguments->simd,
-                      "instruction set of the image kernels: best, scalar or a name (an unknown one lists them); the "
-                      "results are the same")
+  command
+      ->add_option("--simd", arguments->simd,
+                   "instruction set of the image kernels: best, scalar or a name (an unknown one lists them); the "
+                   "results are the same")
       ->capture_default_str();
   command->add_option("--config", arguments->config, "settings YAML");
   command->add_option("--set", arguments->settings, "one setting, NAME=VALUE; may be repeated");

@@ -1,50 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// One `covis run`: what it was asked, what it counted, and the files it leaves.
+// The files that `covis run` leaves.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <vector>
 
 #include "covis/core/error.h"
-#include "covis/io/sequence.h"
 #include "covis/io/trajectory.h"
 #include "covis/slam/system.h"
+#include "run_summary.h"
 
 namespace covis::app {
-
-// One line of stats.jsonl.
-struct FrameStats {
-  int64_t frame = 0;
-  Timestamp stamp = 0;
-  std::string state;  // tracking, lost, not_initialised; late (dropped in real time); unreadable
-  std::string reason;
-  std::string method;
-  int features = 0, matches = 0, local_points = 0, in_view = 0, inliers = 0;
-  bool key_frame = false;
-  double decode_ms = 0;  // waiting for the decoded image
-  FrameTiming timing;
-  double cpu_ms = 0;     // time the tracking thread itself worked: other busy programs do not enter
-  double rss_mb = 0;     // resident memory after this frame, of every hundredth; 0: not asked
-  double motion_ms = 0, local_update_ms = 0, local_search_ms = 0, pose_ms = 0;
-  // What tracking cost, image already decoded: everything but waiting for mapping.
-  double tracking_ms() const { return timing.total_ms - timing.wait_ms; }
-};
-
-struct RunRecord {
-  std::string source;  // description of the recording
-  Sensor sensor = Sensor::monocular;
-  std::vector<FrameStats> frames;
-  std::vector<MappingReport> mapping;
-  int late_frames = 0;
-  int unreadable_frames = 0;
-  bool interrupted = false;
-  double wall_seconds = 0;
-  double first_pose_ms = -1;  // from the first decoded image to the first pose; negative: there was none
-};
 
 struct OutputOptions {
   std::filesystem::path directory;
@@ -58,11 +25,5 @@ struct OutputOptions {
 // Returns the summary. Each file is written whole or not at all; the first that fails is the error, the others are
 // written all the same.
 Result<nlohmann::json> write_outputs(const RunRecord& run, const System& system, const OutputOptions& options);
-
-// Of this process now, and of the calling thread since it began.
-double resident_mb();
-double thread_cpu_ms();
-
-const char* sensor_name(Sensor sensor);
 
 }  // namespace covis::app

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run_summary.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common.h"
+#include "resources.h"
+
+namespace covis::app {
+namespace {
+
+using nlohmann::json;
+
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + static_cast<ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+template <class Item, class Value>
+json spread(const std::vector<Item>& items, Value value) {
+  std::vector<double> values;
+  for (const Item& item : items) values.push_back(value(item));
+  return {{"median", quantile(values, 0.5)}, {"p95", quantile(values, 0.95)}};
+}
+
+json growth(const RunRecord& run) {
+  std::vector<double> second, last;  // of tenths of the run
+  const size_t n = run.frames.size();
+  for (size_t i = 0; i < n; ++i) {
+    const FrameStats& f = run.frames[i];
+    if (f.state != "tracking" || f.key_frame) continue;
+    if (10 * i >= n && 10 * i < 2 * n) second.push_back(f.cpu_ms);
+    if (10 * i >= 9 * n) last.push_back(f.cpu_ms);
+  }
+  double rss_second = 0, rss_last = 0;
+  for (size_t i = 0; i < n; ++i) {
+    if (run.frames[i].rss_mb <= 0) continue;
+    if (10 * i < 2 * n) rss_second = run.frames[i].rss_mb;
+    rss_last = run.frames[i].rss_mb;
+  }
+  return {{"cpu_ms_second_tenth", quantile(second, 0.5)},
+          {"cpu_ms_last_tenth", quantile(last, 0.5)},
+          {"rss_mb_after_second_tenth", rss_second},
+          {"rss_mb_at_end", rss_last}};
+}
+
+json to_json(const MappingReport& m) {
+  return {{"points_created", m.points_created},
+          {"points_fused", m.points_fused},
+          {"points_culled", m.points_culled},
+          {"key_frames_culled", m.key_frames_culled},
+          {"ba_key_frames", m.ba_key_frames},
+          {"ba_points", m.ba_points},
+          {"ba_observations", m.ba_observations},
+          {"ba_interrupted", m.ba_interrupted},
+          {"loop_candidates", m.loop.candidates},
+          {"loop_matches", m.loop.matches},
+          {"loop_inliers", m.loop.inliers},
+          {"loop_found_again", m.loop.found_again},
+          {"loop_closed", m.loop.loop.valid() && !m.loop.merged},
+          {"maps_joined", m.loop.merged},
+          {"loop_query_ms", m.loop.query_ms},
+          {"loop_verify_ms", m.loop.verify_ms},
+          {"loop_ms", m.loop_ms},
+          {"total_ms", m.total_ms}};
+}
+
+json loops(const RunRecord& run) {
+  json list = json::array();
+  for (size_t k = 0; k < run.mapping.size(); ++k) {
+    const MappingReport& m = run.mapping[k];
+    if (!m.loop.loop.valid() || m.loop.merged) continue;
+    // Its full bundle adjustment came some key frames later, unless another loop or the end was first.
+    double full_ba_ms = 0;
+    for (size_t later = k + 1; later < run.mapping.size() && !run.mapping[later].loop.loop.valid(); ++later)
+      full_ba_ms += run.mapping[later].loop.full_ba_ms;
+    list.push_back({{"frame", m.frame},
+                    {"matches", m.loop.matches},
+                    {"inliers", m.loop.inliers},
+                    {"found_again", m.loop.found_again},
+                    {"fused", m.loop.fused},
+                    {"path_m", m.loop.path},
+                    {"correction_m", m.loop.correction},
+                    {"rotation_deg", m.loop.rotation_deg},
+                    {"scale", m.loop.scale},
+                    {"query_ms", m.loop.query_ms},
+                    {"verify_ms", m.loop.verify_ms},
+                    {"correct_ms", m.loop.correct_ms},
+                    {"pose_graph_ms", m.loop.pose_graph_ms},
+                    {"full_ba_ms", full_ba_ms}});
+  }
+  return list;
+}
+
+json merges(const RunRecord& run) {
+  json list = json::array();
+  for (const MappingReport& m : run.mapping) {
+    if (!m.loop.merged) continue;
+    list.push_back({{"frame", m.frame},
+                    {"key_frames_moved", m.loop.merged_key_frames},
+                    {"matches", m.loop.matches},
+                    {"inliers", m.loop.inliers},
+                    {"found_again", m.loop.found_again},
+                    {"fused", m.loop.fused},
+                    {"scale", m.loop.scale},
+                    {"query_ms", m.loop.query_ms},
+                    {"verify_ms", m.loop.verify_ms},
+                    {"correct_ms", m.loop.correct_ms}});
+  }
+  return list;
+}
+
+json maps(const std::vector<MapSummary>& maps) {
+  json list = json::array();
+  for (const MapSummary& map : maps) {
+    list.push_back(
+        {{"loaded", map.loaded}, {"frames", map.frames}, {"keyframes", map.key_frames}, {"map_points", map.points}});
+  }
+  return list;
+}
+
+// `map`: the one the frame's pose belongs to, by its place in the summary's list.
+json to_json(const FrameStats& f, std::optional<int> map) {
+  json line{{"frame", f.frame}, {"stamp", to_seconds(f.stamp)}, {"state", f.state}, {"reason", f.reason}};
+  if (map) line["map"] = *map;
+  if (!processed(f)) return line;
+  line.update({{"method", f.method},
+               {"features", f.features},
+               {"matches", f.matches},
+               {"local_points", f.local_points},
+               {"in_view", f.in_view},
+               {"inliers", f.inliers},
+               {"key_frame", f.key_frame},
+               {"tracking_ms", f.tracking_ms()},
+               {"cpu_ms", f.cpu_ms},
+               {"ms",
+                {{"decode_wait", f.decode_ms},
+                 {"extract", f.timing.extract_ms},
+                 {"depth", f.timing.depth_ms},
+                 {"motion", f.motion_ms},
+                 {"local_update", f.local_update_ms},
+                 {"local_search", f.local_search_ms},
+                 {"pose", f.pose_ms},
+                 {"track", f.timing.track_ms},
+                 {"mapping_wait", f.timing.wait_ms},
+                 {"total", f.timing.total_ms}}}});
+  if (f.rss_mb > 0) line["rss_mb"] = f.rss_mb;
+  return line;
+}
+
+json stage_times(const RunRecord& run) {
+  std::vector<FrameStats> tracked;
+  for (const FrameStats& f : run.frames) {
+    if (processed(f)) tracked.push_back(f);
+  }
+  const auto stage = [&](auto member) { return spread(tracked, member); };
+  return {{"extract", stage([](const FrameStats& f) { return f.timing.extract_ms; })},
+          {"depth", stage([](const FrameStats& f) { return f.timing.depth_ms; })},
+          {"motion", stage([](const FrameStats& f) { return f.motion_ms; })},
+          {"local_update", stage([](const FrameStats& f) { return f.local_update_ms; })},
+          {"local_search", stage([](const FrameStats& f) { return f.local_search_ms; })},
+          {"pose", stage([](const FrameStats& f) { return f.pose_ms; })},
+          {"mapping_wait", stage([](const FrameStats& f) { return f.timing.wait_ms; })},
+          {"decode_wait", stage([](const FrameStats& f) { return f.decode_ms; })}};
+}
+
+json mapping_times(const RunRecord& run) {
+  const auto stage = [&](auto member) { return spread(run.mapping, member); };
+  return {{"insert", stage([](const MappingReport& m) { return m.insert_ms; })},
+          {"cull_points", stage([](const MappingReport& m) { return m.cull_points_ms; })},
+          {"create", stage([](const MappingReport& m) { return m.create_ms; })},
+          {"fuse", stage([](const MappingReport& m) { return m.fuse_ms; })},
+          {"local_ba", stage([](const MappingReport& m) { return m.ba_ms; })},
+          {"cull_key_frames", stage([](const MappingReport& m) { return m.cull_key_frames_ms; })},
+          {"loop", stage([](const MappingReport& m) { return m.loop_ms; })},
+          {"total", stage([](const MappingReport& m) { return m.total_ms; })}};
+}
+
+// Runs of frames without a pose, each with the reason of its first frame.
+json losses(const RunRecord& run) {
+  json list = json::array();
+  const FrameStats* start = nullptr;
+  int64_t last = 0;
+  const auto close = [&] {
+    if (start)
+      list.push_back({{"first", start->frame}, {"last", last}, {"state", start->state}, {"reason", start->reason}});
+    start = nullptr;
+  };
+  for (const FrameStats& frame : run.frames) {
+    if (frame.state == "tracking" || (start && start->state != frame.state)) close();
+    if (frame.state != "tracking" && !start) start = &frame;
+    last = frame.frame;
+  }
+  close();
+  return list;
+}
+
+}  // namespace
+
+bool processed(const FrameStats& frame) { return frame.state != "late" && frame.state != "unreadable"; }
+
+std::string stats_text(const RunRecord& run, const std::vector<PoseOfFrame>& poses) {
+  std::string text;
+  size_t next = 0;            // reports of mapping come in the order of their frames
+  auto pose = poses.begin();  // so do poses
+  for (const FrameStats& frame : run.frames) {
+    while (pose != poses.end() && pose->frame < frame.frame) ++pose;
+    const bool has_pose = pose != poses.end() && pose->frame == frame.frame;
+    json line = to_json(frame, has_pose ? std::optional(pose->map) : std::nullopt);
+    for (; next < run.mapping.size() && run.mapping[next].frame <= frame.frame; ++next) {
+      if (run.mapping[next].frame == frame.frame) line["mapping"] = to_json(run.mapping[next]);
+    }
+    // A message may quote a file name that is not UTF-8.
+    text += line.dump(-1, ' ', false, json::error_handler_t::replace);
+    text += '\n';
+  }
+  return text;
+}
+
+json summarise(const RunRecord& run, const System& system) {
+  std::vector<FrameStats> done;
+  for (const FrameStats& f : run.frames) {
+    if (processed(f)) done.push_back(f);
+  }
+  const auto tracked =
+      std::count_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.tracked; });
+  const auto online =
+      std::count_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.online; });
+  const auto first_tracked =
+      std::find_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.online; });
+  size_t key_frames = 0, points = 0;
+  for (const MapSummary& map : system.maps()) {
+    key_frames += map.key_frames;
+    points += map.points;
+  }
+  const Pinhole& camera = system.camera();
+  return {{"source", run.source},
+          {"sensor", name_of(kSensors, run.sensor)},
+          {"camera", {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}}},
+          {"frames", run.frames.size()},
+          {"frames_tracked", tracked},
+          {"frames_tracked_online", online},
+          {"first_tracked_frame", first_tracked == system.records().end() ? -1 : first_tracked->frame},
+          {"frames_late", run.late_frames},
+          {"frames_unreadable", run.unreadable_frames},
+          {"interrupted", run.interrupted},
+          {"keyframes", key_frames},
+          {"keyframes_made", run.mapping.size()},
+          {"map_points", points},
+          {"refused_non_finite", system.map().read()->refused_non_finite()},
+          {"tracking_ms", spread(done, [](const FrameStats& f) { return f.tracking_ms(); })},
+          {"frame_ms", spread(done, [](const FrameStats& f) { return f.timing.total_ms; })},
+          {"cpu_ms", spread(done, [](const FrameStats& f) { return f.cpu_ms; })},
+          {"growth", growth(run)},
+          {"stage_ms", stage_times(run)},
+          {"mapping_ms", mapping_times(run)},
+          {"loops", loops(run)},
+          {"maps", maps(system.maps())},
+          {"merges", merges(run)},
+          {"frames_per_second", static_cast<double>(run.frames.size()) / std::max(run.wall_seconds, 1e-9)},
+          {"wall_s", run.wall_seconds},
+          {"first_pose_ms", run.first_pose_ms},
+          {"peak_rss_mb", peak_rss_mb()},
+          {"not_tracked", losses(run)}};
+}
+
+}  // namespace covis::app

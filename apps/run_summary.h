@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// One `covis run`: what it counted, and that in JSON.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "covis/core/time.h"
+#include "covis/core/sensor.h"
+#include "covis/slam/system.h"
+
+namespace covis::app {
+
+// One line of stats.jsonl.
+struct FrameStats {
+  int64_t frame = 0;
+  Timestamp stamp = 0;
+  std::string state;  // tracking, lost, not_initialised; late (dropped in real time); unreadable
+  std::string reason;
+  std::string method;
+  int features = 0, matches = 0, local_points = 0, in_view = 0, inliers = 0;
+  bool key_frame = false;
+  double decode_ms = 0;  // waiting for the decoded image
+  FrameTiming timing;
+  double cpu_ms = 0;  // time the tracking thread itself worked: other busy programs do not enter
+  double rss_mb = 0;  // resident memory after this frame, of every hundredth; 0: not asked
+  double motion_ms = 0, local_update_ms = 0, local_search_ms = 0, pose_ms = 0;
+  // What tracking cost, image already decoded: everything but waiting for mapping.
+  double tracking_ms() const { return timing.total_ms - timing.wait_ms; }
+};
+
+struct RunRecord {
+  std::string source;  // description of the recording
+  Sensor sensor = Sensor::monocular;
+  std::vector<FrameStats> frames;
+  std::vector<MappingReport> mapping;
+  int late_frames = 0;
+  int unreadable_frames = 0;
+  bool interrupted = false;
+  double wall_seconds = 0;
+  double first_pose_ms = -1;  // from the first decoded image to the first pose; negative: there was none
+};
+
+bool processed(const FrameStats& frame);
+
+// stats.jsonl: a line a frame, with what mapping did of it and the map its pose belongs to.
+std::string stats_text(const RunRecord& run, const std::vector<PoseOfFrame>& poses);
+// summary.json, without the errors against the truth.
+nlohmann::json summarise(const RunRecord& run, const System& system);
+
+}  // namespace covis::app
