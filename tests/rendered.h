@@ -3,13 +3,17 @@
 #pragma once
 
 #include <cstring>
+#include <filesystem>
 #include <limits>
+#include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "covis/geometry/alignment.h"
 #include "covis/slam/system.h"
 #include "covis/synth/synth.h"
+#include "covis/vocabulary/vocabulary.h"
 
 namespace covis {
 
@@ -84,14 +88,30 @@ inline SystemOptions options_for(Sensor sensor) {
 }
 
 // Root mean square distance to the truth after the best alignment (with scale when monocular), metres.
-inline double error(const std::vector<PoseOfFrame>& poses, const Synth& synth, bool with_scale) {
-  std::vector<Eigen::Vector3d> estimate, truth;
+// truth: the pose of a frame by its number.
+template <class Truth>
+double error_to(const std::vector<PoseOfFrame>& poses, Truth truth, bool with_scale) {
+  std::vector<Eigen::Vector3d> estimate, wanted;
   for (const PoseOfFrame& pose : poses) {
     estimate.push_back(pose.T_wc.t());
-    truth.push_back(synth.T_wc(static_cast<int>(pose.frame)).t());
+    wanted.push_back(truth(pose.frame).t());
   }
-  const auto alignment = align(estimate, truth, with_scale);
+  const auto alignment = align(estimate, wanted, with_scale);
   return alignment ? alignment->rmse : std::numeric_limits<double>::quiet_NaN();
+}
+inline double error(const std::vector<PoseOfFrame>& poses, const Synth& synth, bool with_scale) {
+  return error_to(
+      poses, [&](int64_t frame) { return synth.T_wc(static_cast<int>(frame)); }, with_scale);
+}
+
+inline double angle_deg(const SE3& a, const SE3& b) {
+  return so3_log(a.R() * b.R().transpose()).norm() * 180 / std::numbers::pi;
+}
+
+// The vocabulary that ships.
+inline std::shared_ptr<const Vocabulary> vocabulary() {
+  static const auto loaded = Vocabulary::load(std::filesystem::path(COVIS_SOURCE_DIR) / "vocabulary/default.covis-voc");
+  return loaded.value();
 }
 
 // The bytes of a trajectory: equal only when every bit is.
