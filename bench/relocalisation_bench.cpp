@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Relocalisation by the truth: maps the first frames of an RGB-D recording, then places each of the others on its own,
-// from nothing, and tells recall and error beside how much of each frame's view the first ones had seen.
+// from nothing, in that map loaded anew (as `covis localize` does), and tells recall and error beside how much of each
+// frame's view the first ones had seen.
 //   relocalisation_bench RECORDING CAMERA.yaml FRAMES_TO_MAP [NAME=VALUE …]
 // Seen: of the frame's depth, put where the truth says, the largest share that one mapping frame sees too: in its
 // image, not hidden (by 5 % of the depth), and along rays at most 20 degrees apart. The map is put into the truth's
@@ -20,6 +21,7 @@
 #include "covis/core/fields.h"
 #include "covis/core/time.h"
 #include "covis/io/sequence.h"
+#include "covis/map/map_state.h"
 #include "covis/slam/system.h"
 #include "covis/vocabulary/vocabulary.h"
 
@@ -235,10 +237,17 @@ Result<Placing> run(const Settings& settings) {
   if (!poses) return tl::unexpected(poses.error());
   const Truth truth(*poses);
 
-  System system((*first)->camera(), settings.options, *vocabulary);
-  const std::vector<View> mapped = map_frames(**first, truth, system);
-  const auto T_truth_map = to_truth(system, truth);
+  const Camera camera = (*first)->camera();
+  System mapping(camera, settings.options, *vocabulary);
+  const std::vector<View> mapped = map_frames(**first, truth, mapping);
+  const auto T_truth_map = to_truth(mapping, truth);
   if (!T_truth_map) return tl::unexpected(T_truth_map.error());
+  auto map = Map::from_state(mapping.map().read()->state());
+  if (!map) return tl::unexpected(map.error());
+  SystemOptions options = settings.options;
+  options.localize = true;
+  System system(camera, options, *vocabulary);
+  system.set_map(std::move(*map));
   Placing placing = place(**rest, truth, mapped, *T_truth_map, system);
   if (placing.frames.empty()) return fail(settings.path + ": no frame with a truth is left to be placed");
   return placing;
