@@ -115,7 +115,6 @@ class Map {
   void unprotect(KeyFrameId id);
   void add_loop_edge(KeyFrameId a, KeyFrameId b);
   const KeyFrameDatabase& database() const { return database_; }
-  KeyFrameId newest() const;  // greatest serial
   size_t key_frame_count() const { return key_frames_.size(); }
   std::vector<KeyFrameId> key_frames() const;               // by rising serial
   std::vector<KeyFrameId> key_frames(uint32_t part) const;  // of one part
@@ -170,8 +169,6 @@ class Map {
   bool replace_point(MapPointId old, MapPointId by);
   // The live handle that `id` has become through replacements; invalid when it was erased.
   MapPointId forwarded(MapPointId id) const;
-  // Drops the forwarding entries: call when nobody holds old handles.
-  void forget_replacements();
   const MapPoint* find(MapPointId id) const { return points_.find(id); }
   const MapPoint& at(MapPointId id) const { return points_.at(id); }
   bool set_position(MapPointId id, const Eigen::Vector3d& position_w);  // false when stale or not finite

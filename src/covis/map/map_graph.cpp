@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Covisibility and the essential graph.
 #include <algorithm>
+#include <limits>
 
 #include "covis/map/map.h"
 
@@ -48,10 +49,7 @@ std::vector<Neighbour> Map::neighbours_above(KeyFrameId id, int least) const {
 }
 
 std::vector<Neighbour> Map::neighbours(KeyFrameId id) const {
-  std::vector<Neighbour> list = neighbours_above(id, kCovisibilityThreshold);
-  const std::vector<Neighbour>& shared = at(id).shared;
-  if (list.empty() && !shared.empty()) list.push_back(*std::min_element(shared.begin(), shared.end(), heavier));
-  return list;
+  return best_neighbours(id, std::numeric_limits<int>::max());
 }
 
 std::vector<Neighbour> Map::best_neighbours(KeyFrameId id, int count) const {

@@ -112,8 +112,6 @@ MapPointId Map::forwarded(MapPointId id) const {
   return id;
 }
 
-void Map::forget_replacements() { replaced_by_.clear(); }
-
 bool Map::set_position(MapPointId id, const Eigen::Vector3d& position_w) {
   MapPoint* point = points_.find(id);
   if (!point) return false;
