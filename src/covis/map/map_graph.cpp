@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "covis/core/reserve.h"
 #include "covis/map/map.h"
 
 namespace covis {
@@ -23,7 +24,9 @@ void Map::add_weight(KeyFrameId a, KeyFrameId b, int delta) {
     std::vector<Neighbour>& shared = key_frames_.at(from).shared;
     const auto at = std::lower_bound(shared.begin(), shared.end(), to, ByHandle{});
     if (at == shared.end() || at->key_frame != to) {
-      shared.insert(at, {to, delta});
+      const auto place = at - shared.begin();
+      reserve_one_more(shared);
+      shared.insert(shared.begin() + place, {to, delta});
     } else if ((at->weight += delta) == 0) {
       shared.erase(at);
     }
