@@ -106,6 +106,6 @@ void add_localize_command(CLI::App& app, int& exit_code) {
   command->add_option("--vocabulary", arguments->vocabulary, "vocabulary (default: the one that comes along)");
   command->add_option("--features", arguments->features, "key points an image")->check(CLI::Range(50, 30000));
   command->add_flag("--json", arguments->json, "the summary as JSON on stdout");
-  command->footer("Example:\n  covis localize office2 --map office.m --out found.txt");
+  command->footer("Examples:\n  covis localize office2 --map office.m --out found.txt");
   command->callback([arguments, &exit_code] { exit_code = localize(*arguments); });
 }

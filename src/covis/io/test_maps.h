@@ -39,6 +39,10 @@ inline FeaturesPtr random_features(Random& random, int count) {
     Descriptor& d = f->descriptor.emplace_back();
     for (uint64_t& word : d.bits) word = random.next();
   }
+  if (count > 0 && f->descriptor[0].bits[0] % 2 == 0) {  // as of a camera without distortion
+    f->raw_x.clear();
+    f->raw_y.clear();
+  }
   f->grid.build({-1.5f, 0, 641, 480}, f->x, f->y);
   return f;
 }
@@ -97,6 +101,8 @@ inline void expect_equal(const Features& a, const Features& b) {
   EXPECT_EQ(a.depth, b.depth);
   EXPECT_EQ(a.level, b.level);
   EXPECT_EQ(a.descriptor, b.descriptor);
+  EXPECT_EQ(a.grid.filled, b.grid.filled);
+  EXPECT_EQ(a.grid.before, b.grid.before);
   EXPECT_EQ(a.grid.offsets, b.grid.offsets);
   EXPECT_EQ(a.grid.indices, b.grid.indices);
   EXPECT_EQ(a.grid.inv_cell_width, b.grid.inv_cell_width);

@@ -42,8 +42,6 @@ Features empty_features() {
 void add(Features& f, float x, float y, int level, const Descriptor& d, float angle = 0, float u_right = -1) {
   f.x.push_back(x);
   f.y.push_back(y);
-  f.raw_x.push_back(x);
-  f.raw_y.push_back(y);
   f.angle.push_back(angle);
   f.u_right.push_back(u_right);
   f.depth.push_back(u_right >= 0 ? static_cast<float>(kCamera.bf / (x - u_right)) : 0);
