@@ -50,7 +50,8 @@ int localize(const LocalizeArguments& arguments) {
   auto map = open_map(arguments.map, options);
   if (!map) return fail_with(map.error());
   System system((*sequence)->camera(), options, *vocabulary);
-  system.set_map(std::move(*map));
+  if (const auto set = system.set_map(std::move(map->map), map->header.camera); !set)
+    return fail_with(arguments.map + ": " + set.error().message);
 
   std::vector<Trajectory> found(system.maps().size());  // of each map
   int64_t frames = 0, unreadable = 0;

@@ -246,7 +246,7 @@ int run(const RunArguments& arguments) {
     return fail_with("--localize: it needs a map to localise in, --map FILE");
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
-  std::optional<Map> map;
+  std::optional<io::SavedMap> map;
   if (!arguments.map.empty()) {
     auto opened = open_map(arguments.map, options);
     if (!opened) return fail_with(opened.error());
@@ -264,7 +264,10 @@ int run(const RunArguments& arguments) {
   record.sensor = options.sensor;
   if (!arguments.quiet) log(LogLevel::info, record.source);
   System system((*sequence)->camera(), options, *vocabulary);
-  if (map) system.set_map(std::move(*map));
+  if (map) {
+    if (const auto set = system.set_map(std::move(map->map), map->header.camera); !set)
+      return fail_with(arguments.map + ": " + set.error().message + " (--localize)");
+  }
   const Stopwatch wall;
   track_all(**sequence, system, arguments, record);
   record.wall_seconds = wall.ms() / 1000;
@@ -287,7 +290,8 @@ int run(const RunArguments& arguments) {
   const auto summary = write_outputs(record, system, output);
   if (!arguments.save_map.empty()) {
     const MapState state = system.map().read()->state();
-    const auto header = map_header((*sequence)->camera(), options, vocabulary->get());
+    const Camera& made_by = map ? map->header.camera : (*sequence)->camera();
+    const auto header = map_header(made_by, options, vocabulary->get());
     if (const auto saved = io::save_map(arguments.save_map, state, header); !saved) return fail_with(saved.error());
   }
   if (!summary) return fail_with(summary.error());
