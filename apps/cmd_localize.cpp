@@ -82,7 +82,8 @@ int localize(const LocalizeArguments& arguments) {
   auto map = open_map(arguments.map, options);
   if (!map) return fail_with(map.error());
   System system((*sequence)->camera(), options, *vocabulary);
-  system.set_map(std::move(*map));
+  if (const auto set = system.set_map(std::move(map->map), map->header.camera); !set)
+    return fail_with(arguments.map + ": " + set.error().message);
 
   const Found found = locate_all(**sequence, system);
   if (found.frames == 0) return fail_with(arguments.path + ": no frame could be read");

@@ -200,7 +200,7 @@ int run(const RunArguments& arguments) {
     return fail_with("--localize: it needs a map to localise in, --map FILE");
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
-  std::optional<Map> map;
+  std::optional<io::SavedMap> map;
   if (!arguments.map.empty()) {
     auto opened = open_map(arguments.map, options);
     if (!opened) return fail_with(opened.error());
@@ -213,14 +213,17 @@ int run(const RunArguments& arguments) {
   record.sensor = options.sensor;
   if (!arguments.quiet) log(LogLevel::info, record.source);
   System system((*sequence)->camera(), options, *vocabulary);
-  if (map) system.set_map(std::move(*map));
+  if (map) {
+    if (const auto set = system.set_map(std::move(map->map), map->header.camera); !set)
+      return fail_with(arguments.map + ": " + set.error().message + " (--localize)");
+  }
   const Stopwatch wall;
   track_all(**sequence, system, arguments, record);
   record.wall_seconds = wall.ms() / 1000;
   record.interrupted = interrupted != 0;
   if (record.frames.empty() && !record.interrupted) return fail_with(arguments.path + ": no frame could be read");
 
-  const auto header = map_header((*sequence)->camera(), options, vocabulary->get());
+  const auto header = map_header(map ? map->header.camera : (*sequence)->camera(), options, vocabulary->get());
   const auto summary = save(arguments, record, system, **sequence, header);
   if (!summary) return fail_with(summary.error());
   return tell(arguments, *summary, (*sequence)->kind());

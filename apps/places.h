@@ -24,8 +24,8 @@ Result<std::shared_ptr<const Vocabulary>> open_vocabulary(const std::string& nam
 
 io::MapHeader map_header(const Camera& camera, const SystemOptions& options, const Vocabulary* vocabulary);
 
-// A saved map for a camera: an error when it was made with another kind of sensor or another pyramid, for what it holds
-// can't be found again then.
-Result<Map> open_map(const std::filesystem::path& file, const SystemOptions& options);
+// A saved map to go on from: an error when it was made with another kind of sensor or another pyramid, for what it
+// holds can't be found again then.
+Result<io::SavedMap> open_map(const std::filesystem::path& file, const SystemOptions& options);
 
 }  // namespace covis::app

@@ -236,7 +236,7 @@ json summarise(const RunRecord& run, const System& system) {
     key_frames += map.key_frames;
     points += map.points;
   }
-  const Pinhole& camera = system.camera();
+  const Pinhole camera = system.camera();
   return {{"source", run.source},
           {"sensor", name_of(kSensors, run.sensor)},
           {"camera", {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}}},

@@ -247,7 +247,7 @@ Result<Placing> run(const Settings& settings) {
   SystemOptions options = settings.options;
   options.localize = true;
   System system(camera, options, *vocabulary);
-  system.set_map(std::move(*map));
+  if (const auto set = system.set_map(std::move(*map), camera); !set) return tl::unexpected(set.error());
   Placing placing = place(**rest, truth, mapped, *T_truth_map, system);
   if (placing.frames.empty()) return fail(settings.path + ": no frame with a truth is left to be placed");
   return placing;

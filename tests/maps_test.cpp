@@ -113,7 +113,7 @@ TEST(FurtherMap, NoneIsBegunWhereItMustNot) {
     auto state = Map::from_state(system.map().read()->state());
     ASSERT_TRUE(state);
     System next(recording.synth.camera(), options, vocabulary());
-    next.set_map(std::move(*state));
+    ASSERT_TRUE(next.set_map(std::move(*state), recording.synth.camera()));
     for (int step = 12; step < 24; ++step) {
       EXPECT_EQ(next.process(walk.input(step)).track.state, TrackState::lost);
     }
@@ -135,7 +135,7 @@ TEST(FurtherMap, ALoadedMapStaysTheFirst) {
   auto state = Map::from_state(system.map().read()->state());
   ASSERT_TRUE(state);
   System next(recording.synth.camera(), options, vocabulary());
-  next.set_map(std::move(*state));
+  ASSERT_TRUE(next.set_map(std::move(*state), recording.synth.camera()));
   for (int step = 12; step < 42; ++step) next.process(walk.input(step));
   next.finish();
   const std::vector<MapSummary> maps = next.maps();

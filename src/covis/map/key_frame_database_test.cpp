@@ -30,7 +30,6 @@ std::shared_ptr<const Words> random_words(Random& random, int place) {
 FeaturesPtr features(int count) {
   auto f = std::make_shared<Features>();
   f->pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
-  f->camera = {500, 500, 320, 240, 40};
   for (int i = 0; i < count; ++i) {
     f->x.push_back(static_cast<float>(i % 640));
     f->y.push_back(static_cast<float>(i % 480));

@@ -16,7 +16,6 @@ namespace {
 FeaturesPtr make_features(Random& random, int count, bool with_depth) {
   auto f = std::make_shared<Features>();
   f->pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
-  f->camera = {500, 500, 320, 240, 40};
   for (int i = 0; i < count; ++i) {
     f->x.push_back(static_cast<float>(random.uniform(0, 640)));
     f->y.push_back(static_cast<float>(random.uniform(0, 480)));

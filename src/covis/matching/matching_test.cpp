@@ -34,7 +34,6 @@ Descriptor turned(Descriptor d, int bits, Random& random) {
 
 Features empty_features() {
   Features f;
-  f.camera = kCamera;
   f.pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
   return f;
 }
@@ -232,7 +231,7 @@ TEST(EpipolarMatch, TakesTheOneNearTheLine) {
     add(b, static_cast<float>(at_b.x()), static_cast<float>(at_b.y()) + (off ? 8.0f : 0.0f), 0, turned(d, 20, random));
     if (!off) ++expected;
   }
-  const auto matches = match_epipolar(a, {}, b, {}, T_ba, {});
+  const auto matches = match_epipolar(kCamera, a, {}, b, {}, T_ba, {});
   EXPECT_EQ(static_cast<int>(matches.size()), expected);
   for (const FeatureMatch& m : matches) {
     EXPECT_EQ(m.a, m.b);
@@ -247,8 +246,8 @@ TEST(EpipolarMatch, StaysAwayFromTheEpipole) {
   const Descriptor d = random_descriptor(random);
   add(a, 321, 240, 0, d);
   add(b, 322, 240, 0, d);
-  EXPECT_TRUE(match_epipolar(a, {}, b, {}, T_ba, {}).empty());
-  EXPECT_EQ(match_epipolar(a, {}, b, {}, T_ba, {.epipole_margin = 1}).size(), 1u);
+  EXPECT_TRUE(match_epipolar(kCamera, a, {}, b, {}, T_ba, {}).empty());
+  EXPECT_EQ(match_epipolar(kCamera, a, {}, b, {}, T_ba, {.epipole_margin = 1}).size(), 1u);
 }
 
 }  // namespace

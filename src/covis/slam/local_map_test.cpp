@@ -15,6 +15,7 @@ using testing::UnorderedElementsAre;
 class LocalMapTest : public testing::Test {
  protected:
   LocalMapTest() {
+    map.set_camera({500, 500, 320, 240, 40});
     for (int i = 0; i < 5; ++i) {
       frames.push_back(
           map.add_key_frame(i, i, SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(-i, 0, 0)), features()));
@@ -29,7 +30,6 @@ class LocalMapTest : public testing::Test {
   FeaturesPtr features() {
     auto f = std::make_shared<Features>();
     f->pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
-    f->camera = {500, 500, 320, 240, 40};
     for (int i = 0; i < 400; ++i) {
       f->x.push_back(static_cast<float>(random.uniform(0, 640)));
       f->y.push_back(static_cast<float>(random.uniform(0, 480)));

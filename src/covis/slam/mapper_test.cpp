@@ -46,7 +46,7 @@ class MapperTest : public testing::Test {
   }
 
   TestFrames& frames = TestFrames::of(Sensor::rgbd);
-  SharedMap shared;
+  SharedMap shared{frames.camera()};
   Mapper mapper{shared, options_of(Sensor::rgbd)};
 };
 
@@ -61,7 +61,7 @@ TEST_F(MapperTest, TheFirstKeyFramesPointsLieAtTheirDepth) {
   EXPECT_EQ(map->point_count(), features_with_depth(f).size());
   map->for_each_point([&](MapPointId, const MapPoint& p) {
     const uint32_t feature = p.observations[0].feature;
-    EXPECT_LT((p.position_w - unproject_depth(f, feature)).norm(), 1e-9);
+    EXPECT_LT((p.position_w - unproject_depth(map->camera(), f, feature)).norm(), 1e-9);
     EXPECT_EQ(p.descriptor, f.descriptor[feature]);
   });
 }
@@ -188,7 +188,7 @@ TEST_F(MapperTest, WithoutAReferenceAPartOfItsOwnIsBegun) {
 // Two views and no depth: an initial map, then points by triangulation with a third.
 TEST(MonocularMapper, MakesAMapOfMedianDepthOneAndTriangulatesMore) {
   TestFrames &mono = TestFrames::of(Sensor::monocular), &depth = TestFrames::of(Sensor::rgbd);
-  SharedMap shared;
+  SharedMap shared(mono.camera());
   Mapper mapper(shared, options_of(Sensor::monocular));
   constexpr int kSecond = 6;
   InitialMapRequest r;
@@ -196,7 +196,7 @@ TEST(MonocularMapper, MakesAMapOfMedianDepthOneAndTriangulatesMore) {
   r.second = {kSecond, mono.stamp(kSecond), mono.features(kSecond)};
   r.T_21 = mono.T_cw(kSecond);
   // Points of the first view by the depth sensor's word, found in the second by their place.
-  SharedMap true_map;
+  SharedMap true_map(depth.camera());
   Mapper true_mapper(true_map, options_of(Sensor::rgbd));
   KeyFrameRequest with_depth;
   with_depth.features = depth.features(0);
@@ -245,7 +245,7 @@ TEST(MonocularMapper, MakesAMapOfMedianDepthOneAndTriangulatesMore) {
 
 TEST(MonocularMapper, AnInitialMapOfWrongMatchesIsRefusedAndLeavesNothing) {
   TestFrames& mono = TestFrames::of(Sensor::monocular);
-  SharedMap shared;
+  SharedMap shared(mono.camera());
   Mapper mapper(shared, options_of(Sensor::monocular));
   InitialMapRequest r;
   r.first = {0, mono.stamp(0), mono.features(0)};
