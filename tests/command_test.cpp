@@ -69,6 +69,18 @@ int expect_results(const fs::path& out) {
   return frames;
 }
 
+volatile std::sig_atomic_t own_signals = 0;
+
+// With a signal that nobody else minds: it would come to this process and all of its group.
+TEST(Process, ASignalAfterItsEndReachesNobody) {
+  const auto before = std::signal(SIGWINCH, [](int) { own_signals = own_signals + 1; });
+  Process process({"/bin/true"}, "/dev/null", "/dev/null");
+  EXPECT_EQ(process.wait(std::chrono::seconds(60)), 0);
+  process.send(SIGWINCH);
+  EXPECT_EQ(own_signals, 0);
+  std::signal(SIGWINCH, before);
+}
+
 using CommandRun = CommandTest;
 
 TEST_F(CommandRun, WritesAllItsFilesForEachSensor) {
