@@ -118,6 +118,6 @@ void add_localize_command(CLI::App& app, int& exit_code) {
   command->add_option("--count", arguments->count, "images at most");
   command->add_option("--stride", arguments->stride, "every n-th image")->check(CLI::PositiveNumber);
   command->add_flag("--json", arguments->json, "the summary as JSON on stdout");
-  command->footer("Example:\n  covis localize office2 --map office.m --out found.txt");
+  command->footer("Examples:\n  covis localize office2 --map office.m --out found.txt");
   command->callback([arguments, &exit_code] { exit_code = localize(*arguments); });
 }

@@ -124,9 +124,9 @@ class CommandTest : public testing::Test {
     return {code, text_of(folder / "stdout"), text_of(folder / "stderr")};
   }
   // A recording in the case's folder.
-  fs::path render(const std::string& sensor, int frames) const {
-    const fs::path recording = folder / sensor;
-    const Outcome made = covis({"synth", "desk", "--sensor", sensor, "--frames", std::to_string(frames), "--width",
+  fs::path render(const std::string& sensor, int frames, const std::string& world = "desk") const {
+    const fs::path recording = folder / (world + "_" + sensor);
+    const Outcome made = covis({"synth", world, "--sensor", sensor, "--frames", std::to_string(frames), "--width",
                                 "320", "--height", "240", "--quiet", "--out", recording});
     EXPECT_EQ(made.code, 0) << made.error;
     return recording;
