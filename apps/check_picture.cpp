@@ -97,8 +97,8 @@ cv::Mat CheckPicture::Impl::draw(const io::Frame& frame, std::optional<double>& 
   cv::Mat image = in_colour(frame.image);
   for (int i = 0; i < f->size(); ++i) {
     const auto k = static_cast<size_t>(i);
-    cv::circle(image, cv::Point2f(f->raw_x[k], f->raw_y[k]), static_cast<int>(2 * f->pyramid->scale[f->level[k]]),
-               {0, 255, 0}, 1, cv::LINE_AA);
+    cv::circle(image, cv::Point2f(f->image_x()[k], f->image_y()[k]),
+               static_cast<int>(2 * f->pyramid->scale[f->level[k]]), {0, 255, 0}, 1, cv::LINE_AA);
   }
   return image;
 }

@@ -14,10 +14,26 @@
 #include "covis/core/ids.h"
 #include "covis/core/image.h"
 #include "covis/core/log.h"
+#include "covis/core/reserve.h"
 #include "covis/core/time.h"
 
 namespace covis {
 namespace {
+
+TEST(ReserveOneMore, LeavesLittleUnusedAndMovesSeldom) {
+  std::vector<uint32_t> list;
+  size_t moved = 0;  // elements, in all
+  for (uint32_t i = 0; i < 1000; ++i) {
+    const size_t before = list.capacity();
+    reserve_one_more(list);
+    if (list.capacity() != before) moved += list.size();
+    ASSERT_GT(list.capacity(), list.size());
+    list.push_back(i);
+    EXPECT_LE(list.capacity(), list.size() + list.size() / 4 + 6);
+  }
+  EXPECT_LT(moved, 6000u);
+  EXPECT_EQ(list[777], 777u);
+}
 
 TEST(Id, ADefaultHandleIsInvalidAndSlotZeroIsNot) {
   EXPECT_FALSE(KeyFrameId{}.valid());

@@ -23,17 +23,21 @@ int ScalePyramid::predict_level(float d_max, float distance) const {
   return level;
 }
 
-void Features::start(size_t room) {
-  for (auto* array : {&x, &y, &raw_x, &raw_y, &angle, &u_right, &depth}) {
+void Features::start(size_t room, bool distorted) {
+  for (auto* array : {&x, &y, &angle, &u_right, &depth}) {
     array->clear();
     array->reserve(room);
+  }
+  for (auto* array : {&raw_x, &raw_y}) {
+    array->clear();
+    if (distorted) array->reserve(room);
   }
   level.clear();
   level.reserve(room);
   descriptor.clear();
   descriptor.reserve(room);
   grid.indices.reserve(room);
-  grid.offsets.reserve(static_cast<size_t>(FeatureGrid::kColumns) * FeatureGrid::kRows + 1);
+  grid.offsets.reserve(std::min(room, FeatureGrid::kCells) + 1);
 }
 
 void FeatureGrid::build(const ImageBounds& image_bounds, const AlignedVector<float>& x, const AlignedVector<float>& y) {
@@ -46,14 +50,29 @@ void FeatureGrid::build(const ImageBounds& image_bounds, const AlignedVector<flo
     const int r = std::clamp(static_cast<int>((y[i] - bounds.min_y) * inv_cell_height), 0, kRows - 1);
     return static_cast<size_t>(r) * kColumns + static_cast<size_t>(c);
   };
-  offsets.assign(static_cast<size_t>(kColumns) * kRows + 1, 0);
-  for (size_t i = 0; i < x.size(); ++i) ++offsets[cell_of(i) + 1];
-  for (size_t c = 1; c < offsets.size(); ++c) offsets[c] = static_cast<uint16_t>(offsets[c] + offsets[c - 1]);
+  std::array<uint16_t, kCells> next{};  // how many a cell holds, then the place of its next index
+  for (size_t i = 0; i < x.size(); ++i) ++next[cell_of(i)];
+  // Every cell writes its offset, empty ones to be overwritten: cheaper than asking.
+  offsets.resize(std::min(x.size(), kCells) + 1);
+  size_t cells = 0;
+  uint16_t total = 0;
+  for (size_t r = 0; r < kRows; ++r) {
+    before[r] = static_cast<uint16_t>(cells);
+    uint64_t bits = 0;
+    for (size_t c = 0; c < kColumns; ++c) {
+      uint16_t& cell = next[r * kColumns + c];
+      const uint16_t count = cell;
+      cell = offsets[cells] = total;
+      total = static_cast<uint16_t>(total + count);
+      bits |= uint64_t{count > 0} << c;
+      cells += count > 0;
+    }
+    filled[r] = bits;
+  }
+  offsets[cells] = total;
+  offsets.resize(cells + 1);
   indices.resize(x.size());
-  // A cell's offset walks from its first index to its end, where the next cell's begins.
-  for (size_t i = 0; i < x.size(); ++i) indices[offsets[cell_of(i)]++] = static_cast<uint16_t>(i);
-  std::copy_backward(offsets.begin(), offsets.end() - 1, offsets.end());
-  offsets[0] = 0;
+  for (size_t i = 0; i < x.size(); ++i) indices[next[cell_of(i)]++] = static_cast<uint16_t>(i);
 }
 
 }  // namespace covis

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -51,25 +52,28 @@ struct ImageBounds {
 
 inline constexpr int kMaxFeatures = 65535;  // of an image
 
-// Key points bucketed by undistorted position: cell (column, row) holds indices[offsets[c] .. offsets[c + 1]) with
-// c = row * kColumns + column, in rising order of index.
+// Key points bucketed by undistorted position. Most cells are empty: only the others have an offset, cells counted by
+// rows. The k-th of them holds indices[offsets[k] .. offsets[k + 1]), in rising order of index.
 struct FeatureGrid {
   static constexpr int kColumns = 64, kRows = 48;
+  static constexpr size_t kCells = size_t{kColumns} * kRows;
   ImageBounds bounds;
   float inv_cell_width = 0, inv_cell_height = 0;  // cells a pixel
+  std::array<uint64_t, kRows> filled{};           // bit c of row r: cell (c, r) is not empty
+  std::array<uint16_t, kRows> before{};           // cells that are not empty before row r
   // Of 16 bits, as every key frame has one: kMaxFeatures is their limit.
-  std::vector<uint16_t> offsets;  // kColumns * kRows + 1
+  std::vector<uint16_t> offsets;  // one more than cells that are not empty
   std::vector<uint16_t> indices;
 
   void build(const ImageBounds& bounds, const AlignedVector<float>& x, const AlignedVector<float>& y);
 };
 
 struct Features {
-  // Empty, with room for so many key points.
-  void start(size_t room);
+  // Empty, with room for so many key points; for their raw pixels only when asked.
+  void start(size_t room, bool distorted);
 
   AlignedVector<float> x, y;          // undistorted pixel, level-0 scale
-  AlignedVector<float> raw_x, raw_y;  // pixel in the image as it came (equals x, y without distortion)
+  AlignedVector<float> raw_x, raw_y;  // pixel in the image as it came; empty where x, y are just that: see image_x()
   AlignedVector<float> angle;         // radians in [0, 2 pi)
   AlignedVector<float> u_right;       // column in the (real or virtual) right image; negative: none
   AlignedVector<float> depth;         // metres along z; not positive: none
@@ -80,6 +84,8 @@ struct Features {
   Pinhole camera;  // of the undistorted key points
 
   int size() const { return static_cast<int>(x.size()); }
+  const AlignedVector<float>& image_x() const { return raw_x.empty() ? x : raw_x; }
+  const AlignedVector<float>& image_y() const { return raw_y.empty() ? y : raw_y; }
   bool has_depth(int i) const { return depth[static_cast<size_t>(i)] > 0; }
 
   // Calls visit(index) for each key point with |x - px| <= radius, |y - py| <= radius and min_level <= level <= max_level,
@@ -92,11 +98,13 @@ struct Features {
     const int r0 = std::max(0, static_cast<int>((py - radius - grid.bounds.min_y) * grid.inv_cell_height));
     const int r1 = std::min(FeatureGrid::kRows - 1,
                             static_cast<int>((py + radius - grid.bounds.min_y) * grid.inv_cell_height));
+    if (c1 < c0) return;
+    const uint64_t left_of = (uint64_t{1} << c0) - 1, up_to_last = ~uint64_t{0} >> (FeatureGrid::kColumns - 1 - c1);
     for (int r = r0; r <= r1; ++r) {
-      if (c1 < c0) break;
-      const size_t row = static_cast<size_t>(r) * FeatureGrid::kColumns;
-      const uint32_t first = grid.offsets[row + static_cast<size_t>(c0)];
-      const uint32_t last = grid.offsets[row + static_cast<size_t>(c1) + 1];  // cells of a row are contiguous
+      const uint64_t filled = grid.filled[static_cast<size_t>(r)];
+      const uint16_t* row = grid.offsets.data() + grid.before[static_cast<size_t>(r)];
+      const uint32_t first = row[std::popcount(filled & left_of)];
+      const uint32_t last = row[std::popcount(filled & up_to_last)];  // cells of a row are contiguous
       for (uint32_t k = first; k < last; ++k) {
         const uint32_t i = grid.indices[k];
         if (level[i] < min_level || level[i] > max_level) continue;

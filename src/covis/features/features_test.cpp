@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <set>
+#include <tuple>
 
 #include "covis/core/random.h"
 #include "covis/features/extractor.h"
@@ -339,15 +341,32 @@ TEST(ScalePyramid, PredictsTheCeilingOfTheLogarithm) {
   }
 }
 
-TEST(FeatureGrid, WindowsFindWhatBruteForceFinds) {
-  Random random(7);
+// Key points anywhere in the image, or on a small spot of it and its corners.
+Features spread_out(Random& random, int count, bool anywhere) {
   Features f;
-  for (int i = 0; i < 800; ++i) {
-    f.x.push_back(static_cast<float>(random.uniform(-10, 650)));
-    f.y.push_back(static_cast<float>(random.uniform(-10, 490)));
+  for (int i = 0; i < count; ++i) {
+    const bool corner = !anywhere && i % 3 == 0;
+    f.x.push_back(corner ? 640 * static_cast<float>(i % 2)
+                         : static_cast<float>(random.uniform(anywhere ? -10 : 200, anywhere ? 650 : 230)));
+    f.y.push_back(corner ? 480 * static_cast<float>(i % 4 / 2)
+                         : static_cast<float>(random.uniform(anywhere ? -10 : 100, anywhere ? 490 : 110)));
     f.level.push_back(static_cast<uint8_t>(random.below(8)));
   }
+  return f;
+}
+
+class FeatureGridWindows : public testing::TestWithParam<std::tuple<int, bool>> {};
+
+TEST_P(FeatureGridWindows, FindWhatBruteForceFinds) {
+  const auto& [count, anywhere] = GetParam();
+  Random random(7);
+  Features f = spread_out(random, count, anywhere);
   f.grid.build({-10, -10, 650, 490}, f.x, f.y);
+  const FeatureGrid once = f.grid;
+  f.grid.build({-10, -10, 650, 490}, f.x, f.y);  // nothing is left of what it held
+  EXPECT_EQ(f.grid.offsets, once.offsets);
+  EXPECT_EQ(f.grid.indices, once.indices);
+  EXPECT_LE(f.grid.offsets.size(), std::min(f.x.size(), FeatureGrid::kCells) + 1);
   for (int trial = 0; trial < 500; ++trial) {
     const float x = static_cast<float>(random.uniform(-60, 700)), y = static_cast<float>(random.uniform(-60, 540));
     const float radius = static_cast<float>(random.uniform(0.5, 80));
@@ -361,6 +380,28 @@ TEST(FeatureGrid, WindowsFindWhatBruteForceFinds) {
     }
     EXPECT_EQ(found, expected);
   }
+}
+
+// From none to more than there are cells.
+INSTANTIATE_TEST_SUITE_P(Features, FeatureGridWindows,
+                         testing::Combine(testing::Values(0, 1, 800, 9000), testing::Bool()));
+
+// Cells by rows, key points of a cell as they come: matches that tie are decided by it.
+TEST(FeatureGrid, WindowsVisitInAFixedOrder) {
+  Random random(8);
+  Features f = spread_out(random, 2000, true);
+  const ImageBounds bounds{0, 0, 640, 480};  // some lie outside, and stand in the cells at the border
+  f.grid.build(bounds, f.x, f.y);
+  const auto place = [&](int i) {
+    const auto k = static_cast<size_t>(i);
+    const int c = std::clamp(static_cast<int>(f.x[k] / 10), 0, 63),
+              r = std::clamp(static_cast<int>(f.y[k] / 10), 0, 47);
+    return std::tuple(r, c, i);
+  };
+  std::vector<std::tuple<int, int, int>> visited;
+  f.for_each_in_window(320, 240, 1000, 0, 7, [&](int i) { visited.push_back(place(i)); });
+  EXPECT_EQ(visited.size(), f.x.size());
+  EXPECT_TRUE(std::is_sorted(visited.begin(), visited.end()));
 }
 
 }  // namespace

@@ -63,9 +63,9 @@ class FeaturesRing {
     give_away_last();
     return ring_[at_];
   }
-  void give_away_last(size_t room = 0) {
+  void give_away_last(size_t room = 0, bool distorted = false) {
     ring_[at_] = std::make_shared<Features>();
-    ring_[at_]->start(room);
+    ring_[at_]->start(room, distorted);
   }
 
  private:
@@ -120,6 +120,7 @@ struct Frontend::Impl {
     }
   }
 
+  bool distorted() const { return camera.distortion != Distortion::none; }
   std::shared_ptr<Features> finish(ImageView<const float> depth_image);
 
   const Camera camera;
@@ -140,14 +141,16 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
   f->camera = pinhole;
   f->pyramid = left.pyramid();
   const size_t n = k.size();
-  f->start(std::max(n, left.most_key_points()));
+  f->start(std::max(n, left.most_key_points()), distorted());
   for (size_t i = 0; i < n; ++i) {
     Eigen::Vector2f at(k.x[i], k.y[i]);
-    if (camera.distortion != Distortion::none) {
+    if (distorted()) {
       const auto u = camera.undistort(at.cast<double>());
       if (!u) continue;
       at = u->cast<float>();
       if (!bounds.contains(at.x(), at.y())) continue;
+      f->raw_x.push_back(k.x[i]);
+      f->raw_y.push_back(k.y[i]);
     }
     float depth = 0;
     if (!depth_image.empty()) {
@@ -156,8 +159,6 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
     }
     f->x.push_back(at.x());
     f->y.push_back(at.y());
-    f->raw_x.push_back(k.x[i]);
-    f->raw_y.push_back(k.y[i]);
     f->angle.push_back(k.angle[i]);
     f->level.push_back(k.level[i]);
     f->descriptor.push_back(k.descriptor[i]);
@@ -183,7 +184,7 @@ void Frontend::set_pinhole(const Pinhole& pinhole) { impl_->pinhole = pinhole; }
 
 const Pinhole& Frontend::pinhole() const { return impl_->pinhole; }
 
-void Frontend::give_away_last() { impl_->ring.give_away_last(impl_->left.most_key_points()); }
+void Frontend::give_away_last() { impl_->ring.give_away_last(impl_->left.most_key_points(), impl_->distorted()); }
 
 FeaturesPtr Frontend::monocular(ImageView<const uint8_t> image) {
   const Stopwatch watch;

@@ -22,7 +22,6 @@ struct OrbOptions {
 };
 Fields fields(OrbOptions& options);
 
-
 // Makes Features from images. Owns its scratch memory: an extraction allocates nothing in a steady state.
 // Features are taken back and used again once nobody holds them; those of key frames stay with them.
 // Not thread-safe; one per tracker.

@@ -65,7 +65,7 @@ TEST(Frontend, DepthIsLookedUpAtTheKeyPoint) {
   int with = 0;
   for (int i = 0; i < f->size(); ++i) {
     const auto k = static_cast<size_t>(i);
-    const auto x = static_cast<int>(std::lround(f->raw_x[k]));
+    const auto x = static_cast<int>(std::lround(f->image_x()[k]));
     EXPECT_EQ(f->has_depth(i), x >= 400);
     if (!f->has_depth(i)) continue;
     ++with;
@@ -73,6 +73,7 @@ TEST(Frontend, DepthIsLookedUpAtTheKeyPoint) {
     EXPECT_NEAR(f->u_right[k], f->x[k] - 40 / f->depth[k], 1e-3);
   }
   EXPECT_GT(with, 100);
+  EXPECT_TRUE(f->raw_x.empty() && f->raw_y.empty()) << "without a lens to undo nothing is kept twice";
 }
 
 TEST(Frontend, KeyPointsAreUndistorted) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// For tests: features made by hand, with every array filled as the front end fills them.
+// For tests: features made by hand, with every array filled as the front end fills them for a camera
+// without distortion.
 #pragma once
 
 #include <memory>
@@ -33,8 +34,6 @@ inline void add(Features& f, const TestKeyPoint& k) {
   const double bf = f.camera.bf;
   f.x.push_back(static_cast<float>(k.x));
   f.y.push_back(static_cast<float>(k.y));
-  f.raw_x.push_back(static_cast<float>(k.x));
-  f.raw_y.push_back(static_cast<float>(k.y));
   f.angle.push_back(static_cast<float>(k.angle));
   f.level.push_back(static_cast<uint8_t>(k.level));
   f.depth.push_back(static_cast<float>(k.depth > 0 ? k.depth : k.u_right >= 0 ? bf / (k.x - k.u_right) : 0));

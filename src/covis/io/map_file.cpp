@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "covis/io/files.h"
 #include "covis/io/map_file_format.h"
@@ -89,10 +91,13 @@ void key_frame_fields(Fields& fields, K& k, R& record) {
   fields.list(k.loop_edges);
 }
 
-// Calls visit(array) for each array of the features, in the order of the file.
-template <class F, class Visit>
-void for_each_array(F& f, Visit&& visit) {
-  for (auto* array : {&f.x, &f.y, &f.raw_x, &f.raw_y, &f.angle, &f.u_right, &f.depth}) visit(*array);
+// Calls visit(array) for each array of the features, in the order of the file; `image_x` and `image_y` are the raw
+// pixels, which the file always has.
+template <class F, class Pixels, class Visit>
+void for_each_array(F& f, Pixels& image_x, Pixels& image_y, Visit&& visit) {
+  for (auto* array : {&f.x, &f.y}) visit(*array);
+  for (auto* array : {&image_x, &image_y}) visit(*array);
+  for (auto* array : {&f.angle, &f.u_right, &f.depth}) visit(*array);
   visit(f.level);
   visit(f.descriptor);
 }
@@ -149,7 +154,8 @@ std::vector<Section> sections_of(const MapState& map, const MapHeader& header) {
     observations.array(k.points.data(), k.points.size());
   }
   for (const KeyFrameState& k : map.key_frames) {
-    for_each_array(*k.features, [&](const auto& array) { features.array(array.data(), array.size()); });
+    for_each_array(*k.features, k.features->image_x(), k.features->image_y(),
+                   [&](const auto& array) { features.array(array.data(), array.size()); });
   }
   for (const MapPointState& p : map.points) point_fields(points, p);
   about_fields(about, header, counts);
@@ -197,6 +203,11 @@ Result<std::vector<KeyFrameState>> read_key_frames(SectionFile& file, uint32_t c
   return key_frames;
 }
 
+bool same_bits(const AlignedVector<float>& a, const AlignedVector<float>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](float p, float q) { return std::bit_cast<uint32_t>(p) == std::bit_cast<uint32_t>(q); });
+}
+
 Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& records,
                            std::vector<KeyFrameState>& key_frames) {
   const auto bytes = file.read(kFeatures, "features");
@@ -211,8 +222,13 @@ Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& re
       pyramid = std::make_shared<ScalePyramid>(r.levels, r.factor);  // most often one for all key frames
     }
     const auto f = std::make_shared<Features>();
-    for_each_array(*f, [&](auto& array) { fields.sized_list(array, r.features); });
+    AlignedVector<float> image_x, image_y;
+    for_each_array(*f, image_x, image_y, [&](auto& array) { fields.sized_list(array, r.features); });
     if (!fields.ok()) break;
+    if (!same_bits(image_x, f->x) || !same_bits(image_y, f->y)) {
+      f->raw_x = std::move(image_x);
+      f->raw_y = std::move(image_y);
+    }
     f->pyramid = pyramid;
     f->camera = r.camera;
     const std::string problem = covis::problem_of(*f, r.bounds);

@@ -67,6 +67,26 @@ TEST_F(MapFile, LoadedMapEqualsTheSavedOneAndSavesTheSameBytes) {
   }
 }
 
+TEST_F(MapFile, RawPixelsAreInTheFileAndKeptOnlyWhereTheyDiffer) {
+  Random random(5);
+  for (const bool differ : {false, true}) {
+    auto features = std::make_shared<Features>(*random_features(random, 40));
+    features->raw_x = features->x;
+    features->raw_y = features->y;
+    if (differ) features->raw_y[17] += 0.5f;
+    Map map;
+    map.begin_part(0, 0, SE3(), features);
+    const std::string bytes = bytes_of(map);
+    const auto loaded = load_map(file());
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    const Features& read = *loaded->map.at(loaded->map.root()).features;
+    EXPECT_EQ(read.raw_x.capacity() + read.raw_y.capacity(), differ ? 80u : 0u);
+    EXPECT_EQ(read.image_x(), features->raw_x);
+    EXPECT_EQ(read.image_y(), features->raw_y);
+    EXPECT_EQ(bytes_of(loaded->map), bytes);
+  }
+}
+
 TEST_F(MapFile, EmptyMapAndSmallMaps) {
   Map map;
   const std::string empty = bytes_of(map);

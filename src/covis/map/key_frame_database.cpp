@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "covis/core/reserve.h"
 #include "covis/map/map.h"
 
 namespace covis {
@@ -17,22 +18,23 @@ constexpr int kGroup = 10;            // covisible key frames that make a group
 void KeyFrameDatabase::add(KeyFrameId id, const Words& words) {
   for (const WordWeight& w : words.words) {
     if (w.word >= index_.size()) index_.resize(w.word + size_t{1});
-    std::vector<KeyFrameId>& holders = index_[w.word];
-    holders.insert(std::lower_bound(holders.begin(), holders.end(), id), id);
+    std::vector<uint32_t>& holders = index_[w.word];
+    reserve_one_more(holders);
+    holders.insert(std::lower_bound(holders.begin(), holders.end(), id.slot), id.slot);
   }
 }
 
 void KeyFrameDatabase::erase(KeyFrameId id, const Words& words) {
   for (const WordWeight& w : words.words) {
     if (w.word >= index_.size()) continue;
-    std::vector<KeyFrameId>& holders = index_[w.word];
-    const auto at = std::lower_bound(holders.begin(), holders.end(), id);
-    if (at != holders.end() && *at == id) holders.erase(at);
+    std::vector<uint32_t>& holders = index_[w.word];
+    const auto at = std::lower_bound(holders.begin(), holders.end(), id.slot);
+    if (at != holders.end() && *at == id.slot) holders.erase(at);
   }
 }
 
-const std::vector<KeyFrameId>& KeyFrameDatabase::holders(uint32_t word) const {
-  static const std::vector<KeyFrameId> none;
+const std::vector<uint32_t>& KeyFrameDatabase::holders(uint32_t word) const {
+  static const std::vector<uint32_t> none;
   return word < index_.size() ? index_[word] : none;
 }
 
@@ -43,9 +45,9 @@ std::vector<KeyFrameDatabase::Candidate> KeyFrameDatabase::query(const Map& map,
   std::vector<int> shared;
   std::vector<KeyFrameId> met;
   for (const WordWeight& w : words.words) {
-    for (const KeyFrameId& id : holders(w.word)) {
-      if (id.slot >= shared.size()) shared.resize(id.slot + size_t{1} + id.slot / 2);
-      if (shared[id.slot]++ == 0) met.push_back(id);
+    for (const uint32_t slot : holders(w.word)) {
+      if (slot >= shared.size()) shared.resize(slot + size_t{1} + slot / 2);
+      if (shared[slot]++ == 0) met.push_back(map.key_frame_in(slot));
     }
   }
   std::sort(met.begin(), met.end());

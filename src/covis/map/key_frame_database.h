@@ -22,8 +22,8 @@ class KeyFrameDatabase {
   void erase(KeyFrameId id, const Words& words);
   void clear() { index_.clear(); }
 
-  // The key frames that have a word, in the order of their handles; empty when none has.
-  const std::vector<KeyFrameId>& holders(uint32_t word) const;
+  // The slots of the key frames that have a word, rising; empty when none has.
+  const std::vector<uint32_t>& holders(uint32_t word) const;
   size_t words() const { return index_.size(); }  // one more than the greatest word ever added
 
   struct Candidate {
@@ -38,7 +38,8 @@ class KeyFrameDatabase {
                                double min_score) const;
 
  private:
-  std::vector<std::vector<KeyFrameId>> index_;  // by word; holders sorted
+  // By word. What stands here is alive: its slot says all, in half the memory of its handle.
+  std::vector<std::vector<uint32_t>> index_;
 };
 
 }  // namespace covis

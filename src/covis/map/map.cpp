@@ -173,11 +173,6 @@ void Map::add_loop_edge(KeyFrameId a, KeyFrameId b) {
   insert_sorted(key_frames_.at(b).loop_edges, a);
 }
 
-KeyFrameId Map::newest() const {
-  const std::vector<KeyFrameId> all = key_frames();
-  return all.empty() ? KeyFrameId{} : all.back();
-}
-
 std::vector<KeyFrameId> Map::key_frames() const {
   std::vector<KeyFrameId> ids;
   ids.reserve(key_frames_.size());

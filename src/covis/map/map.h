@@ -102,6 +102,7 @@ class Map {
   bool erase_key_frame(KeyFrameId id);
   const KeyFrame* find(KeyFrameId id) const { return key_frames_.find(id); }  // nullptr: stale
   const KeyFrame& at(KeyFrameId id) const { return key_frames_.at(id); }      // must be live (asserted)
+  KeyFrameId key_frame_in(uint32_t slot) const { return key_frames_.handle(slot); }  // invalid: none
   // False (nothing done) when stale or not finite.
   bool set_pose(KeyFrameId id, const SE3& T_cw);
   // Makes it known to the database. Once.
@@ -115,7 +116,6 @@ class Map {
   void unprotect(KeyFrameId id);
   void add_loop_edge(KeyFrameId a, KeyFrameId b);
   const KeyFrameDatabase& database() const { return database_; }
-  KeyFrameId newest() const;  // greatest serial
   size_t key_frame_count() const { return key_frames_.size(); }
   std::vector<KeyFrameId> key_frames() const;               // by rising serial
   std::vector<KeyFrameId> key_frames(uint32_t part) const;  // of one part
@@ -170,8 +170,6 @@ class Map {
   bool replace_point(MapPointId old, MapPointId by);
   // The live handle that `id` has become through replacements; invalid when it was erased.
   MapPointId forwarded(MapPointId id) const;
-  // Drops the forwarding entries: call when nobody holds old handles.
-  void forget_replacements();
   const MapPoint* find(MapPointId id) const { return points_.find(id); }
   const MapPoint& at(MapPointId id) const { return points_.at(id); }
   bool set_position(MapPointId id, const Eigen::Vector3d& position_w);  // false when stale or not finite

@@ -111,7 +111,7 @@ std::string check_database(const Map& map) {
     wanted += key_frame.words->words.size();
     for (const WordWeight& w : key_frame.words->words) {
       const auto& holders = database.holders(w.word);
-      if (!std::binary_search(holders.begin(), holders.end(), id) && problem.empty()) {
+      if (!std::binary_search(holders.begin(), holders.end(), id.slot) && problem.empty()) {
         problem = name(id) + " is not in the database";
       }
     }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Covisibility and the essential graph.
 #include <algorithm>
+#include <limits>
 
+#include "covis/core/reserve.h"
 #include "covis/map/map.h"
 
 namespace covis {
@@ -22,7 +24,9 @@ void Map::add_weight(KeyFrameId a, KeyFrameId b, int delta) {
     std::vector<Neighbour>& shared = key_frames_.at(from).shared;
     const auto at = std::lower_bound(shared.begin(), shared.end(), to, ByHandle{});
     if (at == shared.end() || at->key_frame != to) {
-      shared.insert(at, {to, delta});
+      const auto place = at - shared.begin();
+      reserve_one_more(shared);
+      shared.insert(shared.begin() + place, {to, delta});
     } else if ((at->weight += delta) == 0) {
       shared.erase(at);
     }
@@ -48,10 +52,7 @@ std::vector<Neighbour> Map::neighbours_above(KeyFrameId id, int least) const {
 }
 
 std::vector<Neighbour> Map::neighbours(KeyFrameId id) const {
-  std::vector<Neighbour> list = neighbours_above(id, kCovisibilityThreshold);
-  const std::vector<Neighbour>& shared = at(id).shared;
-  if (list.empty() && !shared.empty()) list.push_back(*std::min_element(shared.begin(), shared.end(), heavier));
-  return list;
+  return best_neighbours(id, std::numeric_limits<int>::max());
 }
 
 std::vector<Neighbour> Map::best_neighbours(KeyFrameId id, int count) const {

@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "covis/core/log.h"
+#include "covis/core/reserve.h"
 #include "covis/map/map.h"
 
 namespace covis {
@@ -30,6 +31,7 @@ MapPointId Map::add_point(const Eigen::Vector3d& position_w, KeyFrameId referenc
   point.position_w = position_w;
   point.reference = reference;
   point.descriptor = key_frame->features->descriptor[feature];
+  reserve_one_more(point.observations);
   point.observations.push_back({reference, feature});
   point.created_serial = next_serial_ - 1;
   const MapPointId id = points_.insert(std::move(point));
@@ -46,7 +48,9 @@ bool Map::add_observation(MapPointId id, KeyFrameId key_frame_id, uint32_t featu
   const auto place = std::lower_bound(point->observations.begin(), point->observations.end(), key_frame_id, ByHandle{});
   if (place != point->observations.end() && place->key_frame == key_frame_id) return false;
   for (const Observation& other : point->observations) add_weight(key_frame_id, other.key_frame, 1);
-  point->observations.insert(place, {key_frame_id, feature});
+  const auto at = place - point->observations.begin();
+  reserve_one_more(point->observations);
+  point->observations.insert(point->observations.begin() + at, {key_frame_id, feature});
   key_frame->points[feature] = id;
   return true;
 }
@@ -111,8 +115,6 @@ MapPointId Map::forwarded(MapPointId id) const {
   }
   return id;
 }
-
-void Map::forget_replacements() { replaced_by_.clear(); }
 
 bool Map::set_position(MapPointId id, const Eigen::Vector3d& position_w) {
   MapPoint* point = points_.find(id);

@@ -72,8 +72,8 @@ bool valid_pyramid(int levels, float factor) { return levels >= 1 && levels <= 3
 
 std::string problem_of(const Features& f, const ImageBounds& bounds) {
   const size_t n = f.x.size();
-  if (f.y.size() != n || f.raw_x.size() != n || f.raw_y.size() != n || f.angle.size() != n || f.u_right.size() != n ||
-      f.depth.size() != n || f.level.size() != n || f.descriptor.size() != n) {
+  if (f.y.size() != n || f.image_x().size() != n || f.image_y().size() != n || f.angle.size() != n ||
+      f.u_right.size() != n || f.depth.size() != n || f.level.size() != n || f.descriptor.size() != n) {
     return "has features whose lists differ in length";
   }
   if (n > kMaxFeatures) return "has more features than an image gives";

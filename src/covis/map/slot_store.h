@@ -3,9 +3,10 @@
 // erased slot is really destroyed. References stay valid until the thing itself is erased (values do not move).
 #pragma once
 
+#include <array>
 #include <cassert>
 #include <cstdint>
-#include <deque>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -18,21 +19,22 @@ class SlotStore {
   Handle insert(T value) {
     uint32_t slot;
     if (free_.empty()) {
-      slot = static_cast<uint32_t>(slots_.size());
-      slots_.emplace_back();
+      slot = slots_++;
+      if (slot / kBlock == blocks_.size()) blocks_.push_back(std::make_unique<Block>());
     } else {
       slot = free_.back();
       free_.pop_back();
     }
-    slots_[slot].value.emplace(std::move(value));
+    Slot& made = at_slot(slot);
+    made.value.emplace(std::move(value));
     ++size_;
-    return {slot, slots_[slot].generation};
+    return {slot, made.generation};
   }
 
   // False when stale.
   bool erase(Handle id) {
     if (!find(id)) return false;
-    Slot& slot = slots_[id.slot];
+    Slot& slot = at_slot(id.slot);
     slot.value.reset();
     ++slot.generation;
     free_.push_back(id.slot);
@@ -41,8 +43,8 @@ class SlotStore {
   }
 
   const T* find(Handle id) const {
-    if (id.slot >= slots_.size()) return nullptr;
-    const Slot& slot = slots_[id.slot];
+    if (id.slot >= slots_) return nullptr;
+    const Slot& slot = at_slot(id.slot);
     return slot.generation == id.generation && slot.value ? &*slot.value : nullptr;
   }
   T* find(Handle id) { return const_cast<T*>(std::as_const(*this).find(id)); }
@@ -53,20 +55,25 @@ class SlotStore {
   }
   T& at(Handle id) { return const_cast<T&>(std::as_const(*this).at(id)); }
 
+  // Of what is in this slot; invalid when nothing is.
+  Handle handle(uint32_t slot) const {
+    return slot < slots_ && at_slot(slot).value ? Handle{slot, at_slot(slot).generation} : Handle{};
+  }
+
   size_t size() const { return size_; }
 
   // visit(handle, value), by rising slot.
   template <class Visit>
   void for_each(Visit&& visit) const {
-    for (uint32_t s = 0; s < slots_.size(); ++s) {
-      if (slots_[s].value) visit(Handle{s, slots_[s].generation}, *slots_[s].value);
+    for (uint32_t s = 0; s < slots_; ++s) {
+      if (const Slot& slot = at_slot(s); slot.value) visit(Handle{s, slot.generation}, *slot.value);
     }
   }
 
   // Everything goes; old handles stay stale.
   void clear() {
-    for (uint32_t s = 0; s < slots_.size(); ++s) {
-      if (slots_[s].value) erase(Handle{s, slots_[s].generation});
+    for (uint32_t s = 0; s < slots_; ++s) {
+      if (const Slot& slot = at_slot(s); slot.value) erase(Handle{s, slot.generation});
     }
   }
 
@@ -75,8 +82,16 @@ class SlotStore {
     std::optional<T> value;
     uint32_t generation = 0;
   };
-  std::deque<Slot> slots_;
+  // Of a size that wastes little: a deque would have three map points to a piece of its own.
+  static constexpr uint32_t kBlock = 32;
+  using Block = std::array<Slot, kBlock>;
+
+  const Slot& at_slot(uint32_t slot) const { return (*blocks_[slot / kBlock])[slot % kBlock]; }
+  Slot& at_slot(uint32_t slot) { return (*blocks_[slot / kBlock])[slot % kBlock]; }
+
+  std::vector<std::unique_ptr<Block>> blocks_;
   std::vector<uint32_t> free_;
+  uint32_t slots_ = 0;  // ever used
   size_t size_ = 0;
 };
 

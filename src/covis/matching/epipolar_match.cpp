@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "covis/matching/descriptor_subset.h"
 #include "covis/matching/near_line.h"
 
 namespace covis {
@@ -25,7 +24,10 @@ Eigen::Matrix3d fundamental(const Pinhole& a, const Pinhole& b, const SE3& T_ba)
 std::vector<FeatureMatch> match_epipolar(const Features& a, std::span<const uint8_t> use_a, const Features& b,
                                          std::span<const uint8_t> use_b, const SE3& T_ba,
                                          const EpipolarMatchOptions& options) {
-  const DescriptorSubset to(b, use_b);
+  std::vector<int32_t> to;  // features of b
+  for (int32_t j = 0; j < b.size(); ++j) {
+    if (use_b.empty() || use_b[static_cast<size_t>(j)]) to.push_back(j);
+  }
   const size_t n = to.size();
   const Eigen::Matrix3d F = fundamental(a.camera, b.camera, T_ba);
   std::optional<Eigen::Vector2d> epipole;
@@ -34,7 +36,7 @@ std::vector<FeatureMatch> match_epipolar(const Features& a, std::span<const uint
   // The line first: it rejects most, and costs less than comparing descriptors.
   LinePoints points(n);
   for (size_t j = 0; j < n; ++j) {
-    const auto jb = static_cast<size_t>(to.feature(j));
+    const auto jb = static_cast<size_t>(to[j]);
     points.set(j, b.x[jb], b.y[jb], static_cast<float>(options.max_chi2) * b.pyramid->sigma2[b.level[jb]]);
   }
   const auto near_epipole = [&](size_t ia, size_t jb) {
@@ -61,8 +63,9 @@ std::vector<FeatureMatch> match_epipolar(const Features& a, std::span<const uint
     size_t best_j = 0;
     for (size_t k = 0; k < near; ++k) {
       const size_t j = on_line[k];
-      const int distance = hamming(a.descriptor[ia], to.descriptors()[j]);
-      if (distance >= best || near_epipole(ia, static_cast<size_t>(to.feature(j)))) continue;
+      const auto jb = static_cast<size_t>(to[j]);
+      const int distance = hamming(a.descriptor[ia], b.descriptor[jb]);
+      if (distance >= best || near_epipole(ia, jb)) continue;
       best = distance;
       best_j = j;
     }
@@ -71,7 +74,7 @@ std::vector<FeatureMatch> match_epipolar(const Features& a, std::span<const uint
 
   std::vector<int32_t> match_of(static_cast<size_t>(a.size()), -1);
   for (size_t j = 0; j < n; ++j) {
-    if (owner[j].a >= 0) match_of[static_cast<size_t>(owner[j].a)] = to.feature(j);
+    if (owner[j].a >= 0) match_of[static_cast<size_t>(owner[j].a)] = to[j];
   }
   std::vector<FeatureMatch> matches;
   for (int32_t i = 0; i < a.size(); ++i) {

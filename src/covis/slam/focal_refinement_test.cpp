@@ -39,8 +39,6 @@ void drive(SharedMap& shared, double claimed) {
       if (pixel.x() < 0 || pixel.y() < 0 || pixel.x() >= 640 || pixel.y() >= 480) continue;
       f->x.push_back(static_cast<float>(pixel.x() + random.uniform(-0.5, 0.5)));
       f->y.push_back(static_cast<float>(pixel.y() + random.uniform(-0.5, 0.5)));
-      f->raw_x.push_back(f->x.back());
-      f->raw_y.push_back(f->y.back());
       f->angle.push_back(0);
       f->u_right.push_back(-1);
       f->depth.push_back(0);

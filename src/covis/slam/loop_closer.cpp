@@ -48,12 +48,13 @@ bool LoopCloser::process(KeyFrameId current, LoopReport& report) {
     last_loop_serial_ = map_.read()->at(current).serial;
     return false;
   }
-  report.loop = found->place.key_frame;
-  if ((report.merged = found->elsewhere)) {
-    join(view, *found, report);
+  if (found->elsewhere) {
+    if (!join(view, *found, report)) return false;
+    report.merged = true;
   } else {
     correct(view, *found, report);
   }
+  report.loop = found->place.key_frame;
   fuse(view, *found, report);
   {
     const auto map = map_.write();
@@ -267,12 +268,11 @@ bool LoopCloser::enough_for_neighbour(const Projection& projection) const {
 // Things that are there and here are seen from both; of what is only alike each side sees more than the other has.
 bool LoopCloser::seen_from_there(const Map& map, const View& current, const Found& found) {
   constexpr int kAsked = 3;
-  Found back;
-  back.place = copy_place(map, current.id);
+  const Place here = copy_place(map, current.id);
   const Sim3 S_wc = found.S_cw.inverse() * Sim3(current.T_cw);  // of the worlds: the current one's to the place's
   for (int k = 0; k < kAsked && k < static_cast<int>(found.place.group.size()); ++k) {
     const View view = copy_view(map, found.place.group[static_cast<size_t>(k)]);
-    const Projection projection = project(back.place, view, (Sim3(view.T_cw) * S_wc).as_pose(), 8);
+    const Projection projection = project(here, view, (Sim3(view.T_cw) * S_wc).as_pose(), 8);
     if (!enough_for_neighbour(projection)) return false;
   }
   return true;

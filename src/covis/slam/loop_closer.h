@@ -9,8 +9,7 @@
 //   3. the old place's points, projected by it, are found again: 40 at least, and a share of all that are in view,
 //   4. the neighbours of the key frame, moved along, find the old place's points too,
 //   5. the correction is one that drift can explain: a share of the path travelled since. What looks alike but is
-//   another
-//      place (the same poster on two walls, two equal rooms) fails here.
+//      another place (the same poster on two walls, two equal rooms) fails here.
 // A place in another part of the map joins the two parts. Of their relation nothing is known that drift could explain,
 // so that tests 3 and 4 ask for more instead, and the old place's views must find the new one's points as well.
 //
@@ -88,7 +87,7 @@ class LoopCloser {
   bool drift_explains(const Map& map, const View& current, const Found& found, LoopReport& report) const;
   bool nothing_to_correct(const View& current, const Found& found, const LoopReport& report) const;
   void correct(const View& current, const Found& found, LoopReport& report);
-  void join(const View& current, const Found& found, LoopReport& report);
+  bool join(const View& current, const Found& found, LoopReport& report);  // false: refused by the map
   void fuse(const View& current, const Found& found, LoopReport& report);
 
   bool monocular() const { return options_.sensor == Sensor::monocular; }

@@ -78,17 +78,13 @@ void LoopCloser::correct(const View& current, const Found& found, LoopReport& re
 
 // The younger part goes to the older one's world, as a whole. Nothing contradicts where it comes to lie, so that there
 // is no error to spread by a pose graph; the full bundle adjustment that follows does the rest.
-void LoopCloser::join(const View& current, const Found& found, LoopReport& report) {
+bool LoopCloser::join(const View& current, const Found& found, LoopReport& report) {
   const auto map = map_.write();
   const KeyFrameId place = found.place.key_frame;
   const uint32_t here = map->at(current.id).part, there = map->at(place).part;
   const Sim3 S = found.S_cw.inverse() * Sim3(current.T_cw);  // from the current world to that of the place
   report.merged_key_frames = static_cast<int>(map->part(std::max(here, there))->key_frames);
-  if (here > there) {
-    map->join_parts(current.id, place, S);
-  } else {
-    map->join_parts(place, current.id, S.inverse());
-  }
+  return here > there ? map->join_parts(current.id, place, S) : map->join_parts(place, current.id, S.inverse());
 }
 
 void LoopCloser::fuse(const View& current, const Found& found, LoopReport& report) {

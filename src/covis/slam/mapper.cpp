@@ -53,6 +53,8 @@ size_t Mapper::key_frames_of_its_part(KeyFrameId id) const {
 }
 
 KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
+  auto features = std::make_shared<Features>(*request.features);  // a copy: the frame's have room for more
+  if (refined_) features->camera = *refined_;                     // it may be made before tracking knew
   const auto map = map_.write();
   SE3 T_cw = request.T_cr;
   std::optional<Map::Resolved> reference;
@@ -68,12 +70,6 @@ KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
     if (!point.valid()) continue;
     map->count_visible(point, count.visible);
     map->count_found(point, count.found);
-  }
-  FeaturesPtr features = request.features;
-  if (refined_ && features->camera.fx != refined_->fx) {  // made before tracking knew
-    auto renewed = std::make_shared<Features>(*features);
-    renewed->camera = *refined_;
-    features = std::move(renewed);
   }
   const KeyFrameId id = reference ? map->add_key_frame(request.frame, request.stamp, T_cw, std::move(features),
                                                        map->at(reference->key_frame).part)

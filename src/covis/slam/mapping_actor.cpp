@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/slam/mapping_actor.h"
 
-
 namespace covis {
 
 MappingActor::MappingActor(SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)

@@ -62,7 +62,6 @@ void Tracker::start_lost() {
   const auto map = map_.read();
   kept_parts_ = map->parts().empty() ? 0 : map->parts().back().number + 1;
   last_ = {};
-  last_key_frame_ = kNoneOfThisRecording;
   reference_ = new_reference_ = {};
   local_map_.clear();
   clear_counts();
@@ -117,23 +116,28 @@ bool Tracker::find_pose(TrackResult& result, bool map_is_live) {
 
 bool Tracker::bridge(TrackResult& result) {
   constexpr int kTryEvery = 5;  // frames
-  if (!options_.localize || monocular() || all_inliers() < options_.tracker.min_inliers) return false;
+  if (!may_bridge() || all_inliers() < options_.tracker.min_inliers) return false;
   // The map is looked for again and again: what is bridged drifts.
   if (++bridged_frames_ % kTryEvery == 0) {
     TrackedFrame bridged = current_;
+    LocalMap around = local_map_;
+    std::vector<uint8_t> in_view = in_view_;
     TrackResult found = result;
     if (recover(found, true)) {
       result = found;
       return true;
     }
     current_ = std::move(bridged);
+    local_map_ = std::move(around);
+    in_view_ = std::move(in_view);
   }
   result.method = TrackMethod::bridged;
   return true;
 }
 
 int Tracker::all_inliers() const {
-  return static_cast<int>(std::count_if(current_.known.begin(), current_.known.end(), [](uint8_t k) { return k != kNone; }));
+  return static_cast<int>(
+      std::count_if(current_.known.begin(), current_.known.end(), [](uint8_t k) { return k != kNone; }));
 }
 
 void Tracker::accept(TrackResult& result) {
@@ -163,24 +167,21 @@ void Tracker::accept(TrackResult& result) {
 
 void Tracker::key_frame_made(const MappingReport& report, int64_t frame) {
   map_changed_ = true;
-  const bool first = last_key_frame_ < 0 && frame == begun_frame_;
+  const bool first = frame == begun_frame_;  // of a map; reports of older key frames may come before it
   if (!report.key_frame.valid()) {
     if (first) state_ = beginning_ ? TrackState::lost : TrackState::not_initialised;
     return;
   }
   const auto map = map_.read();
-  if (first) {  // of a map: nothing to refresh, all to take over
+  if (first) {  // nothing to refresh, all to take over
     beginning_ = false;
     lost_since_.reset();
     lost_frames_ = 0;
-    reference_ = report.key_frame;
-    reference_scale_ = map->at(report.key_frame).scale;
-    part_ = map->at(report.key_frame).part;
+    set_reference(*map, report.key_frame);
     last_.T_cw = map->at(report.key_frame).T_cw;
     last_T_cr_ = SE3();
     map_changed_ = false;
   }
-  last_key_frame_ = frame;
   new_reference_ = report.key_frame;
   if (last_.index == frame) take_over_points(*map, report.key_frame);
   if (local_map_.reference.id != reference_ || local_map_.size() == 0) {
@@ -207,15 +208,12 @@ void Tracker::refresh_last_frame(const Map& map) {
     const double growth = resolved->scale / reference_scale_;
     last_T_cr_ = SE3(last_T_cr_.R(), Eigen::Vector3d(growth * last_T_cr_.t())) * resolved->T_ar;
     velocity_ = SE3(velocity_.R(), Eigen::Vector3d(growth * velocity_.t()));
-    reference_ = resolved->key_frame;
-    reference_scale_ = map.at(reference_).scale;
-    part_ = map.at(reference_).part;
+    set_reference(map, resolved->key_frame);
     last_.T_cw = (last_T_cr_ * map.at(reference_).T_cw).normalized();
   }
-  if (new_reference_.valid() && map.find(new_reference_)) {
-    reference_ = new_reference_;
-    reference_scale_ = map.at(reference_).scale;
-    part_ = map.at(reference_).part;
+  // Not when the camera was meanwhile found in another part of the map.
+  if (const KeyFrame* made = map.find(new_reference_); made && made->part == part_) {
+    set_reference(map, new_reference_);
     last_T_cr_ = last_.T_cw * map.at(reference_).T_cw.inverse();
   }
   new_reference_ = {};
@@ -229,7 +227,13 @@ void Tracker::refresh_last_frame(const Map& map) {
       last_.points[i] = {};
     }
   }
-  if (local_map_.reference.id != reference_ && map.find(reference_)) local_map_.reference.copy(map, reference_);
+  if (map.find(reference_)) local_map_.reference.copy(map, reference_);
+}
+
+void Tracker::set_reference(const Map& map, KeyFrameId key_frame) {
+  reference_ = key_frame;
+  reference_scale_ = map.at(key_frame).scale;
+  part_ = map.at(key_frame).part;
 }
 
 int Tracker::optimize() {
@@ -283,7 +287,7 @@ void Tracker::clear_counts() {
 
 bool Tracker::key_frame_due(const TrackResult& result, bool mapping_idle) const {
   const TrackerOptions& o = options_.tracker;
-  if (options_.localize || result.inliers < o.key_frame_min_inliers || last_key_frame_ < 0) return false;
+  if (options_.localize || result.inliers < o.key_frame_min_inliers) return false;
   const bool recovered_lately = current_.stamp - last_recovery_ < from_seconds(1.0);
   if (recovered_lately && result.method != TrackMethod::motion_model) return false;
   bool few_close = false;
@@ -303,8 +307,8 @@ bool Tracker::key_frame_due(const TrackResult& result, bool mapping_idle) const 
   return few_close || result.inliers < ratio * local_map_.reference_points;
 }
 
-// Features with depth up to the close bound, or the min_close_points nearest (ties: lower index) when those are fewer. In
-// no particular order.
+// Features with depth up to the close bound, or the min_close_points nearest (ties: lower index) when those are fewer.
+// In no particular order.
 const std::vector<uint32_t>& Tracker::near_features(const TrackedFrame& frame) {
   const Features& f = *frame.features;
   const double close = options_.tracker.close_depth_baselines * f.camera.baseline();
@@ -343,7 +347,6 @@ KeyFrameRequest Tracker::make_key_frame_request() {
   }
   for (const uint32_t slot : counted_) request.counts.push_back(counts_[slot]);
   clear_counts();
-  last_key_frame_ = current_.index;
   last_key_frame_stamp_ = current_.stamp;
   return request;
 }

@@ -25,9 +25,6 @@ inline constexpr uint8_t kNone = 0;
 inline constexpr uint8_t kMapPoint = 1;
 inline constexpr uint8_t kTemporary = 2;  // from the frame's own depth, good for one frame
 
-// Frame index of the last key frame while the map has but key frames that were put in place.
-inline constexpr int64_t kNoneOfThisRecording = std::numeric_limits<int64_t>::max();
-
 // The tracker's knowledge of one frame.
 struct TrackedFrame {
   int64_t index = -1;
@@ -95,8 +92,9 @@ class Tracker {
   bool recover(TrackResult& result, bool map_is_live);
   std::vector<KeyFrameId> recovery_candidates(const Map& map);
   bool recover_from(const KeyFrameView& view, TrackResult& result, bool map_is_live);
-  // Localisation only: whether the last frame's depth carries the pose over a place the map has too little of.
+  // Localisation only: whether the last frame's depth carries the pose over a place the map has too little, or nothing, of.
   bool bridge(TrackResult& result);
+  bool may_bridge() const { return options_.localize && !monocular(); }
   void accept(TrackResult& result);
   void lose(Outcome& outcome, bool map_is_live);
   // The present part of the map when, monocular and in its first moments, it is not worth keeping.
@@ -104,10 +102,13 @@ class Tracker {
   bool new_map_due() const;
 
   void refresh_last_frame(const Map& map);
+  void set_reference(const Map& map, KeyFrameId key_frame);
   void take_over_points(const Map& map, KeyFrameId key_frame);
   void add_temporary_points();
   const std::vector<uint32_t>& near_features(const TrackedFrame& frame);
 
+  // Makes the local map anew round the current frame's matches.
+  void update_local_map(KeyFrameId fallback);
   // Searches set the matches of the current frame and return how many there are, or how many points were in view.
   int search_last_frame(double window);
   int match_key_frame(const KeyFrameView& view, double ratio, int max_distance);
@@ -142,8 +143,7 @@ class Tracker {
   bool map_changed_ = false;  // since the last frame was refreshed
   uint64_t moves_ = 0;        // Map::moves() when it was
   LocalMap local_map_;
-  int64_t last_key_frame_ = -1;  // frame index; -1: the map begun has none yet
-  int64_t begun_frame_ = -1;     // the last frame that asked for a map to be begun
+  int64_t begun_frame_ = -1;  // the last frame that asked for a map to be begun
   Timestamp last_key_frame_stamp_ = 0;
   Timestamp last_recovery_ = std::numeric_limits<Timestamp>::min() / 2;
   int lost_frames_ = 0;

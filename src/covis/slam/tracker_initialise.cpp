@@ -55,7 +55,6 @@ void Tracker::initialise_monocular(Outcome& outcome) {
 void Tracker::begin_map(TrackResult& result) {
   state_ = TrackState::tracking;
   begun_frame_ = current_.index;
-  last_key_frame_ = -1;
   last_key_frame_stamp_ = current_.stamp;
   // What was tried to find the frame in an older map is nothing to the new one.
   std::fill(current_.points.begin(), current_.points.end(), MapPointId{});
@@ -87,9 +86,8 @@ void Tracker::lose(Outcome& outcome, bool map_is_live) {
     lost_frames_ = 0;
   } else if (beginning_ || (!young && new_map_due())) {
     if (!beginning_) {
-      log(LogLevel::warning, last_key_frame_ == kNoneOfThisRecording
-                                 ? "the loaded map is not found: a new one is begun beside it"
-                                 : "lost for long: a new map is begun beside the old one");
+      log(LogLevel::warning, reference_.valid() ? "lost for long: a new map is begun beside the old one"
+                                                : "the loaded map is not found: a new one is begun beside it");
       initializer_.reset();
     }
     beginning_ = true;

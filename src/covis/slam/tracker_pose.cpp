@@ -34,7 +34,7 @@ bool Tracker::track_by_motion(TrackResult& result) {
   bool ok = matches >= o.motion_min_matches;
   if (!ok) {
     result.reason = "too few matches with the last frame";
-  } else if (optimize() < o.motion_min_inliers) {
+  } else if (const int on_map = optimize(); (may_bridge() ? all_inliers() : on_map) < o.motion_min_inliers) {
     result.reason = "too few matches with the last frame agree on a pose";
     ok = false;
   }
@@ -144,13 +144,7 @@ bool Tracker::track_by_reference(TrackResult& result) {
 bool Tracker::track_local_map(TrackResult& result, bool map_is_live) {
   const TrackerOptions& o = options_.tracker;
   Stopwatch watch;
-  if (map_is_live) {
-    matched_.clear();
-    for (size_t i = 0; i < current_.known.size(); ++i) {
-      if (current_.known[i] == kMapPoint) matched_.push_back(current_.points[i]);
-    }
-    local_map_.update(*map_.read(), matched_, reference_, o.local_key_frames);
-  }
+  if (map_is_live) update_local_map(reference_);
   result.local_update_ms += watch.ms();
   watch.restart();
   const bool recovered_lately = current_.stamp - last_recovery_ < from_seconds(1.0);
@@ -164,6 +158,14 @@ bool Tracker::track_local_map(TrackResult& result, bool map_is_live) {
   if (result.inliers >= (recovered_lately ? o.min_inliers_recovered : o.min_inliers)) return true;
   result.reason = "too few points of the map agree on a pose";
   return false;
+}
+
+void Tracker::update_local_map(KeyFrameId fallback) {
+  matched_.clear();
+  for (size_t i = 0; i < current_.known.size(); ++i) {
+    if (current_.known[i] == kMapPoint) matched_.push_back(current_.points[i]);
+  }
+  local_map_.update(*map_.read(), matched_, fallback, options_.tracker.local_key_frames);
 }
 
 int Tracker::search_local_map(double window_factor) {
@@ -218,8 +220,8 @@ int Tracker::search_local_map(double window_factor) {
   return in_view;
 }
 
-// The key frames the camera may be at: places that look alike, the reference and its neighbours, and a few of the others
-// in turn.
+// The key frames the camera may be at: places that look alike, the reference and its neighbours, and a few of the
+// others in turn.
 std::vector<KeyFrameId> Tracker::recovery_candidates(const Map& map) {
   constexpr size_t kAlike = 8;
   constexpr int kNeighbours = 3, kOthers = 2, kOthersWithoutWords = 5;
@@ -295,13 +297,7 @@ bool Tracker::recover_from(const KeyFrameView& view, TrackResult& result, bool m
   if (optimize() < kMinPose) return false;
   // Twice: the second search starts from a better pose.
   for (int round = 0; round < 2; ++round) {
-    if (map_is_live) {
-      matched_.clear();
-      for (size_t i = 0; i < current_.known.size(); ++i) {
-        if (current_.known[i] == kMapPoint) matched_.push_back(current_.points[i]);
-      }
-      local_map_.update(*map_.read(), matched_, view.id, o.local_key_frames);
-    }
+    if (map_is_live) update_local_map(view.id);
     result.local_in_view = search_local_map(round == 0 ? 5.0 : 2.0);
     result.local_points = local_map_.size();
     result.inliers = optimize();

@@ -6,49 +6,12 @@
 
 #include <string>
 
-#include "covis/slam/test_frames.h"
+#include "covis/slam/test_tracker.h"
 
 namespace covis {
 namespace {
 
 using testing::HasSubstr;
-
-class TrackerTest : public testing::Test {
- protected:
-  explicit TrackerTest(Sensor sensor = Sensor::rgbd)
-      : frames(TestFrames::of(sensor)),
-        options(options_of(sensor)),
-        tracker(shared, options),
-        mapper(shared, options) {}
-
-  static SystemOptions options_of(Sensor sensor) {
-    SystemOptions options;
-    options.sensor = sensor;
-    return options;
-  }
-  TrackResult track(FeaturesPtr features, int i) {
-    Tracker::Outcome outcome = tracker.track(std::move(features), i, frames.stamp(i), true, true);
-    EXPECT_FALSE(outcome.key_frame && outcome.initial_map);
-    if (outcome.key_frame) tracker.key_frame_made(mapper.process(*outcome.key_frame, nullptr), i);
-    if (outcome.initial_map) tracker.key_frame_made(mapper.initialise(*outcome.initial_map), i);
-    if (outcome.discard_part) mapper.discard(*outcome.discard_part);
-    EXPECT_EQ(outcome.result.state == TrackState::tracking, outcome.result.reason.empty()) << outcome.result.reason;
-    return outcome.result;
-  }
-  TrackResult track(int i) { return track(frames.features(i), i); }
-  TrackResult track_blank(int i) { return track(frames.blank(), i); }
-
-  TestFrames& frames;
-  SharedMap shared;
-  SystemOptions options;
-  Tracker tracker;
-  Mapper mapper;
-};
-
-class MonocularTrackerTest : public TrackerTest {
- protected:
-  MonocularTrackerTest() : TrackerTest(Sensor::monocular) {}
-};
 
 TEST_F(TrackerTest, FollowsTheTruth) {
   for (int i = 0; i < frames.count(); ++i) {

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// For tests: the tracker with the mapper called in turn, no threads.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <utility>
+
+#include "covis/slam/test_frames.h"
+#include "covis/slam/tracker.h"
+
+namespace covis {
+
+class TrackerTest : public testing::Test {
+ protected:
+  explicit TrackerTest(const SystemOptions& wanted = options_of(Sensor::rgbd),
+                       std::shared_ptr<const Vocabulary> vocabulary = nullptr)
+      : frames(TestFrames::of(wanted.sensor)),
+        options(wanted),
+        tracker(shared, options, vocabulary),
+        mapper(shared, options, vocabulary) {}
+
+  static SystemOptions options_of(Sensor sensor) {
+    SystemOptions options;
+    options.sensor = sensor;
+    return options;
+  }
+  // What the tracker asks for is left to the test.
+  Tracker::Outcome track_alone(FeaturesPtr features, int i) {
+    Tracker::Outcome outcome = tracker.track(std::move(features), i, frames.stamp(i), true, true);
+    EXPECT_FALSE(outcome.key_frame && outcome.initial_map);
+    return outcome;
+  }
+  TrackResult track(FeaturesPtr features, int i) {
+    Tracker::Outcome outcome = track_alone(std::move(features), i);
+    if (outcome.key_frame) tracker.key_frame_made(mapper.process(*outcome.key_frame, nullptr), i);
+    if (outcome.initial_map) tracker.key_frame_made(mapper.initialise(*outcome.initial_map), i);
+    if (outcome.discard_part) mapper.discard(*outcome.discard_part);
+    EXPECT_EQ(outcome.result.state == TrackState::tracking, outcome.result.reason.empty()) << outcome.result.reason;
+    return outcome.result;
+  }
+  TrackResult track(int i) { return track(frames.features(i), i); }
+  TrackResult track_blank(int i) { return track(frames.blank(), i); }
+
+  TestFrames& frames;
+  SharedMap shared;
+  SystemOptions options;
+  Tracker tracker;
+  Mapper mapper;
+};
+
+class MonocularTrackerTest : public TrackerTest {
+ protected:
+  MonocularTrackerTest() : TrackerTest(options_of(Sensor::monocular)) {}
+};
+
+}  // namespace covis

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tracker where the map moves, has several parts, or knows too little.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <numbers>
+
+#include "covis/slam/test_tracker.h"
+
+namespace covis {
+namespace {
+
+std::shared_ptr<const Vocabulary> vocabulary() {
+  return Vocabulary::load(std::filesystem::path(COVIS_SOURCE_DIR) / "vocabulary/default.covis-voc").value();
+}
+
+class SeveralMapsTest : public TrackerTest {
+ protected:
+  SeveralMapsTest() : TrackerTest(many_key_frames(), vocabulary()) {}
+
+  static SystemOptions many_key_frames() {
+    SystemOptions options = options_of(Sensor::rgbd);
+    options.tracker.min_close_points = 500;  // to be content with: rarely reached
+    options.tracker.new_close_points = 0;
+    return options;
+  }
+
+  // The same frame in another place: seen from the same poses, and like none of the desk's.
+  FeaturesPtr elsewhere(int i) {
+    auto features = std::make_shared<Features>(*frames.features(i));
+    for (Descriptor& d : features->descriptor) {
+      for (uint64_t& bits : d.bits) bits ^= 0x5a3c96e1d2b4870fu;
+    }
+    return features;
+  }
+  // Tracks until the camera has been lost for long; returns the next frame.
+  int lose_for_long(int i) {
+    const Timestamp since = frames.stamp(i);
+    for (; frames.stamp(i) - since < from_seconds(options.tracker.new_map_after); ++i) {
+      EXPECT_EQ(track_blank(i).state, TrackState::lost);
+    }
+    return i;
+  }
+};
+
+double distance(const TrackResult& result, const SE3& T_cw) {
+  return (result.T_cw.inverse().t() - T_cw.inverse().t()).norm();
+}
+
+class NoMotionModelTest : public TrackerTest {
+ protected:
+  NoMotionModelTest() : TrackerTest(without_motion_model()) {}
+
+  static SystemOptions without_motion_model() {
+    SystemOptions options = options_of(Sensor::rgbd);
+    options.tracker.motion_min_matches = 100000;
+    return options;
+  }
+};
+
+TEST_F(NoMotionModelTest, TheReferenceKeyFrameIsWhereTheMapMovedIt) {
+  for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
+  const SE3 S(so3_exp({0, 0, std::numbers::pi / 2}), {30, 10, 0});
+  {
+    const auto map = shared.write();
+    for (const KeyFrameId& id : map->key_frames()) map->set_pose(id, map->at(id).T_cw * S.inverse());
+    std::vector<MapPointId> points;
+    map->for_each_point([&](MapPointId id, const MapPoint&) { points.push_back(id); });
+    for (const MapPointId id : points) map->set_position(id, S * map->at(id).position_w);
+    for (const MapPointId id : points) map->refresh_point(id);
+  }
+  tracker.map_moved();
+  const TrackResult result = track(frames.features(0), 6);
+  ASSERT_EQ(result.state, TrackState::tracking) << result.reason;
+  EXPECT_EQ(result.method, TrackMethod::reference_key_frame);
+  EXPECT_LT(distance(result, frames.T_cw(0) * S.inverse()), 0.01);
+}
+
+TEST_F(SeveralMapsTest, ANewMapThatDoesNotHoldLeavesTheOldOneInUse) {
+  for (int i = 0; i < 4; ++i) track(i);
+  int i = lose_for_long(4);
+  const Tracker::Outcome begun = track_alone(elsewhere(0), i);
+  ASSERT_TRUE(begun.key_frame);
+  MappingReport older;  // may come first
+  older.key_frame = shared.read()->root();
+  tracker.key_frame_made(older, 0);
+  tracker.key_frame_made({}, i);
+  EXPECT_EQ(tracker.state(), TrackState::lost);
+  const size_t key_frames = shared.read()->key_frame_count();
+  TrackResult result = track(frames.features(3), ++i);
+  EXPECT_EQ(result.method, TrackMethod::recovered);
+  for (int k = 4; k < frames.count(); ++k) {
+    result = track(frames.features(k), ++i);
+    EXPECT_EQ(result.state, TrackState::tracking) << "frame " << k;
+  }
+  EXPECT_GT(shared.read()->key_frame_count(), key_frames) << "it goes on growing";
+}
+
+TEST_F(SeveralMapsTest, AReportOfTheOldMapDoesNotPassForTheNewOnes) {
+  MappingReport late;
+  int late_frame = -1, i = 0;
+  for (; late_frame < 0 && i < frames.count(); ++i) {
+    const Tracker::Outcome outcome = track_alone(frames.features(i), i);
+    if (!outcome.key_frame) continue;
+    const MappingReport report = mapper.process(*outcome.key_frame, nullptr);
+    if (i == 0) {
+      tracker.key_frame_made(report, i);
+    } else {
+      late = report;
+      late_frame = i;
+    }
+  }
+  ASSERT_GE(late_frame, 0);
+  i = lose_for_long(i);
+  const Tracker::Outcome begun = track_alone(elsewhere(0), i);
+  ASSERT_TRUE(begun.key_frame);
+  const MappingReport report = mapper.process(*begun.key_frame, nullptr);
+  tracker.key_frame_made(late, late_frame);
+  tracker.key_frame_made(report, i);
+  const TrackResult result = track(elsewhere(1), i + 1);
+  ASSERT_EQ(result.state, TrackState::tracking) << result.reason;
+  EXPECT_EQ(result.part, shared.read()->at(report.key_frame).part);
+  EXPECT_EQ(result.reference, report.key_frame);
+  EXPECT_LT(distance(result, frames.T_cw(1)), 0.01);
+}
+
+TEST_F(SeveralMapsTest, AKeyFrameOfAnotherPartDoesNotBecomeTheReference) {
+  for (int i = 0; i < 4; ++i) track(i);
+  int i = lose_for_long(4);
+  std::optional<KeyFrameRequest> withheld;
+  for (int k = 0; !withheld && k < frames.count(); ++k, ++i) {
+    Tracker::Outcome outcome = track_alone(elsewhere(k), i);
+    if (!outcome.key_frame) continue;
+    if (outcome.result.method == TrackMethod::initialised) {
+      tracker.key_frame_made(mapper.process(*outcome.key_frame, nullptr), i);
+    } else {
+      withheld = std::move(outcome.key_frame);
+    }
+  }
+  ASSERT_TRUE(withheld);
+  ASSERT_EQ(shared.read()->parts().size(), 2u);
+  TrackResult result = track(frames.features(2), i);
+  EXPECT_EQ(result.method, TrackMethod::recovered);
+  EXPECT_EQ(result.part, 0u);
+  tracker.key_frame_made(mapper.process(*withheld, nullptr), static_cast<int>(withheld->frame));
+  for (int k = 2; k < 5; ++k) {
+    result = track(frames.features(k), ++i);
+    ASSERT_EQ(result.state, TrackState::tracking) << result.reason;
+    EXPECT_NE(result.method, TrackMethod::recovered);
+    EXPECT_EQ(result.part, 0u);
+    EXPECT_LT(distance(result, frames.T_cw(k)), 0.01);
+  }
+}
+
+// Localisation where the map knows too little: depth carries the pose. The map is looked for again meanwhile, in vain;
+// a part that looks the same, with its own world, must not become the pose's.
+TEST_F(TrackerTest, BridgingIsLeftAsItIsByALookForTheMap) {
+  for (int i = 0; i < 12; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
+  KeyFrameRequest same_place;
+  same_place.frame = 100;
+  same_place.features = frames.features(14);
+  same_place.points.resize(static_cast<size_t>(same_place.features->size()));
+  for (uint32_t i = 0; i < same_place.points.size(); ++i) {
+    if (same_place.features->depth[i] > 0) same_place.new_points.push_back(i);
+  }
+  ASSERT_TRUE(mapper.process(same_place, nullptr).key_frame.valid());
+  ASSERT_EQ(shared.read()->parts().size(), 2u);
+
+  SystemOptions localize = options;
+  localize.localize = true;
+  Tracker localizer(shared, localize);
+  localizer.start_lost();
+  int i = 0;
+  const auto follow = [&](int k) { return localizer.track(frames.features(k), i, frames.stamp(i), true, true).result; };
+  for (; i < 10; ++i) ASSERT_EQ(follow(i).state, TrackState::tracking) << "frame " << i;  // for more than a second
+  {  // Too few points for a pose are left, in each part enough to be looked at.
+    const auto map = shared.write();
+    std::vector<std::vector<MapPointId>> points(2);
+    map->for_each_point(
+        [&](MapPointId id, const MapPoint& point) { points[map->at(point.reference).part].push_back(id); });
+    for (const auto& of_part : points) {
+      const size_t every = of_part.size() / 29;
+      for (size_t k = 0; k < of_part.size(); ++k) {
+        if (k % every != 0 || k / every >= 29) map->erase_point(of_part[k]);
+      }
+    }
+  }
+  localizer.map_moved();
+  int bridged = 0;
+  for (; i < 17; ++i) {
+    const TrackResult result = follow(i);
+    ASSERT_EQ(result.state, TrackState::tracking) << "frame " << i << ": " << result.reason;
+    bridged += result.method == TrackMethod::bridged;
+    EXPECT_EQ(result.part, 0u) << "frame " << i;
+    EXPECT_LT(distance(result, frames.T_cw(i)), 0.03) << "frame " << i;
+  }
+  EXPECT_GE(bridged, 5) << "the map is looked for at the fifth";
+}
+
+}  // namespace
+}  // namespace covis
