@@ -206,7 +206,7 @@ void add_train(CLI::App& vocab, int& exit_code) {
   command->add_flag("--overwrite", arguments->overwrite, "replace the file");
   command->add_flag("--quiet", arguments->quiet, "no progress, no summary");
   command->add_flag("--json", arguments->json, "the summary as JSON on stdout");
-  command->footer("Example:\n  covis vocab train photographs --branching 10 --depth 5 --out mine.covis-voc");
+  command->footer("Examples:\n  covis vocab train photographs --branching 10 --depth 5 --out mine.covis-voc");
   command->callback([arguments, &exit_code] { exit_code = train(*arguments); });
 }
 

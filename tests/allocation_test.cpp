@@ -1,42 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tracking allocates nothing in a steady state: every allocation of the process is counted, by thread.
+// Tracking allocates nothing in a steady state: every operator new of the process is counted, by thread. (Eigen's own
+// allocations of large dynamic matrices call malloc, and are not.)
 #include <gtest/gtest.h>
 
-#include <array>
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
+#include "covis/core/test_allocations.h"
 #include "rendered.h"
-
-namespace {
-
-thread_local long own_allocations = 0;
-std::atomic<long> all_allocations{0};
-
-void* count_and_allocate(size_t n, size_t alignment) {
-  ++own_allocations;
-  ++all_allocations;
-  return alignment > alignof(std::max_align_t)
-             ? std::aligned_alloc(alignment, (n + alignment - 1) / alignment * alignment)
-             : std::malloc(n);
-}
-
-void* allocate_or_throw(size_t n, size_t alignment) {
-  if (void* p = count_and_allocate(n, alignment)) return p;
-  throw std::bad_alloc();
-}
-
-}  // namespace
-
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-void* operator new(size_t n) { return allocate_or_throw(n, 0); }
-void* operator new(size_t n, std::align_val_t a) { return allocate_or_throw(n, static_cast<size_t>(a)); }
-void* operator new(size_t n, const std::nothrow_t&) noexcept { return count_and_allocate(n, 0); }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, size_t) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, size_t, std::align_val_t) noexcept { std::free(p); }
 
 namespace covis {
 namespace {

@@ -2,8 +2,11 @@
 // The public interface, as a program sees it.
 #include <gmock/gmock.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "covis/covis.h"
 #include "rendered.h"
@@ -29,6 +32,36 @@ CameraParameters parameters_of(const Camera& camera, Sensor sensor) {
 
 GreyImage grey(const ImageView<const uint8_t>& v) { return {v.data, v.width, v.height, v.stride}; }
 DepthImage depth(const ImageView<const float>& v) { return {v.data, v.width, v.height, v.stride}; }
+
+// The message, or nothing when there is none.
+template <class Result>
+std::string error_of(const Result& result) {
+  return result ? std::string() : result.error();
+}
+
+Eigen::Quaterniond orientation(const Pose& pose) { return {pose.qw, pose.qx, pose.qy, pose.qz}; }
+double turned_deg(const Pose& a, const Pose& b) {
+  return orientation(a).angularDistance(orientation(b)) * 180 / std::numbers::pi;
+}
+double apart(const Pose& a, const Pose& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
+
+// From the first pose to each of the others the camera turned as it really did.
+void expect_turned_as(const Synth& synth, const std::vector<StampedPoseResult>& poses) {
+  const auto truth = [&](const StampedPoseResult& pose) {
+    int i = 0;
+    while (i + 1 < synth.frames() && synth.stamp(i) < pose.stamp) ++i;
+    return Eigen::Quaterniond(synth.T_wc(i).R());
+  };
+  double most = 0;  // turned
+  for (const StampedPoseResult& pose : poses) {
+    EXPECT_NEAR(orientation(pose.pose).norm(), 1, 1e-9);
+    const Eigen::Quaterniond turn = orientation(poses[0].pose).inverse() * orientation(pose.pose),
+                             wanted = truth(poses[0]).inverse() * truth(pose);
+    EXPECT_LT(turn.angularDistance(wanted) * 180 / std::numbers::pi, 1);
+    most = std::max(most, wanted.angularDistance(Eigen::Quaterniond::Identity()) * 180 / std::numbers::pi);
+  }
+  EXPECT_GT(most, 5) << "else nothing was compared";
+}
 
 class Api : public testing::TestWithParam<Sensor> {
  protected:
@@ -81,34 +114,76 @@ TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
   (*slam)->finish();
   EXPECT_GT(tracked, 15);
   EXPECT_GT((*slam)->points().size(), 100u);
-  EXPECT_GE((*slam)->key_frames().size(), 1u);
   const auto trajectory = (*slam)->trajectory();
   ASSERT_GE(trajectory.size(), 15u);
+  expect_turned_as(recording.synth, trajectory);
+  // Key frames are frames, and are where those are.
+  const auto key_frames = (*slam)->key_frames();
+  ASSERT_FALSE(key_frames.empty());
+  for (const StampedPoseResult& key_frame : key_frames) {
+    const auto same = std::find_if(trajectory.begin(), trajectory.end(),
+                                   [&](const StampedPoseResult& pose) { return pose.stamp == key_frame.stamp; });
+    ASSERT_NE(same, trajectory.end());
+    EXPECT_LT(apart(same->pose, key_frame.pose), 1e-6);
+    EXPECT_LT(turned_deg(same->pose, key_frame.pose), 1e-4);
+  }
 
   // What was tracked is found again from the image alone, at the same place; a black image is not.
   const auto last = trajectory.back();
   const auto found = locate(**slam, recording.frame(recording.size() - 1));
   ASSERT_TRUE(found && *found);
-  const Pose& at = (*found)->pose;
-  const double apart = std::hypot(at.x - last.pose.x, at.y - last.pose.y, at.z - last.pose.z);
-  EXPECT_LT(apart, 0.03);
-  EXPECT_EQ((*found)->map, last.map);
+  EXPECT_LT(apart((*found)->pose, last.pose), 0.03);
+  EXPECT_LT(turned_deg((*found)->pose, last.pose), 1);
   const auto nowhere = locate(**slam, recording.black(0));
   ASSERT_TRUE(nowhere) << nowhere.error();
   EXPECT_FALSE(*nowhere);
 
   // Errors change nothing.
   const System::Input again = recording.frame(3);
-  EXPECT_THAT(track(**slam, again).error(), HasSubstr("stamps must rise"));
+  EXPECT_THAT(error_of(track(**slam, again)), HasSubstr("stamps must rise"));
   const GreyImage small{again.image.data, 100, 100, 100};
-  EXPECT_THAT(sensor == Sensor::stereo ? (*slam)->locate_stereo(small, small).error()
-              : sensor == Sensor::rgbd ? (*slam)->locate_rgbd(small, depth(again.depth)).error()
-                                       : (*slam)->locate_monocular(small).error(),
+  EXPECT_THAT(error_of(sensor == Sensor::stereo ? (*slam)->locate_stereo(small, small)
+                       : sensor == Sensor::rgbd ? (*slam)->locate_rgbd(small, depth(again.depth))
+                                                : (*slam)->locate_monocular(small)),
               HasSubstr("is 100x100; the camera is 320x240"));
-  EXPECT_THAT(sensor == Sensor::monocular ? (*slam)->locate_stereo(grey(again.image), grey(again.image)).error()
-                                          : (*slam)->locate_monocular(grey(again.image)).error(),
+  EXPECT_THAT(error_of(sensor == Sensor::monocular ? (*slam)->locate_stereo(grey(again.image), grey(again.image))
+                                                   : (*slam)->locate_monocular(grey(again.image))),
               HasSubstr("another sensor"));
   EXPECT_EQ((*slam)->trajectory().size(), trajectory.size());
+}
+
+// A camera carried from a desk into a room, and a picture of each.
+TEST(ApiMaps, APoseSaysInWhichMapItIs) {
+  Recording desk(Sensor::rgbd, 20, 30, "desk"), room(Sensor::rgbd, 20, 30, "room");
+  const auto slam = Slam::create(parameters_of(desk.synth.camera(), Sensor::rgbd), SensorType::rgbd,
+                                 {{"tracker.new_map_after", "0.2"}}, kVocabulary);
+  ASSERT_TRUE(slam) << slam.error();
+  for (Recording* recording : {&desk, &room}) {
+    const int map = recording == &room;
+    int tracked = 0;
+    for (int i = 0; i < recording->size(); ++i) {
+      const System::Input in = recording->frame(i);
+      const auto result = (*slam)->track_rgbd(in.stamp + map * from_seconds(10), grey(in.image), depth(in.depth));
+      ASSERT_TRUE(result) << result.error();
+      if (!result->tracked) continue;
+      ++tracked;
+      EXPECT_EQ(result->map, map) << i;
+    }
+    EXPECT_GE(tracked, 10);
+  }
+  (*slam)->finish();
+  for (Recording* recording : {&desk, &room}) {
+    const int map = recording == &room;
+    const System::Input in = recording->frame(19);
+    const auto found = (*slam)->locate_rgbd(grey(in.image), depth(in.depth));
+    ASSERT_TRUE(found && *found) << map;
+    EXPECT_EQ((*found)->map, map);
+    const auto points = (*slam)->points();
+    EXPECT_GT(std::count_if(points.begin(), points.end(), [&](const Point& p) { return p.map == map; }), 100);
+    for (const auto& poses : {(*slam)->trajectory(), (*slam)->key_frames()}) {
+      for (const StampedPoseResult& pose : poses) EXPECT_EQ(pose.map, pose.stamp >= from_seconds(10));
+    }
+  }
 }
 
 TEST(ApiErrors, SayWhatIsWrong) {

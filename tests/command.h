@@ -8,7 +8,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -17,6 +16,8 @@
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "covis/io/test_process.h"
 
 namespace covis {
 
@@ -38,8 +39,8 @@ class Process {
     std::vector<char*> arguments;
     for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
-    id_ = fork();
-    if (id_ != 0) return;
+    id_ = fork_patiently();
+    if (id_ > 0) return;
     if (one_core) keep_one_core();
     redirect(standard_out, STDOUT_FILENO);
     redirect(standard_error, STDERR_FILENO);
@@ -54,7 +55,10 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  void send(int signal) const { ::kill(id_, signal); }
+  // Nothing once it ended: 0 and -1 would be every process of the group or of the user.
+  void send(int signal) const {
+    if (id_ > 0) ::kill(id_, signal);
+  }
   bool ended() {
     if (id_ > 0 && waitpid(id_, &status_, WNOHANG) == id_) id_ = 0;
     return id_ <= 0;
@@ -120,9 +124,9 @@ class CommandTest : public testing::Test {
     return {code, text_of(folder / "stdout"), text_of(folder / "stderr")};
   }
   // A recording in the case's folder.
-  fs::path render(const std::string& sensor, int frames) const {
-    const fs::path recording = folder / sensor;
-    const Outcome made = covis({"synth", "desk", "--sensor", sensor, "--frames", std::to_string(frames), "--width",
+  fs::path render(const std::string& sensor, int frames, const std::string& world = "desk") const {
+    const fs::path recording = folder / (world + "_" + sensor);
+    const Outcome made = covis({"synth", world, "--sensor", sensor, "--frames", std::to_string(frames), "--width",
                                 "320", "--height", "240", "--quiet", "--out", recording});
     EXPECT_EQ(made.code, 0) << made.error;
     return recording;

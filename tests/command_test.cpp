@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 
 namespace covis {
@@ -69,6 +70,18 @@ int expect_results(const fs::path& out) {
   return frames;
 }
 
+volatile std::sig_atomic_t own_signals = 0;
+
+// With a signal that nobody else minds: it would come to this process and all of its group.
+TEST(Process, ASignalAfterItsEndReachesNobody) {
+  const auto before = std::signal(SIGWINCH, [](int) { own_signals = own_signals + 1; });
+  Process process({"/bin/true"}, "/dev/null", "/dev/null");
+  EXPECT_EQ(process.wait(std::chrono::seconds(60)), 0);
+  process.send(SIGWINCH);
+  EXPECT_EQ(own_signals, 0);
+  std::signal(SIGWINCH, before);
+}
+
 using CommandRun = CommandTest;
 
 TEST_F(CommandRun, WritesAllItsFilesForEachSensor) {
@@ -127,6 +140,95 @@ TEST_F(CommandRun, GivesTheSameBytesOnOneCoreAndOnABusyMachine) {
     EXPECT_EQ(trajectories(folder / "busy"), trajectories(folder / "idle"));
     EXPECT_EQ(text_of(folder / "busy" / "map.ply"), text_of(folder / "idle" / "map.ply"));
   }
+}
+
+// A camera carried from a desk to another room on its way: two maps that are not joined.
+class CommandMaps : public CommandTest {
+ protected:
+  static constexpr int kFrames = 25;  // of each
+
+  // The room's frames come after the desk's, in one recording.
+  fs::path record_both() const {
+    const fs::path desk = render("rgbd", kFrames), room = render("rgbd", kFrames, "room");
+    std::istringstream lines(text_of(room / "associations.txt"));
+    std::ofstream all(desk / "associations.txt", std::ios::app);
+    all.precision(9);
+    for (std::string line; std::getline(lines, line);) {
+      double stamp = 0, depth_stamp = 0;
+      std::string image, depth;
+      std::istringstream fields(line);
+      if (!(fields >> stamp >> image >> depth_stamp >> depth)) continue;  // a comment
+      all << std::fixed << stamp + 10 << " " << (room / image).string() << " " << depth_stamp + 10 << " "
+          << (room / depth).string() << "\n";
+    }
+    return desk;
+  }
+  // How many frames have a pose in which map.
+  static std::map<int, int> frames_by_map(const fs::path& out) {
+    std::map<int, int> count;
+    for (const json& line : parsed_lines(out / "stats.jsonl")) {
+      if (line.contains("map")) ++count[line["map"].get<int>()];
+    }
+    return count;
+  }
+  void expect_two_maps(const fs::path& out) const {
+    const json summary = parsed(out / "summary.json");
+    ASSERT_EQ(summary["maps"].size(), 2u);
+    EXPECT_EQ(summary["merges"], json::array());
+    const auto by_map = frames_by_map(out);
+    int tracked = 0;
+    for (const int map : {0, 1}) {
+      const json& of = summary["maps"][static_cast<size_t>(map)];
+      EXPECT_GE(of["frames"].get<int>(), kFrames / 2);
+      EXPECT_EQ(by_map.at(map), of["frames"].get<int>());
+      tracked += of["frames"].get<int>();
+    }
+    EXPECT_EQ(summary["frames_tracked"], tracked);
+    EXPECT_EQ(line_count(out / "trajectory.txt"), by_map.at(0));
+    EXPECT_EQ(line_count(out / "trajectory_map1.txt"), by_map.at(1));
+    EXPECT_FALSE(fs::exists(out / "trajectory_map2.txt"));
+    EXPECT_THAT(text_of(out / "report.html"), HasSubstr("maps, not joined"));
+  }
+};
+
+TEST_F(CommandMaps, AreWrittenSavedAndLocalisedInEachByItself) {
+  const fs::path recording = record_both(), out = folder / "out", map = folder / "m.covis";
+  const Outcome run = covis(
+      {"run", recording, "--out", out, "--save-map", map, "--set", "tracker.new_map_after=0.2", "--simd", "scalar"});
+  ASSERT_EQ(run.code, 0) << run.error;
+  ASSERT_NO_FATAL_FAILURE(expect_two_maps(out));
+  EXPECT_THAT(run.out, HasSubstr("2 maps that could not be joined"));
+  EXPECT_EQ(json::parse(covis({"map", "info", map, "--json"}).out, nullptr, false)["maps"], 2);
+  EXPECT_THAT(covis({"map", "info", map}).out, HasSubstr("maps            2, not joined"));
+  EXPECT_EQ(covis({"map", "check", map}).code, 0);
+
+  // Image by image, and as a recording that leaves the map as it is.
+  const fs::path found = folder / "found.txt", found_in_1 = folder / "found_map1.txt";
+  const Outcome localize = covis({"localize", recording, "--map", map, "--out", found, "--json"});
+  ASSERT_EQ(localize.code, 0) << localize.error;
+  EXPECT_GE(line_count(found), kFrames - 2);
+  EXPECT_GE(line_count(found_in_1), kFrames - 2);
+  EXPECT_EQ(json::parse(localize.out, nullptr, false)["localized"], line_count(found) + line_count(found_in_1));
+  const fs::path again = folder / "again";
+  ASSERT_EQ(covis({"run", recording, "--quiet", "--out", again, "--map", map, "--localize"}).code, 0);
+  ASSERT_NO_FATAL_FAILURE(expect_two_maps(again));
+  const json summary = parsed(again / "summary.json");
+  for (const json& m : summary["maps"]) EXPECT_EQ(m["loaded"], true);
+  EXPECT_EQ(summary["keyframes"], parsed(out / "summary.json")["keyframes"]);
+
+  // With one map nothing of the second is left.
+  ASSERT_EQ(
+      covis({"run", recording, "--count", std::to_string(kFrames), "--quiet", "--out", out, "--save-map", map}).code,
+      0);
+  EXPECT_FALSE(fs::exists(out / "trajectory_map1.txt"));
+  EXPECT_EQ(parsed(out / "summary.json")["maps"].size(), 1u);
+  expect_results(out);
+  ASSERT_EQ(covis({"localize", recording, "--map", map, "--out", found}).code, 0);
+  EXPECT_FALSE(fs::exists(found_in_1));
+  // A map that is loaded is found and gone on with.
+  ASSERT_EQ(covis({"run", recording, "--count", "10", "--quiet", "--out", again, "--map", map}).code, 0);
+  EXPECT_EQ(parsed(again / "summary.json")["maps"][0]["loaded"], true);
+  EXPECT_FALSE(fs::exists(again / "trajectory_map1.txt"));
 }
 
 // Starts a run, interrupts it `after` seconds from the start of tracking (nothing: before the command is up), and
@@ -282,6 +384,7 @@ TEST_F(CommandUsage, WrongArgumentsAreNamedWithCode2) {
                {{"eval", "trajectory.txt"}, "TRUTH is required"},
                {{"eval", "a", "b", "--align", "affine"}, "affine not in"},
                {{"check"}, "PATH is required"},
+               {{"localize", "somewhere"}, "--map is required"},
                {{"synth", "room"}, "--out is required"}};
   for (const auto& c : cases) {
     const Outcome outcome = covis(c.words);
@@ -303,6 +406,9 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
                {{"run", gone, "--set", "orb.features=x"}, "whole number from 50"},
                {{"run", gone, "--set", "orb.features"}, "NAME=VALUE"},
                {{"run", gone, "--config", gone}, gone},
+               {{"run", gone, "--simd", "abacus"}, "no such instruction set here; there are best, "},
+               {{"localize", gone, "--map", gone}, gone + ": it does not exist"},
+               {{"map", "info", gone}, gone},
                {{"eval", gone, gone}, gone},
                {{"eval", file, file}, "file.txt"},
                {{"check", gone}, gone},
@@ -316,10 +422,13 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
 }
 
 TEST_F(CommandUsage, HelpAndVersionAreResults) {
-  for (const std::string name : {"run", "eval", "check", "synth", "map"}) {
-    const Outcome help = covis({name, "--help"});
+  const std::vector<std::string> commands[] = {{"run"},   {"localize"}, {"eval"},          {"check"},
+                                               {"synth"}, {"map"},      {"vocab", "train"}};
+  for (std::vector<std::string> words : commands) {
+    words.push_back("--help");
+    const Outcome help = covis(words);
     EXPECT_EQ(help.code, 0);
-    EXPECT_THAT(help.out, HasSubstr("Examples"));
+    EXPECT_THAT(help.out, HasSubstr("Examples:")) << words[0];
   }
   EXPECT_THAT(covis({"--version"}).out, testing::StartsWith("covis "));
   const Outcome settings = covis({"run", "--dump-config"});

@@ -30,25 +30,51 @@ struct Walk {
 
 // Runs a system along a walk and looks at the map after every step.
 struct Walked {
+  Walk& walk;
   System system;
   int merges = 0;
   size_t most_maps = 0;  // at a time
 
-  Walked(Walk& walk, const SystemOptions& options) : system(walk.recording.synth.camera(), options, vocabulary()) {
-    for (int step = 0; step < static_cast<int>(walk.steps.size()); ++step) {
-      const FrameReport report = system.process(walk.input(step));
+  Walked(Walk& the_walk, const SystemOptions& options)
+      : walk(the_walk), system(walk.recording.synth.camera(), options, vocabulary()) {
+    go_on();
+  }
+  // What the walk got since.
+  void go_on() {
+    for (; done_ < static_cast<int>(walk.steps.size()); ++done_) {
+      const FrameReport report = system.process(walk.input(done_));
       count(report.mapping);
       most_maps = std::max(most_maps, system.maps().size());
-      EXPECT_EQ(system.map().read()->check(), "") << "after step " << step;
+      EXPECT_EQ(system.map().read()->check(), "") << "after step " << done_;
       EXPECT_EQ(report.track.state == TrackState::tracking, report.track.reason.empty()) << report.track.reason;
     }
     count(system.finish());
     EXPECT_EQ(system.map().read()->check(), "");
   }
+  // Of the poses in one map, metres.
+  double error_of(int map, bool with_scale) const {
+    std::vector<PoseOfFrame> poses;
+    for (const PoseOfFrame& pose : system.trajectory()) {
+      if (pose.map == map) poses.push_back(pose);
+    }
+    return error_to(
+        poses, [&](int64_t step) { return walk.truth(step); }, with_scale);
+  }
+
+ private:
   void count(const std::vector<MappingReport>& reports) {
     for (const MappingReport& report : reports) merges += report.loop.merged;
   }
+
+  int done_ = 0;  // steps
 };
+
+// Half a second lost, and a map is begun.
+SystemOptions impatient(Sensor sensor) {
+  SystemOptions options = options_for(sensor);
+  options.tracker.new_map_after = 0.5;
+  return options;
+}
 
 class Maps : public testing::TestWithParam<Sensor> {};
 
@@ -67,85 +93,99 @@ TEST_P(Maps, AnUnknownPlaceBeginsAMapThatIsJoinedToTheOldOne) {
   const Sensor sensor = GetParam();
   Recording recording(sensor, 160);
   Walk walk = jump_and_way_back(recording);
-  SystemOptions options = options_for(sensor);
-  options.tracker.new_map_after = 0.5;
-  Walked run(walk, options);
+  Walked run(walk, impatient(sensor));
   EXPECT_EQ(run.most_maps, 2u);
   EXPECT_EQ(run.merges, 1);
   const std::vector<MapSummary> maps = run.system.maps();
   ASSERT_EQ(maps.size(), 1u);
   EXPECT_EQ(maps[0].part, 0u) << "the older one stays where it is";
   EXPECT_GE(maps[0].frames, walk.steps.size() - 30);
-  const auto poses = run.system.trajectory();
-  EXPECT_EQ(poses.size(), maps[0].frames);
-  EXPECT_LT(error_to(
-                poses, [&](int64_t step) { return walk.truth(step); }, sensor == Sensor::monocular),
-            0.1);
+  EXPECT_EQ(run.system.trajectory().size(), maps[0].frames);
+  EXPECT_LT(run.error_of(0, sensor == Sensor::monocular), 0.1);
 }
 
-// Mapping beside tracking without waiting: the merge comes at any time.
+// Mapping beside tracking without waiting: the second map and the merge come at any time.
 TEST_P(Maps, MapsAreJoinedInRealTimeToo) {
   const Sensor sensor = GetParam();
   Recording recording(sensor, 160);
   Walk walk = jump_and_way_back(recording);
-  SystemOptions options = options_for(sensor);
-  options.tracker.new_map_after = 0.5;
+  SystemOptions options = impatient(sensor);
   options.realtime = true;
   Walked run(walk, options);
-  for (const MapSummary& map : run.system.maps()) EXPECT_GT(map.key_frames, 0u);
-  EXPECT_LE(run.merges, 1);
+  EXPECT_GE(run.most_maps, 2u);
+  // Key frames of a busy machine may have been too few to be sure: up and down what is mapped, until it is.
+  for (int more = 0; more < 5 && run.system.maps().size() > 1; ++more) {
+    walk.go(2, 40);
+    walk.go(40, 2);
+    run.go_on();
+  }
+  EXPECT_EQ(run.system.maps().size(), 1u);
+  EXPECT_GE(run.merges, 1);
+}
+
+// Where a camera was carried away in the meantime: twelve steps before, thirty after it.
+Walk carried_away(Recording& recording) {
+  Walk walk{recording, 8, {}};
+  walk.go(0, 12);
+  walk.go(90, 60);
+  return walk;
+}
+
+// The map of the first twelve steps.
+Map map_before(Walk& walk, const SystemOptions& options) {
+  System system(walk.recording.synth.camera(), options, vocabulary());
+  for (int step = 0; step < 12; ++step) system.process(walk.input(step));
+  system.finish();
+  return Map::from_state(system.map().read()->state()).value();
 }
 
 // Nothing is begun beside a map that is for localisation only, nor without a way to join it later.
 TEST(FurtherMap, NoneIsBegunWhereItMustNot) {
   Recording recording(Sensor::rgbd, 160);
-  Walk walk{recording, 8, {}};
-  walk.go(0, 12);
-  walk.go(90, 78);
-  for (const bool localize : {true, false}) {
-    SystemOptions options = options_for(Sensor::rgbd);
-    options.tracker.new_map_after = 0.5;
-    options.loop.close = localize;
-    System system(recording.synth.camera(), options, vocabulary());
-    for (int step = 0; step < 12; ++step) system.process(walk.input(step));
-    system.finish();
-    options.localize = localize;
-    auto state = Map::from_state(system.map().read()->state());
-    ASSERT_TRUE(state);
-    System next(recording.synth.camera(), options, vocabulary());
-    ASSERT_TRUE(next.set_map(std::move(*state), recording.synth.camera()));
+  Walk walk = carried_away(recording);
+  const MapState before = map_before(walk, impatient(Sensor::rgbd)).state();
+  const struct {
+    const char* name;
+    void (*change)(SystemOptions&);
+    bool words;
+    size_t maps;
+  } cases[] = {{"nothing speaks against it", [](SystemOptions&) {}, true, 2},
+               {"localisation only", [](SystemOptions& o) { o.localize = true; }, true, 1},
+               {"loops stay open", [](SystemOptions& o) { o.loop.close = false; }, true, 1},
+               {"new_map_after=0", [](SystemOptions& o) { o.tracker.new_map_after = 0; }, true, 1},
+               {"no vocabulary", [](SystemOptions&) {}, false, 1}};
+  for (const auto& c : cases) {
+    SCOPED_TRACE(c.name);
+    SystemOptions options = impatient(Sensor::rgbd);
+    c.change(options);
+    System system(recording.synth.camera(), options, c.words ? vocabulary() : nullptr);
+    ASSERT_TRUE(system.set_map(Map::from_state(before).value(), recording.synth.camera()));
+    int tracked = 0;
     for (int step = 12; step < 24; ++step) {
-      EXPECT_EQ(next.process(walk.input(step)).track.state, TrackState::lost);
+      tracked += system.process(walk.input(step)).track.state == TrackState::tracking;
     }
-    EXPECT_EQ(next.maps().size(), 1u);
+    system.finish();
+    EXPECT_EQ(system.maps().size(), c.maps);
+    EXPECT_EQ(tracked > 0, c.maps > 1);
   }
 }
 
 // A loaded map that is not found is gone on beside, after the time set; the loaded one stays the first.
 TEST(FurtherMap, ALoadedMapStaysTheFirst) {
   Recording recording(Sensor::rgbd, 160);
-  Walk walk{recording, 8, {}};
-  walk.go(0, 12);
-  walk.go(90, 60);
-  SystemOptions options = options_for(Sensor::rgbd);
-  options.tracker.new_map_after = 0.5;
-  System system(recording.synth.camera(), options, vocabulary());
-  for (int step = 0; step < 12; ++step) system.process(walk.input(step));
+  Walk walk = carried_away(recording);
+  System system(recording.synth.camera(), impatient(Sensor::rgbd), vocabulary());
+  ASSERT_TRUE(system.set_map(map_before(walk, impatient(Sensor::rgbd)), recording.synth.camera()));
+  for (int step = 12; step < 42; ++step) system.process(walk.input(step));
   system.finish();
-  auto state = Map::from_state(system.map().read()->state());
-  ASSERT_TRUE(state);
-  System next(recording.synth.camera(), options, vocabulary());
-  ASSERT_TRUE(next.set_map(std::move(*state), recording.synth.camera()));
-  for (int step = 12; step < 42; ++step) next.process(walk.input(step));
-  next.finish();
-  const std::vector<MapSummary> maps = next.maps();
+  const std::vector<MapSummary> maps = system.maps();
   ASSERT_EQ(maps.size(), 2u);
   EXPECT_TRUE(maps[0].loaded);
   EXPECT_FALSE(maps[1].loaded);
   EXPECT_EQ(maps[0].frames, 0u);
   EXPECT_GE(maps[1].frames, 20u);
-  for (const PoseOfFrame& pose : next.trajectory()) EXPECT_EQ(pose.map, 1);
-  EXPECT_TRUE(next.online_trajectory().empty()) << "of the first map alone";
+  for (const PoseOfFrame& pose : system.trajectory()) EXPECT_EQ(pose.map, 1);
+  EXPECT_TRUE(system.online_trajectory().empty()) << "of the first map alone";
 }
 
 // A recording cut and continued elsewhere in the same map.
@@ -194,17 +234,21 @@ TEST_P(Kidnapped, IsFoundAgainWithinTenFrames) { expect_found_again(GetParam(), 
 
 TEST_P(Kidnapped, IsFoundAgainWithinTenFramesLong) { expect_found_again(GetParam(), {640, 480}, 0.1, 3); }
 
-// A hall of equal posters: after a jump along it everything looks known, and nothing is.
+// A hall of equal posters: after a jump to its other end everything looks known, and nothing is.
 TEST_P(Maps, MapsAreNotJoinedByEqualPostersLong) {
   const Sensor sensor = GetParam();
   Recording recording(sensor, 265, 10, "posters", {400, 300});
   Walk walk{recording, 10, {}};
-  walk.go(0, 100);
-  walk.go(140, 240);
-  SystemOptions options = options_for(sensor);
-  options.tracker.new_map_after = 0.5;
-  Walked run(walk, options);
+  walk.go(0, 60);
+  walk.go(200, 260);
+  Walked run(walk, impatient(sensor));
+  EXPECT_EQ(run.most_maps, 2u) << "else there was nothing to join";
   EXPECT_EQ(run.merges, 0);
+  ASSERT_EQ(run.system.maps().size(), 2u);
+  for (const int map : {0, 1}) {
+    EXPECT_GT(run.system.maps()[static_cast<size_t>(map)].frames, 30u);
+    EXPECT_LT(run.error_of(map, sensor == Sensor::monocular), 0.05) << "map " << map;
+  }
 }
 
 }  // namespace

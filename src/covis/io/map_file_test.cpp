@@ -15,6 +15,7 @@
 #include "covis/io/files.h"
 #include "covis/io/map_file_format.h"
 #include "covis/io/test_maps.h"
+#include "covis/io/test_process.h"
 #include "covis/io/test_recordings.h"
 
 namespace covis::io {
@@ -269,72 +270,15 @@ TEST_F(MapFile, WrongContentsAreNeverTrusted) {
   EXPECT_GT(refused, kRounds / 10);
 }
 
-TEST_F(MapFile, UnsoundStatesAreRefused) {
+TEST_F(MapFile, NothingUnsoundIsSavedAndTheOldFileStays) {
   const Map map = random_map(9, 500);
-  const MapState good = map.state();
-  ASSERT_TRUE(Map::from_state(good));
-  const auto expect_problem = [&](const std::function<void(MapState&)>& change, const std::string& why) {
-    MapState state = good;
-    change(state);
-    const auto made = Map::from_state(state);
-    ASSERT_FALSE(made) << why;
-    EXPECT_THAT(made.error().message, HasSubstr(why));
-  };
-  const auto nan = std::numeric_limits<double>::quiet_NaN();
-  auto& frames = good.key_frames;
-  const auto last = static_cast<uint32_t>(frames.size() - 1);
-  const auto seen = static_cast<size_t>(
-      std::find_if(frames[0].points.begin(), frames[0].points.end(), [](uint32_t p) { return p != MapState::kNone; }) -
-      frames[0].points.begin());
-  expect_problem([&](MapState& s) { s.root = MapState::kNone; }, "no root");
-  expect_problem([&](MapState& s) { s.root = last + 1; }, "no root");
-  expect_problem([&](MapState& s) { s.root = last; }, "");
-  expect_problem([&](MapState& s) { s.next_serial = 1; }, "serial");
-  expect_problem([&](MapState& s) { s.key_frames[1].serial = s.key_frames[2].serial; }, "serial");
-  expect_problem([&](MapState& s) { s.key_frames[1].parent = last + 1; }, "parent");
-  // A key frame without a parent begins a part, but what is seen from there is seen from no other.
-  const auto child = static_cast<size_t>(
-      std::find_if(frames.begin() + good.root, frames.end(),
-                   [&](const KeyFrameState& k) {
-                     return k.parent != MapState::kNone &&
-                            std::any_of(k.points.begin(), k.points.end(), [&](uint32_t p) {
-                              const auto& above = frames[k.parent].points;
-                              return p != MapState::kNone && std::find(above.begin(), above.end(), p) != above.end();
-                            });
-                   }) -
-      frames.begin());
-  ASSERT_LE(child, last);
-  expect_problem([&](MapState& s) { s.key_frames[child].parent = MapState::kNone; }, "part");
-  expect_problem([&](MapState& s) { s.key_frames[last].parent = last; }, "its own parent");
-  expect_problem(
-      [&](MapState& s) {
-        s.key_frames[last].parent = last - 1;
-        s.key_frames[last - 1].parent = last;
-      },
-      "");
-  expect_problem([&](MapState& s) { s.key_frames[1].T_cw = SE3(frames[1].T_cw.R(), {nan, 0, 0}); }, "not finite");
-  expect_problem([&](MapState& s) { s.key_frames[1].T_cw = SE3(Eigen::Matrix3d::Zero(), {0, 0, 0}); }, "rotation");
-  expect_problem([&](MapState& s) { s.key_frames[1].features = nullptr; }, "no features");
-  expect_problem([&](MapState& s) { s.key_frames[1].points.pop_back(); }, "place for each feature");
-  expect_problem([&](MapState& s) { s.key_frames[1].points[0] = static_cast<uint32_t>(s.points.size()); }, "observes");
-  expect_problem([&](MapState& s) { s.key_frames[0].points[seen] = MapState::kNone; }, "");
-  expect_problem([&](MapState& s) { s.key_frames[1].loop_edges = {last + 1}; }, "loop edge");
-  expect_problem([&](MapState& s) { s.key_frames[1].loop_edges = {1}; }, "loop edge");
-  expect_problem([&](MapState& s) { s.key_frames[1].loop_edges = {3, 2}; }, "loop edges");
-  expect_problem([&](MapState& s) { s.points[0].position_w.x() = nan; }, "not finite");
-  expect_problem([&](MapState& s) { s.points[0].d_max = std::numeric_limits<float>::infinity(); }, "not finite");
-  expect_problem([&](MapState& s) { s.points[0].d_min = s.points[0].d_max + 1; }, "range of distances");
-  expect_problem([&](MapState& s) { s.points[0].reference = last + 1; }, "reference");
-  expect_problem([&](MapState& s) { s.points[0].created_serial = s.next_serial; }, "newer than");
-  expect_problem([&](MapState& s) { s.points.emplace_back(s.points[0]); }, "no observation");
-  // Nothing of the kind is saved: the old file stays.
-  MapState bad = good;
-  bad.points[0].position_w.x() = nan;
   const std::string old = bytes_of(map);
+  MapState bad = map.state();
+  bad.points[0].position_w.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(save_map(file(), bad, test_header()).error().message, HasSubstr("was not saved: point 0 is not finite"));
   MapHeader header = test_header();
   header.camera.pinhole.fx = 0;
-  EXPECT_THAT(save_map(file(), good, header).error().message, HasSubstr("its camera makes no sense"));
+  EXPECT_THAT(save_map(file(), map.state(), header).error().message, HasSubstr("its camera makes no sense"));
   EXPECT_EQ(*read_text(file()), old);
 }
 
@@ -356,8 +300,7 @@ TEST_F(MapFile, KilledWhileSaving) {
   for (int round = 0; round < 50; ++round) {
     int ready[2];
     ASSERT_EQ(pipe(ready), 0);
-    const pid_t child = fork();
-    ASSERT_GE(child, 0);
+    const pid_t child = fork_patiently();
     if (child == 0) save_forever(file(), state_a, state_b, ready[1]);
     char byte = 0;
     ASSERT_EQ(read(ready[0], &byte, 1), 1);

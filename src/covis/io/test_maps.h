@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "covis/core/random.h"
+#include "covis/features/test_features.h"
 #include "covis/io/map_file.h"
 
 namespace covis::io {
@@ -26,26 +27,18 @@ inline MapHeader test_header() {
 inline Pinhole refined_camera() { return {490, 490.98, 320.5, 240.25, 40}; }
 
 inline FeaturesPtr random_features(Random& random, int count) {
-  auto f = std::make_shared<Features>();
-  f->pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
-  const auto number = [&](double low, double high) { return static_cast<float>(random.uniform(low, high)); };
+  auto f = std::make_shared<Features>(no_features());
+  const bool lens = random.below(2) == 0;  // a camera with distortion
   for (int i = 0; i < count; ++i) {
-    f->x.push_back(number(0, 640));
-    f->y.push_back(number(0, 480));
-    f->raw_x.push_back(f->x.back() + number(-3, 3));
-    f->raw_y.push_back(f->y.back() + number(-3, 3));
-    f->angle.push_back(number(0, 6.28));
-    f->level.push_back(static_cast<uint8_t>(random.below(8)));
-    f->depth.push_back(random.below(3) == 0 ? 0 : number(1, 9));
-    f->u_right.push_back(f->depth.back() > 0 ? f->x.back() - 40 / f->depth.back() : -1);
-    Descriptor& d = f->descriptor.emplace_back();
-    for (uint64_t& word : d.bits) word = random.next();
+    const double x = random.uniform(0, 640), y = random.uniform(0, 480), angle = random.uniform(0, 6.28);
+    const int level = static_cast<int>(random.below(8));
+    const double depth = random.below(3) == 0 ? 0 : random.uniform(1, 9);
+    add(*f, {x, y, level, random_descriptor(random), angle, depth});
+    if (!lens) continue;
+    f->raw_x.push_back(f->x.back() + static_cast<float>(random.uniform(-3, 3)));
+    f->raw_y.push_back(f->y.back() + static_cast<float>(random.uniform(-3, 3)));
   }
-  if (count > 0 && f->descriptor[0].bits[0] % 2 == 0) {  // as of a camera without distortion
-    f->raw_x.clear();
-    f->raw_y.clear();
-  }
-  f->grid.build({-1.5f, 0, 641, 480}, f->x, f->y);
+  finish(*f, {-1.5f, 0, 641, 480});
   return f;
 }
 

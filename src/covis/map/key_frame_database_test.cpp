@@ -8,6 +8,7 @@
 #include <map>
 
 #include "covis/core/random.h"
+#include "covis/features/test_features.h"
 #include "covis/map/map.h"
 
 namespace covis {
@@ -17,7 +18,8 @@ std::shared_ptr<const Words> random_words(Random& random, int place) {
   // Words near the place's own, so that places are alike within and differ between.
   std::map<uint32_t, float> drawn;
   for (int k = 0; k < 40; ++k) {
-    const uint32_t word = random.below(4) == 0 ? random.below(500) : static_cast<uint32_t>(place * 40) + random.below(60);
+    const uint32_t word =
+        random.below(4) == 0 ? random.below(500) : static_cast<uint32_t>(place * 40) + random.below(60);
     drawn[word] = static_cast<float>(random.uniform(0.2, 1));
   }
   float sum = 0;
@@ -25,22 +27,6 @@ std::shared_ptr<const Words> random_words(Random& random, int place) {
   auto words = std::make_shared<Words>();
   for (const auto& [word, weight] : drawn) words->words.push_back({word, weight / sum});
   return words;
-}
-
-FeaturesPtr features(int count) {
-  auto f = std::make_shared<Features>();
-  f->pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
-  for (int i = 0; i < count; ++i) {
-    f->x.push_back(static_cast<float>(i % 640));
-    f->y.push_back(static_cast<float>(i % 480));
-    f->angle.push_back(0);
-    f->level.push_back(0);
-    f->depth.push_back(2.0f);
-    f->u_right.push_back(f->x.back());
-    f->descriptor.push_back({});
-  }
-  f->grid.build({0, 0, 640, 480}, f->x, f->y);
-  return f;
 }
 
 // algorithms.md §2, word for word, over all key frames.
@@ -93,7 +79,7 @@ std::vector<KeyFrameId> oracle(const Map& map, const Words& words, const std::ve
 TEST(KeyFrameDatabase, QueriesEqualAnExhaustiveOracle) {
   Random random(3);
   Map map;
-  const FeaturesPtr shared_features = features(200);
+  const FeaturesPtr shared_features = random_features(random, 200, 2);
   std::vector<KeyFrameId> ids;
   size_t answers = 0;
   for (int step = 0; step < 300; ++step) {
@@ -134,8 +120,9 @@ TEST(KeyFrameDatabase, QueriesEqualAnExhaustiveOracle) {
 }
 
 TEST(Map, PosesRelativeToErasedKeyFramesFollowTheScale) {
+  Random random(1);
   Map map;
-  const FeaturesPtr f = features(10);
+  const FeaturesPtr f = random_features(random, 10, 2);
   const auto at = [](double x) { return SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(-x, 0, 0)); };
   const KeyFrameId a = map.add_key_frame(0, 0, at(0), f), b = map.add_key_frame(1, 1, at(1), f);
   map.attach_to_tree(b);

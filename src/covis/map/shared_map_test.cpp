@@ -7,6 +7,9 @@
 #include <optional>
 #include <thread>
 #include <type_traits>
+#include <vector>
+
+#include "covis/features/test_features.h"
 
 namespace covis {
 namespace {
@@ -14,12 +17,6 @@ namespace {
 static_assert(std::is_same_v<decltype(*std::declval<const SharedMap&>().read()), const Map&>,
               "a reader can't change it");
 static_assert(!std::is_copy_constructible_v<SharedMap>, "one map, one lock");
-
-FeaturesPtr no_features() {
-  auto features = std::make_shared<Features>();
-  features->pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
-  return features;
-}
 
 TEST(SharedMap, ReadersShare) {
   SharedMap shared;
@@ -36,7 +33,7 @@ TEST(SharedMap, AWriterWaitsForTheReaderAndAReaderForTheWriter) {
     const auto reading = shared.read();
     writer = std::jthread([&] {
       const auto map = shared.write();
-      map->add_key_frame(0, 0, SE3(), no_features());
+      map->add_key_frame(0, 0, SE3(), std::make_shared<Features>(no_features()));
       written = true;
     });
     for (int i = 0; i < 1000; ++i) {
@@ -56,7 +53,7 @@ TEST(SharedMap, AWriterWaitsForTheReaderAndAReaderForTheWriter) {
       std::this_thread::yield();
       ASSERT_FALSE(seen);
     }
-    writing->attach_to_tree(writing->add_key_frame(1, 1, SE3(), no_features()));
+    writing->attach_to_tree(writing->add_key_frame(1, 1, SE3(), std::make_shared<Features>(no_features())));
   }
   reader.join();
   EXPECT_TRUE(seen);
@@ -82,6 +79,33 @@ TEST(SharedMap, AGuardHandedOnKeepsTheLockUntilItEnds) {
   }
   writer.join();
   EXPECT_TRUE(written);
+}
+
+TEST(SharedMap, ReadersAndAWriterTakeTurns) {
+  SharedMap shared;
+  std::jthread writer([&] {
+    Random random(1);
+    for (int i = 0; i < 200; ++i) {
+      const auto map = shared.write();
+      const KeyFrameId id = map->add_key_frame(i, i, SE3(), random_features(random, 5, 0));
+      if (id != map->root()) map->attach_to_tree(id);
+    }
+  });
+  std::vector<std::jthread> readers;
+  for (int r = 0; r < 3; ++r) {
+    readers.emplace_back([&] {
+      size_t last = 0;
+      for (int i = 0; i < 100; ++i) {
+        const auto map = shared.read();
+        EXPECT_GE(map->key_frame_count(), last);
+        last = map->key_frame_count();
+        EXPECT_EQ(map->check(), "");
+      }
+    });
+  }
+  readers.clear();
+  writer.join();
+  EXPECT_EQ(shared.read()->key_frame_count(), 200u);
 }
 
 }  // namespace

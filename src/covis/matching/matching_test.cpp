@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "covis/core/random.h"
+#include "covis/features/test_features.h"
 #include "covis/features/test_targets.h"
 #include "covis/matching/descriptor_match.h"
 #include "covis/matching/epipolar_match.h"
@@ -19,8 +20,6 @@ namespace {
 
 const Pinhole kCamera{500, 500, 320, 240, 40};
 
-Descriptor random_descriptor(Random& random) { return {{random.next(), random.next(), random.next(), random.next()}}; }
-
 // The same descriptor with `bits` of its bits turned.
 Descriptor turned(Descriptor d, int bits, Random& random) {
   std::vector<uint32_t> order(256);
@@ -32,29 +31,15 @@ Descriptor turned(Descriptor d, int bits, Random& random) {
   return d;
 }
 
-Features empty_features() {
-  Features f;
-  f.pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
-  return f;
+void add(Features& f, float x, float y, int level, const Descriptor& d) {
+  add(f, {.x = x, .y = y, .level = level, .descriptor = d});
 }
-
-void add(Features& f, float x, float y, int level, const Descriptor& d, float angle = 0, float u_right = -1) {
-  f.x.push_back(x);
-  f.y.push_back(y);
-  f.angle.push_back(angle);
-  f.u_right.push_back(u_right);
-  f.depth.push_back(u_right >= 0 ? static_cast<float>(kCamera.bf / (x - u_right)) : 0);
-  f.level.push_back(static_cast<uint8_t>(level));
-  f.descriptor.push_back(d);
-}
-
-void finish(Features& f) { f.grid.build({0, 0, 640, 480}, f.x, f.y); }
 
 // By the scalar twin and by every instruction set: what a plain search finds, ties and padding among it.
 TEST(NearestRow, FindsTheTwoNearestAndTheNearestOfEachColumn) {
   Random random(77);
   for (const size_t count : {0u, 1u, 2u, 7u, 8u, 9u, 100u, 1003u}) {
-    Features f = empty_features();
+    Features f = no_features();
     for (size_t j = 0; j < count; ++j) {
       // Few different ones, so that there are ties.
       add(f, 1, 1, 0, {{random.below(4), j % 3 ? 0 : ~uint64_t{0}, random.below(3), random.below(2)}});
@@ -115,7 +100,7 @@ TEST(NearLine, FindsByEveryInstructionSetWhatAPlainSearchFinds) {
 TEST(WindowMatch, FindsTheMostSimilarInTheWindowOnly) {
   Random random(1);
   const Descriptor wanted = random_descriptor(random);
-  Features f = empty_features();
+  Features f = no_features();
   add(f, 100, 100, 2, turned(wanted, 30, random));  // inside, similar
   add(f, 105, 100, 2, turned(wanted, 10, random));  // inside, more similar
   add(f, 140, 100, 2, wanted);                      // the same, but outside
@@ -138,7 +123,7 @@ TEST(WindowMatch, RatioIsAskedWithinOneLevelOnly) {
   Random random(2);
   const Descriptor wanted = random_descriptor(random);
   for (const int second_level : {2, 3}) {
-    Features f = empty_features();
+    Features f = no_features();
     add(f, 100, 100, 2, turned(wanted, 20, random));
     add(f, 103, 100, second_level, turned(wanted, 22, random));
     finish(f);
@@ -153,7 +138,7 @@ TEST(WindowMatch, AFeatureGoesToTheMoreSimilarQuery) {
   Random random(3);
   const Descriptor a = random_descriptor(random);
   const Descriptor b = turned(a, 40, random);
-  Features f = empty_features();
+  Features f = no_features();
   add(f, 100, 100, 0, turned(a, 5, random));
   finish(f);
   WindowMatcher matcher;
@@ -168,8 +153,8 @@ TEST(WindowMatch, AFeatureGoesToTheMoreSimilarQuery) {
 TEST(WindowMatch, ChecksTheRightColumnAndChiSquare) {
   Random random(4);
   const Descriptor wanted = random_descriptor(random);
-  Features f = empty_features();
-  add(f, 100, 100, 0, wanted, 0, 80);
+  Features f = no_features();
+  add(f, {.x = 100, .y = 100, .descriptor = wanted, .u_right = 80});
   finish(f);
   WindowMatcher matcher;
   std::vector<int32_t> match;
@@ -203,7 +188,7 @@ TEST(CheckRotation, KeepsTheBulkWhateverItsAngle) {
 
 TEST(DescriptorMatch, FindsAPermutationAndSkipsWhatIsAmbiguousOrUnused) {
   Random random(6);
-  Features a = empty_features(), b = empty_features();
+  Features a = no_features(), b = no_features();
   constexpr int kCount = 200;
   for (int i = 0; i < kCount; ++i) add(a, 10, 10, 0, random_descriptor(random));
   for (int i = 0; i < kCount; ++i) {
@@ -220,7 +205,7 @@ TEST(DescriptorMatch, FindsAPermutationAndSkipsWhatIsAmbiguousOrUnused) {
 TEST(EpipolarMatch, TakesTheOneNearTheLine) {
   Random random(7);
   const SE3 T_ba(so3_exp({0.02, -0.05, 0.01}), Eigen::Vector3d(-0.4, 0.05, 0.02));
-  Features a = empty_features(), b = empty_features();
+  Features a = no_features(), b = no_features();
   int expected = 0;
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector3d p_a(random.uniform(-2, 2), random.uniform(-1.5, 1.5), random.uniform(3, 8));
@@ -242,7 +227,7 @@ TEST(EpipolarMatch, TakesTheOneNearTheLine) {
 TEST(EpipolarMatch, StaysAwayFromTheEpipole) {
   Random random(8);
   const SE3 T_ba(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, 0, 1));  // straight ahead: the epipole is the centre
-  Features a = empty_features(), b = empty_features();
+  Features a = no_features(), b = no_features();
   const Descriptor d = random_descriptor(random);
   add(a, 321, 240, 0, d);
   add(b, 322, 240, 0, d);

@@ -3,32 +3,11 @@
 #include <ceres/rotation.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include "covis/core/random.h"
+#include "covis/core/test_allocations.h"
 #include "covis/optimization/bundle_adjustment.h"
 #include "covis/optimization/pose_optimization.h"
 #include "covis/optimization/reprojection.h"
-
-namespace {
-std::atomic<long> allocations{0};
-}
-
-// Counts, so that a test can say that a solver allocates nothing.
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-void* operator new(size_t n) {
-  ++allocations;
-  if (void* p = std::malloc(n)) return p;
-  throw std::bad_alloc();
-}
-void* operator new(size_t n, const std::nothrow_t&) noexcept {
-  ++allocations;
-  return std::malloc(n);
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, size_t) noexcept { std::free(p); }
 
 namespace covis {
 namespace {
@@ -260,9 +239,9 @@ TEST(PoseOptimization, BadObservationsDoNotPoisonIt) {
 TEST(PoseOptimization, AllocatesNothing) {
   const PoseCase c = make_pose_case(4, 300, 0.2, Rows::mixed);
   std::vector<uint8_t> inlier(300);
-  const long before = allocations;
+  const long before = all_allocations;
   const PoseResult result = optimize_pose(c.start, c.observations, kCamera, {}, inlier);
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(all_allocations, before);
   EXPECT_TRUE(result.ok);
 }
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "covis/core/random.h"
-#include "covis/optimization/random_sim3.h"
+#include "covis/optimization/test_sim3.h"
 
 namespace covis {
 namespace {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "covis/core/random.h"
+#include "covis/features/test_features.h"
 
 namespace covis {
 namespace {
@@ -28,20 +29,13 @@ struct World {
     }
   }
   void add(const SE3& T_cw, const std::vector<Eigen::Vector3d>& places) {
-    auto f = std::make_shared<Features>();
-    f->pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
+    auto f = std::make_shared<Features>(no_features());
     for (const Eigen::Vector3d& place : places) {
       const Eigen::Vector3d p_c = T_cw * place;
       const Eigen::Vector2d pixel = camera.project(p_c);
-      f->x.push_back(static_cast<float>(pixel.x()));
-      f->y.push_back(static_cast<float>(pixel.y()));
-      f->u_right.push_back(static_cast<float>(pixel.x() - camera.bf / p_c.z()));
-      f->depth.push_back(static_cast<float>(p_c.z()));
-      f->angle.push_back(0);
-      f->level.push_back(0);
-      f->descriptor.push_back({});
+      covis::add(*f, {.x = pixel.x(), .y = pixel.y(), .depth = p_c.z()}, camera.bf);
     }
-    f->grid.build({-3000, -3000, 3000, 3000}, f->x, f->y);
+    finish(*f, {-3000, -3000, 3000, 3000});
     const auto m = map.write();
     const auto count = static_cast<int64_t>(frames.size());
     const KeyFrameId id = m->add_key_frame(count, count, T_cw, f);

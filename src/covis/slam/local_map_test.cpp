@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "covis/core/random.h"
+#include "covis/features/test_features.h"
 
 namespace covis {
 namespace {
@@ -17,8 +18,8 @@ class LocalMapTest : public testing::Test {
   LocalMapTest() {
     map.set_camera({500, 500, 320, 240, 40});
     for (int i = 0; i < 5; ++i) {
-      frames.push_back(
-          map.add_key_frame(i, i, SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(-i, 0, 0)), features()));
+      frames.push_back(map.add_key_frame(i, i, SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(-i, 0, 0)),
+                                         random_features(random, 400, 2)));
     }
     share(0, 1, 40, 0);
     share(1, 2, 30, 100);
@@ -27,23 +28,6 @@ class LocalMapTest : public testing::Test {
     for (size_t i = 1; i < 5; ++i) map.attach_to_tree(frames[i]);
   }
 
-  FeaturesPtr features() {
-    auto f = std::make_shared<Features>();
-    f->pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
-    for (int i = 0; i < 400; ++i) {
-      f->x.push_back(static_cast<float>(random.uniform(0, 640)));
-      f->y.push_back(static_cast<float>(random.uniform(0, 480)));
-      f->angle.push_back(0);
-      f->level.push_back(0);
-      f->depth.push_back(2);
-      f->u_right.push_back(f->x.back() - 20);
-      Descriptor d;
-      for (uint64_t& word : d.bits) word = random.next();
-      f->descriptor.push_back(d);
-    }
-    f->grid.build({0, 0, 640, 480}, f->x, f->y);
-    return f;
-  }
   void share(size_t a, size_t b, uint32_t count, uint32_t first) {
     for (uint32_t k = 0; k < count; ++k) {
       const MapPointId p = map.add_point({random.uniform(-1, 1), random.uniform(-1, 1), 5}, frames[a], first + k);

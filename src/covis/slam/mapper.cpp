@@ -94,10 +94,7 @@ KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
 void Mapper::add_words(KeyFrameId id) {
   if (!vocabulary_) return;
   const FeaturesPtr features = map_.read()->at(id).features;
-  // Of the words only their weights are asked for later: every key frame keeps them.
-  auto words = std::make_shared<Words>();
-  words->words = vocabulary_->transform(features->descriptor).words;
-  words->words.shrink_to_fit();
+  auto words = std::make_shared<const Words>(vocabulary_->transform(features->descriptor));
   map_.write()->set_words(id, std::move(words));
 }
 

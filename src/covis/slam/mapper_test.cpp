@@ -185,34 +185,42 @@ TEST_F(MapperTest, WithoutAReferenceAPartOfItsOwnIsBegun) {
   EXPECT_FALSE(process(late).key_frame.valid()) << "asked for beside what is gone";
 }
 
-// Two views and no depth: an initial map, then points by triangulation with a third.
-TEST(MonocularMapper, MakesAMapOfMedianDepthOneAndTriangulatesMore) {
-  TestFrames &mono = TestFrames::of(Sensor::monocular), &depth = TestFrames::of(Sensor::rgbd);
-  SharedMap shared(mono.camera());
-  Mapper mapper(shared, options_of(Sensor::monocular));
-  constexpr int kSecond = 6;
+// Two views of one camera, and as yet no points.
+InitialMapRequest two_views(int second) {
+  TestFrames& mono = TestFrames::of(Sensor::monocular);
   InitialMapRequest r;
   r.first = {0, mono.stamp(0), mono.features(0)};
-  r.second = {kSecond, mono.stamp(kSecond), mono.features(kSecond)};
-  r.T_21 = mono.T_cw(kSecond);
-  // Points of the first view by the depth sensor's word, found in the second by their place.
-  SharedMap true_map(depth.camera());
+  r.second = {second, mono.stamp(second), mono.features(second)};
+  r.T_21 = mono.T_cw(second);
+  return r;
+}
+
+// Points of the first view by the depth sensor's word, found in the second by their place.
+void add_true_points(InitialMapRequest& r) {
+  SharedMap true_map(TestFrames::of(Sensor::rgbd).camera());
   Mapper true_mapper(true_map, options_of(Sensor::rgbd));
   KeyFrameRequest with_depth;
-  with_depth.features = depth.features(0);
+  with_depth.features = TestFrames::of(Sensor::rgbd).features(0);
   with_depth.points.resize(static_cast<size_t>(with_depth.features->size()));
   with_depth.new_points = features_with_depth(*with_depth.features);
   const KeyFrameId from = true_mapper.process(with_depth, nullptr).key_frame;
-  {
-    const auto map = true_map.read();
-    const auto in_first = points_seen(*map, from, *r.first.features, SE3());
-    const auto in_second = points_seen(*map, from, *r.second.features, r.T_21, 2);
-    for (uint32_t i = 0; i < in_first.size(); ++i) {
-      for (uint32_t j = 0; in_first[i].valid() && j < in_second.size(); ++j) {
-        if (in_first[i] == in_second[j]) r.points.push_back({map->at(in_first[i]).position_w, i, j});
-      }
+  const auto map = true_map.read();
+  const auto in_first = points_seen(*map, from, *r.first.features, SE3());
+  const auto in_second = points_seen(*map, from, *r.second.features, r.T_21, 2);
+  for (uint32_t i = 0; i < in_first.size(); ++i) {
+    for (uint32_t j = 0; in_first[i].valid() && j < in_second.size(); ++j) {
+      if (in_first[i] == in_second[j]) r.points.push_back({map->at(in_first[i]).position_w, i, j});
     }
   }
+}
+
+// Two views and no depth: an initial map, then points by triangulation with a third.
+TEST(MonocularMapper, MakesAMapOfMedianDepthOneAndTriangulatesMore) {
+  TestFrames& mono = TestFrames::of(Sensor::monocular);
+  SharedMap shared(TestFrames::of(Sensor::monocular).camera());
+  Mapper mapper(shared, options_of(Sensor::monocular));
+  InitialMapRequest r = two_views(6);
+  add_true_points(r);
   ASSERT_GT(r.points.size(), 80u);
   const MappingReport start = mapper.initialise(r);
   ASSERT_TRUE(start.key_frame.valid());
@@ -244,13 +252,9 @@ TEST(MonocularMapper, MakesAMapOfMedianDepthOneAndTriangulatesMore) {
 }
 
 TEST(MonocularMapper, AnInitialMapOfWrongMatchesIsRefusedAndLeavesNothing) {
-  TestFrames& mono = TestFrames::of(Sensor::monocular);
-  SharedMap shared(mono.camera());
+  SharedMap shared(TestFrames::of(Sensor::monocular).camera());
   Mapper mapper(shared, options_of(Sensor::monocular));
-  InitialMapRequest r;
-  r.first = {0, mono.stamp(0), mono.features(0)};
-  r.second = {6, mono.stamp(6), mono.features(6)};
-  r.T_21 = mono.T_cw(6);
+  InitialMapRequest r = two_views(6);
   for (uint32_t i = 0; i < 150; ++i) r.points.push_back({{0, 0, 1}, i, 400 - i});
   EXPECT_FALSE(mapper.initialise(r).key_frame.valid());
   EXPECT_EQ(shared.read()->key_frame_count(), 0u);

@@ -57,12 +57,8 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
   }
   finish();
   if (vocabulary_) {
-    for (const KeyFrameId& id : map.key_frames()) {
-      auto words = std::make_shared<Words>();
-      words->words = vocabulary_->transform(map.at(id).features->descriptor).words;
-      words->words.shrink_to_fit();
-      map.set_words(id, std::move(words));
-    }
+    for (const KeyFrameId& id : map.key_frames())
+      map.set_words(id, std::make_shared<const Words>(vocabulary_->transform(map.at(id).features->descriptor)));
   }
   loaded_parts_ = map.parts().empty() ? 0 : map.parts().back().number + 1;
   *map_.write() = std::move(map);

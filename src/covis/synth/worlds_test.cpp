@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The worlds: what is in them, and that images, depth and poses agree.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -11,11 +9,8 @@
 #include <numbers>
 #include <vector>
 
-#include "covis/features/extractor.h"
-#include "covis/synth/renderer.h"
-#include "covis/synth/scene.h"
+#include "covis/features/test_targets.h"
 #include "covis/synth/test_worlds.h"
-#include "covis/synth/world.h"
 
 namespace covis {
 namespace {
@@ -52,19 +47,17 @@ TEST_P(EveryWorld, SameSeedSameBytesInAnyOrder) {
 
 TEST(Synth, EverySimdTargetGivesTheSameBytes) {
   Synth& synth = world("street");
-  ImageU8 image;
-  ImageF depth;
-  std::vector<uint64_t> hashes;
-  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  std::vector<std::pair<uint64_t, std::vector<float>>> rendered;
+  for_each_target([&] {
+    ImageU8 image;
+    ImageF depth;
     synth.render(11, image, nullptr, &depth);
-    hashes.push_back(hash(image));
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  EXPECT_GE(hashes.size(), 1u);
-  EXPECT_THAT(hashes, testing::Each(hashes[0]));
+    std::vector<float> depths;
+    for (int y = 0; y < depth.height(); ++y) depths.insert(depths.end(), depth.row(y), depth.row(y) + depth.width());
+    rendered.emplace_back(hash(image), std::move(depths));
+    EXPECT_EQ(rendered.back().first, rendered[0].first);
+    EXPECT_TRUE(rendered.back().second == rendered[0].second);
+  });
 }
 
 // What one frame sees, moved by the truth, is what the next frames see.
@@ -218,180 +211,6 @@ TEST_P(EveryWorld, IsClosedAndNotFlat) {
       EXPECT_GT(quantile(depths, 0), 0.15) << "the camera is inside something in frame " << i;
     }
   }
-}
-
-TEST(Synth, OpenPathsEndAtRestInsideTheirWorld) {
-  for (const char* name : {"twins", "posters"}) {
-    SynthOptions options = small(name);
-    Synth& plain = world(name);
-    options.frames = 2 * plain.frames();
-    Synth longer = make(options);
-    EXPECT_LT((longer.T_wc(2 * plain.frames() - 1).t() - longer.T_wc(plain.frames()).t()).norm(), 0.5) << name;
-    ImageU8 image;
-    ImageF depth;
-    longer.render(2 * plain.frames() - 1, image, nullptr, &depth);
-    for (int y = 0; y < depth.height(); ++y) {
-      ASSERT_GT(*std::min_element(depth.row(y), depth.row(y) + depth.width()), 0.15f) << name;
-    }
-  }
-}
-
-TEST(Synth, TheTwinRoomsAreEqualAndThePassageIsNot) {
-  const Camera& camera = world("twins").camera();
-  synth::Renderer renderer = synth::Renderer::create(camera).value();
-  for (const uint64_t seed : {1u, 2u}) {
-    const synth::World twins = synth::make_twins(seed);
-    const auto& polygons = twins.scene.polygons;
-    // The first polygon is a wall of the first room; its texture comes once more, in the second.
-    const auto twin = std::find_if(polygons.begin() + 1, polygons.end(),
-                                   [&](const auto& p) { return p.texture == polygons[0].texture; });
-    ASSERT_NE(twin, polygons.end());
-    const Eigen::Vector3d spacing = twin->centre - polygons[0].centre;
-    EXPECT_GT(spacing.x(), 9);
-    EXPECT_NEAR(spacing.y(), 0, 1e-12);
-    EXPECT_NEAR(spacing.z(), 0, 1e-12);
-    // Two views of equal places: how often tone and depth are the same.
-    const auto same = [&](const Eigen::Vector3d& position, double heading) {
-      ImageF tone[2], depth[2];
-      for (const int i : {0, 1}) {
-        const synth::CameraPose pose{position + i * spacing, heading};
-        renderer.render(twins.scene, pose.T_wc(), tone[i], depth[i]);
-      }
-      int equal = 0;
-      for (int y = 0; y < camera.height; ++y) {
-        for (int x = 0; x < camera.width; ++x) {
-          equal += std::abs(tone[0](x, y) - tone[1](x, y)) < 1 && std::abs(depth[0](x, y) - depth[1](x, y)) < 1e-3f;
-        }
-      }
-      return static_cast<double>(equal) / (camera.width * camera.height);
-    };
-    const Eigen::Vector3d inside(3, 2.8, 1.4);
-    EXPECT_GT(same(inside, 1.6), 0.999) << "to one side, away from the openings";
-    EXPECT_GT(same(inside, -1.6), 0.999) << "to the other";
-    EXPECT_GT(same(inside, 0), 0.6) << "ahead, where the passages differ";
-    EXPECT_LT(same(inside, 0), 0.999);
-    EXPECT_LT(same(inside + 0.7 * spacing, 0), 0.2) << "from the passage and from behind all things";
-    // Both are walked alike.
-    const auto pose_at = [&](double x) {
-      double seconds = 0;
-      while (seconds < twins.path.period() && twins.path.at(seconds).position.x() < x) seconds += 0.01;
-      return twins.path.at(seconds);
-    };
-    for (const double x : {1.0, 3.0, 5.0}) {
-      const synth::CameraPose first = pose_at(x), second = pose_at(x + spacing.x());
-      EXPECT_LT((first.position + spacing - second.position).norm(), 0.12) << x;
-      EXPECT_NEAR(first.heading, second.heading, 0.12) << x;
-      EXPECT_NEAR(first.pitch, second.pitch, 0.12) << x;
-    }
-  }
-}
-
-TEST(Synth, TheHallRepeatsItsPostersInOtherPlaces) {
-  for (const uint64_t seed : {1u, 2u}) {
-    const synth::World hall = synth::make_posters(seed);
-    std::map<int, std::vector<Eigen::Vector3d>> places;
-    for (const auto& p : hall.scene.polygons) {
-      if (std::abs(p.normal.z()) < 0.1 && p.centre.z() > 0.9 && p.centre.z() < 1.8) {
-        places[p.texture].push_back(p.centre);
-      }
-    }
-    int repeated = 0;
-    for (const auto& [texture, centres] : places) repeated += centres.size() >= 4;
-    EXPECT_GE(repeated, 6) << "three posters, two doors and a board";
-  }
-}
-
-TEST(Scene, APiecePutElsewhereLooksTheSame) {
-  const auto make_scene = [] {
-    synth::Scene scene(5);
-    synth::Canvas canvas(1, 1, 100, 120);
-    canvas.fractal(0.3, 60, 4, 0.8, 3);
-    synth::Skin skin{.texture = scene.add_texture(canvas), .metres = 1, .detail = 0.1};
-    synth::add_box(scene, {{3, 0.2, 0}, 0.3}, 0.5, 0.7, 0.9, synth::BoxSkin(skin));
-    return scene;
-  };
-  const synth::Scene plain = make_scene();
-  synth::Scene moved = make_scene();
-  const synth::Piece piece = moved.cut(2);
-  EXPECT_EQ(moved.polygons.size(), 2u);
-  EXPECT_EQ(piece.polygons.size() + 2, plain.polygons.size());
-  const synth::Place place{{4, -3, 0.5}, 1.1};
-  moved.put(piece, place);
-  ASSERT_EQ(moved.polygons.size(), plain.polygons.size());
-  for (size_t k = 2; k < plain.polygons.size(); ++k) {
-    const synth::Polygon &p = plain.polygons[k], &q = moved.polygons[k];
-    ASSERT_EQ(p.count, q.count);
-    EXPECT_EQ(p.gain, q.gain);
-    EXPECT_EQ(p.radius, q.radius);
-    for (int i = 0; i < p.count; ++i) {
-      const Eigen::Vector3d& a = plain.vertices[static_cast<size_t>(p.first + i)];
-      const Eigen::Vector3d& b = moved.vertices[static_cast<size_t>(q.first + i)];
-      EXPECT_TRUE(b.isApprox(place(a.x(), a.y(), a.z()), 1e-12));
-      EXPECT_NEAR(q.normal.dot(b), q.offset, 1e-12);
-      EXPECT_NEAR(p.u_w.dot(a) + p.u_0, q.u_w.dot(b) + q.u_0, 1e-12);
-      EXPECT_NEAR(p.v_w.dot(a) + p.v_0, q.v_w.dot(b) + q.v_0, 1e-12);
-    }
-    EXPECT_TRUE(q.centre.isApprox(place(p.centre.x(), p.centre.y(), p.centre.z()), 1e-12));
-  }
-}
-
-// What a tracker lives on: as many key points as it asks for, spread over the image, and found again in the next frames
-// where the truth says.
-TEST_P(EveryWorld, GivesKeyPointsThatAreFoundAgain) {
-  SynthOptions options = small(GetParam());
-  options.width = 640;
-  options.height = 480;
-  Synth synth = make(options);
-  OrbOptions orb;
-  orb.features = 1000;
-  OrbExtractor extractor1(orb), extractor2(orb);
-  const Camera& camera = synth.camera();
-  const int step = GetParam() == "street" ? 1 : 3;
-  ImageU8 image1, image2;
-  ImageF depth1;
-  int total = 0, found = 0, expected = 0;
-  std::vector<double> errors;
-  for (const int i : {10, 130, 250, 370}) {
-    synth.render(i, image1, nullptr, &depth1);
-    synth.render(i + step, image2, nullptr, nullptr);
-    const SE3 T_21 = synth.T_wc(i + step).inverse() * synth.T_wc(i);
-    const KeyPoints& a = extractor1.extract(image1.view());
-    const KeyPoints& b = extractor2.extract(image2.view());
-    EXPECT_GE(a.size(), 950u) << i;
-    std::vector<int> cells(8 * 6, 0);
-    for (size_t k = 0; k < a.size(); ++k) {
-      ++cells[static_cast<size_t>(a.y[k] / 80) * 8 + static_cast<size_t>(a.x[k] / 80)];
-      const float z = depth1(static_cast<int>(std::lround(a.x[k])), static_cast<int>(std::lround(a.y[k])));
-      ++total;
-      if (!(z > 0)) continue;
-      const Eigen::Vector3d p = T_21 * (static_cast<double>(z) * camera.pinhole.unproject(a.x[k], a.y[k]));
-      if (p.z() < 0.1) continue;
-      const Eigen::Vector2d at = camera.pinhole.project(p);
-      if (at.x() < 25 || at.y() < 25 || at.x() > camera.width - 25 || at.y() > camera.height - 25) continue;
-      ++expected;
-      const double scale = std::pow(1.2, a.level[k]);
-      int best = 60;
-      double error = 0;
-      for (size_t m = 0; m < b.size(); ++m) {
-        const double dx = (b.x[m] - at.x()) / scale, dy = (b.y[m] - at.y()) / scale;
-        if (dx * dx + dy * dy > 16) continue;
-        const int bits = hamming(a.descriptor[k], b.descriptor[m]);
-        if (bits < best) {
-          best = bits;
-          error = std::hypot(dx, dy);
-        }
-      }
-      if (best < 60) {
-        ++found;
-        errors.push_back(error);
-      }
-    }
-    EXPECT_GE(std::count_if(cells.begin(), cells.end(), [](int n) { return n > 0; }), 36) << i;
-  }
-  EXPECT_GT(expected, total / 2);
-  // Real recordings reach about 55 % at this distance.
-  EXPECT_GT(found, 0.45 * expected);
-  EXPECT_LT(quantile(errors, 0.5), 0.8);
 }
 
 }  // namespace

@@ -52,17 +52,6 @@ Result<void> check_header(const VocabularyHeader& header, uint64_t bytes) {
 }
 
 // The groups of keys (high half: group, low half: feature) that rise.
-void fill_direct_index(const std::vector<uint64_t>& keys, Words& out) {
-  out.feature.resize(keys.size());
-  for (size_t i = 0; i < keys.size(); ++i) {
-    const auto node = static_cast<uint32_t>(keys[i] >> 32);
-    out.feature[i] = static_cast<uint32_t>(keys[i]);
-    if (i > 0 && node == out.node.back()) continue;
-    out.node.push_back(node);
-    out.offset.push_back(static_cast<uint32_t>(i));
-  }
-  out.offset.push_back(static_cast<uint32_t>(keys.size()));
-}
 
 }  // namespace
 
@@ -174,17 +163,10 @@ Vocabulary::Leaf Vocabulary::descend(const Descriptor& descriptor) const {
 uint32_t Vocabulary::word(const Descriptor& descriptor) const { return descend(descriptor).word; }
 
 Words Vocabulary::transform(std::span<const Descriptor> descriptors) const {
-  Words out;
   std::vector<uint32_t> words(descriptors.size());
-  std::vector<uint64_t> keys(descriptors.size());
-  for (size_t i = 0; i < descriptors.size(); ++i) {
-    const Leaf leaf = descend(descriptors[i]);
-    words[i] = leaf.word;
-    keys[i] = (uint64_t{leaf.direct_node} << 32) | i;
-  }
-  std::sort(keys.begin(), keys.end());
-  fill_direct_index(keys, out);
+  for (size_t i = 0; i < descriptors.size(); ++i) words[i] = word(descriptors[i]);
   std::sort(words.begin(), words.end());
+  Words out;
   double sum = 0;
   for (size_t i = 0; i < words.size();) {  // tf-idf; the number of features goes out with the norm
     size_t end = i + 1;
@@ -195,7 +177,24 @@ Words Vocabulary::transform(std::span<const Descriptor> descriptors) const {
     i = end;
   }
   for (WordWeight& word : out.words) word.weight = static_cast<float>(word.weight / sum);
+  out.words.shrink_to_fit();  // most are kept
   return out;
+}
+
+DirectIndex Vocabulary::direct_index(std::span<const Descriptor> descriptors) const {
+  std::vector<uint64_t> keys(descriptors.size());
+  for (size_t i = 0; i < descriptors.size(); ++i) keys[i] = (uint64_t{descend(descriptors[i]).direct_node} << 32) | i;
+  std::sort(keys.begin(), keys.end());
+  DirectIndex index;
+  for (size_t i = 0; i < keys.size(); ++i) {
+    const auto node = static_cast<uint32_t>(keys[i] >> 32);
+    index.feature.push_back(static_cast<uint32_t>(keys[i]));
+    if (i > 0 && node == index.node.back()) continue;
+    index.node.push_back(node);
+    index.offset.push_back(static_cast<uint32_t>(i));
+  }
+  index.offset.push_back(static_cast<uint32_t>(keys.size()));
+  return index;
 }
 
 }  // namespace covis

@@ -31,10 +31,16 @@ struct WordWeight {
 // What the vocabulary says of an image.
 struct Words {
   std::vector<WordWeight> words;  // tf-idf, rising by word; weights sum to 1 (L1); words of weight 0 are left out
-  std::vector<uint32_t> node;     // direct index: distinct ancestor nodes, rising …
-  std::vector<uint32_t> offset;   // … node[k]'s features are feature[offset[k] .. offset[k + 1])
-  std::vector<uint32_t> feature;  // rising within a node
   friend bool operator==(const Words&, const Words&) = default;
+};
+
+// An image's features by their ancestors at kDirectIndexLevel. (Nothing in Covis matches by it: docs/results.md says what
+// it finds and what it costs beside comparing all.)
+struct DirectIndex {
+  std::vector<uint32_t> node;     // distinct ancestor nodes, rising
+  std::vector<uint32_t> offset;   // node[k]'s features are feature[offset[k] .. offset[k + 1])
+  std::vector<uint32_t> feature;  // rising within a node
+  friend bool operator==(const DirectIndex&, const DirectIndex&) = default;
 };
 
 // 1 - |a - b|_1 / 2 (Gálvez-López and Tardós 2012, eq. 2): 1 for equal, 0 for nothing in common.
@@ -74,6 +80,7 @@ class Vocabulary {
   // The word a descriptor falls to: from the root down, each time to the nearest child (the first on a tie).
   uint32_t word(const Descriptor& descriptor) const;
   Words transform(std::span<const Descriptor> descriptors) const;
+  DirectIndex direct_index(std::span<const Descriptor> descriptors) const;
 
   int branching() const { return branching_; }                                   // most children of a node
   int depth() const { return depth_; }                                           // most levels below the root

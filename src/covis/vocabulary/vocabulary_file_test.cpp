@@ -195,9 +195,9 @@ TEST(DefaultVocabulary, IsWholeAndOfTheSizeItIsSaidToHave) {
   Random random(23);
   std::vector<Descriptor> descriptors;
   for (int i = 0; i < 5000; ++i) descriptors.push_back(random_descriptor(random));
-  const Words words = (*vocabulary)->transform(descriptors);
-  EXPECT_LE(words.node.size(), 100u);
-  EXPECT_GT(words.node.size(), 80u);
+  const DirectIndex index = (*vocabulary)->direct_index(descriptors);
+  EXPECT_LE(index.node.size(), 100u);
+  EXPECT_GT(index.node.size(), 80u);
 }
 
 }  // namespace

@@ -74,13 +74,14 @@ TEST_F(WordsTest, AreThoseOfAnExhaustiveWalk) {
       EXPECT_FLOAT_EQ(vocabulary_->weight(words.words[k].word), tree_[node - 1].weight);
       ++k;
     }
-    ASSERT_EQ(words.node.size(), direct.size());
-    ASSERT_EQ(words.offset.size(), direct.size() + 1);
+    const DirectIndex index = vocabulary_->direct_index(image);
+    ASSERT_EQ(index.node.size(), direct.size());
+    ASSERT_EQ(index.offset.size(), direct.size() + 1);
     k = 0;
     for (const auto& [node, features] : direct) {
-      EXPECT_EQ(words.node[k], node);
+      EXPECT_EQ(index.node[k], node);
       EXPECT_EQ(
-          std::vector<uint32_t>(words.feature.begin() + words.offset[k], words.feature.begin() + words.offset[k + 1]),
+          std::vector<uint32_t>(index.feature.begin() + index.offset[k], index.feature.begin() + index.offset[k + 1]),
           features);
       ++k;
     }
@@ -103,19 +104,20 @@ TEST_F(WordsTest, RiseAndSumToOne) {
 
 TEST_F(WordsTest, DirectIndexHoldsEachFeatureOnce) {
   const auto image = images_.image(3);
-  const Words words = vocabulary_->transform(image);
-  EXPECT_TRUE(std::is_sorted(words.node.begin(), words.node.end()));
-  EXPECT_EQ(std::set<uint32_t>(words.node.begin(), words.node.end()).size(), words.node.size());
-  EXPECT_LE(words.node.size(), 25u);
-  EXPECT_EQ(words.offset.front(), 0u);
-  EXPECT_EQ(words.offset.back(), image.size());
-  EXPECT_EQ(std::set<uint32_t>(words.feature.begin(), words.feature.end()).size(), image.size());
+  const DirectIndex index = vocabulary_->direct_index(image);
+  EXPECT_TRUE(std::is_sorted(index.node.begin(), index.node.end()));
+  EXPECT_EQ(std::set<uint32_t>(index.node.begin(), index.node.end()).size(), index.node.size());
+  EXPECT_LE(index.node.size(), 25u);
+  EXPECT_EQ(index.offset.front(), 0u);
+  EXPECT_EQ(index.offset.back(), image.size());
+  EXPECT_EQ(std::set<uint32_t>(index.feature.begin(), index.feature.end()).size(), image.size());
 }
 
 TEST_F(WordsTest, OfNothingAreNone) {
-  const Words words = vocabulary_->transform({});
-  EXPECT_TRUE(words.words.empty() && words.node.empty() && words.feature.empty());
-  EXPECT_THAT(words.offset, testing::ElementsAre(0u));
+  EXPECT_TRUE(vocabulary_->transform({}).words.empty());
+  const DirectIndex index = vocabulary_->direct_index({});
+  EXPECT_TRUE(index.node.empty() && index.feature.empty());
+  EXPECT_THAT(index.offset, testing::ElementsAre(0u));
 }
 
 TEST_F(WordsTest, AreTheSameByEveryInstructionSet) {
@@ -150,8 +152,9 @@ TEST(VocabularyBuild, WeightlessAndShallowWords) {
   const std::vector<Descriptor> features = {{}, ones, {}};
   const Words words = (*vocabulary)->transform(features);
   EXPECT_THAT(words.words, testing::ElementsAre(WordWeight{1, 1.0f}));
-  EXPECT_THAT(words.node, testing::ElementsAre(1u, 2u));
-  EXPECT_THAT(words.feature, testing::ElementsAre(0u, 2u, 1u));
+  const DirectIndex index = (*vocabulary)->direct_index(features);
+  EXPECT_THAT(index.node, testing::ElementsAre(1u, 2u));
+  EXPECT_THAT(index.feature, testing::ElementsAre(0u, 2u, 1u));
   EXPECT_TRUE((*vocabulary)->transform(std::vector<Descriptor>(3)).words.empty());
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For tests.
+// For the tests of optimization: similarities drawn at random.
 #pragma once
 
 #include "covis/core/random.h"
