@@ -18,8 +18,8 @@ namespace covis::app {
 namespace {
 
 struct CheckArguments {
-  std::string path, kind, sensor, camera, out = "check.png";
-  int64_t count = -1;
+  std::string path, out = "check.png";
+  Reading reading;
   bool json = false;
 };
 
@@ -55,12 +55,14 @@ void look_at(const io::Frame& frame, std::vector<Problem>& problems) {
 }
 
 // Gaps of more than twice and a half the usual step.
-void look_for_gaps(const std::vector<Timestamp>& stamps, double rate, std::vector<Problem>& problems,
+void look_for_gaps(const std::vector<Timestamp>& stamps, std::vector<Problem>& problems,
                    const std::vector<int64_t>& frames) {
-  for (size_t i = 1; i < stamps.size(); ++i) {
-    const double gap = to_seconds(stamps[i] - stamps[i - 1]);
-    if (gap * rate > 2.5)
-      problems.push_back({frames[i], "comes " + std::to_string(gap) + " s after the frame before it"});
+  std::vector<double> gaps;  // seconds
+  for (size_t i = 1; i < stamps.size(); ++i) gaps.push_back(to_seconds(stamps[i] - stamps[i - 1]));
+  const double usual = quantile(gaps, 0.5);
+  for (size_t i = 0; i < gaps.size(); ++i) {
+    if (gaps[i] > 2.5 * usual)
+      problems.push_back({frames[i + 1], "comes " + std::to_string(gaps[i]) + " s after the frame before it"});
   }
 }
 
@@ -87,10 +89,10 @@ struct Findings {
   int64_t unreadable = 0;
 };
 
-Findings read_all(io::Sequence& sequence, CheckPicture& picture) {
+Findings read_all(io::Sequence& sequence, const Reading& reading, CheckPicture& picture) {
   constexpr double kFewMatches = 0.08;
   Findings f;
-  int64_t expected = 0;
+  int64_t expected = reading.first;
   const int64_t size = sequence.size() > 0 ? sequence.size() : 300;
   const int64_t step = std::max<int64_t>(1, size / CheckPicture::kFrames);
   io::Frame frame;
@@ -99,16 +101,17 @@ Findings read_all(io::Sequence& sequence, CheckPicture& picture) {
     frame = {};
     if (!next) {
       ++f.unreadable;
-      f.problems.push_back({expected++, next.error().message});
+      f.problems.push_back({expected, next.error().message});
+      expected += reading.stride;
       continue;
     }
     if (!*next) break;
     frame = std::move(**next);
-    expected = frame.index + 1;
+    expected = frame.index + reading.stride;
     f.stamps.push_back(frame.stamp);
     f.frames.push_back(frame.index);
     look_at(frame, f.problems);
-    if (frame.index % step != 0) continue;
+    if ((frame.index - reading.first) / reading.stride % step != 0) continue;
     const std::optional<double> matched = picture.add(frame);
     if (matched && *matched < kFewMatches) {
       f.problems.push_back({frame.index, "only " + std::to_string(static_cast<int>(100 * *matched)) +
@@ -116,7 +119,7 @@ Findings read_all(io::Sequence& sequence, CheckPicture& picture) {
                                              "image; is the pair rectified, and the left image the left one?"});
     }
   }
-  look_for_gaps(f.stamps, sequence.frame_rate(), f.problems, f.frames);
+  look_for_gaps(f.stamps, f.problems, f.frames);
   return f;
 }
 
@@ -140,18 +143,13 @@ nlohmann::json to_json(const io::Sequence& sequence, const Findings& f) {
 }
 
 int run(const CheckArguments& a) {
-  io::SequenceOptions options;
-  if (!a.kind.empty()) options.kind = kKinds.at(a.kind);
-  if (!a.sensor.empty()) options.sensor = kSensors.at(a.sensor);
-  options.camera_file = a.camera;
-  options.count = a.count;
-  auto opened = io::open_sequence(a.path, options);
+  const auto opened = io::open_sequence(a.path, a.reading.options());
   if (!opened) {
     log(LogLevel::error, opened.error().message);
     return 1;
   }
   CheckPicture picture((*opened)->camera(), (*opened)->sensor());
-  const Findings f = read_all(**opened, picture);
+  const Findings f = read_all(**opened, a.reading, picture);
   nlohmann::json found = to_json(**opened, f);
   Result<void> written;
   if (!f.stamps.empty()) written = picture.write(a.out);
@@ -175,11 +173,7 @@ void add_check_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("check", "Say what a recording is and what is wrong with it, with a picture");
   command->add_option("PATH", a->path, "folder (TUM RGB-D, KITTI, EuRoC, images), video file, or camera number")
       ->required();
-  command->add_option("--sensor", a->sensor, "mono, stereo or rgbd (default: the richest the recording allows)")
-      ->check(CLI::IsMember(keys(kSensors)));
-  command->add_option("--kind", a->kind, "kind of recording (default: recognised)")->check(CLI::IsMember(keys(kKinds)));
-  command->add_option("--camera", a->camera, "camera YAML, for what the recording does not say");
-  command->add_option("--count", a->count, "frames at most");
+  add_reading_options(*command, a->reading);
   command->add_option("--out", a->out, "the picture: stereo rows, depth overlay, or key points")->capture_default_str();
   command->add_flag("--json", a->json, "JSON on stdout");
   command->footer(

@@ -3,13 +3,10 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <atomic>
-#include <chrono>
-#include <condition_variable>
-#include <csignal>
 #include <cstdio>
 #include <iostream>
-#include <mutex>
+#include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -21,7 +18,9 @@
 #include "covis/io/config.h"
 #include "covis/io/sequence.h"
 #include "covis/slam/system.h"
+#include "pace.h"
 #include "places.h"
+#include "progress.h"
 #include "resources.h"
 #include "run_session.h"
 
@@ -30,106 +29,27 @@ namespace {
 
 struct RunArguments {
   std::string path;
+  Reading reading;
   std::string out = "out";
   std::string simd = "best";
-  std::string sensor, kind, camera, config, format = "tum";
+  std::string config, format = "tum";
   std::string vocabulary, map, save_map;
   std::vector<std::string> settings;
   int features = 0;
-  int64_t first = 0, count = -1;
-  int stride = 1;
   bool realtime = false, localize = false, quiet = false, json = false, dump_config = false;
 };
 
 const std::map<std::string, io::TrajectoryFormat> kFormats{
     {"tum", io::TrajectoryFormat::tum}, {"kitti", io::TrajectoryFormat::kitti}, {"euroc", io::TrajectoryFormat::euroc}};
 
-// A line that renews itself, on a terminal only.
-class Progress {
- public:
-  Progress(bool quiet, int64_t total) : shown_(!quiet && isatty(STDERR_FILENO)), total_(total) {}
-  ~Progress() {
-    if (shown_) std::fputs("\n", stderr);
-  }
-
-  void show(const FrameStats& frame, size_t done, size_t key_frames, size_t points) {
-    if (!shown_ || (since_.ms() < 100 && static_cast<int64_t>(done) != total_)) return;
-    since_.restart();
-    const double seconds = all_.ms() / 1000;
-    const double rate = static_cast<double>(done) / std::max(seconds, 1e-3);
-    std::fprintf(stderr, "\r\033[Kframe %zu", done);
-    if (total_ > 0) std::fprintf(stderr, "/%lld", static_cast<long long>(total_));
-    std::fprintf(stderr, "  %.1f fps  %s  %zu key frames  %zu points", rate, frame.state.c_str(), key_frames, points);
-    if (total_ > 0)
-      std::fprintf(stderr, "  %.0f s left",
-                   static_cast<double>(total_ - static_cast<int64_t>(done)) / std::max(rate, 1e-3));
-    std::fflush(stderr);
-  }
-
- private:
-  const bool shown_;
-  const int64_t total_;
-  Stopwatch all_, since_;
-};
-
-// Lets recorded frames come at their own times.
-class Pace {
- public:
-  // Waits until the frame is due. True when it is late by more than the time to the next one: a camera would have gone
-  // on.
-  bool wait_until_due(Timestamp stamp, double frame_seconds) {
-    const auto now = Clock::now();
-    if (!start_) {
-      start_ = now;
-      first_ = stamp;
-    }
-    const auto due = *start_ + std::chrono::nanoseconds(stamp - first_);
-    if (now > due + std::chrono::duration<double>(frame_seconds)) return true;
-    std::unique_lock lock(mutex_);
-    // Nobody notifies: a signal or the due time ends the wait.
-    while (!interrupted && Clock::now() < due)
-      waiting_.wait_until(lock, std::min(due, Clock::now() + std::chrono::milliseconds(100)));
-    return false;
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  std::optional<Clock::time_point> start_;
-  Timestamp first_ = 0;
-  std::mutex mutex_;
-  std::condition_variable waiting_;
-};
-
-FrameStats to_stats(const io::Frame& frame, const FrameReport& report, bool localize) {
-  const TrackResult& track = report.track;
-  FrameStats stats;
-  stats.frame = frame.index;
-  stats.stamp = frame.stamp;
-  stats.state = localize && track.state == TrackState::lost ? "not_localised" : name(track.state);
-  stats.reason = track.reason;
-  stats.method = name(track.method);
-  stats.features = track.features;
-  stats.matches = track.predicted_matches;
-  stats.local_points = track.local_points;
-  stats.in_view = track.local_in_view;
-  stats.inliers = track.inliers;
-  stats.key_frame = track.key_frame;
-  stats.timing = report.timing;
-  stats.motion_ms = track.motion_ms;
-  stats.local_update_ms = track.local_update_ms;
-  stats.local_search_ms = track.local_search_ms;
-  stats.pose_ms = track.pose_ms;
-  return stats;
-}
-
 constexpr size_t kMemoryEvery = 100;  // frames
 
 void track_all(io::Sequence& sequence, System& system, const RunArguments& arguments, RunRecord& run) {
   Progress progress(arguments.quiet, sequence.size());
-  Stopwatch since_first;
+  std::optional<Stopwatch> since_first;
   Pace pace;
   io::Frame frame;
-  int64_t expected = arguments.first;
+  int64_t expected = arguments.reading.first;
   while (!interrupted) {
     const Stopwatch decode;
     Result<std::optional<io::Frame>> next = sequence.next(std::move(frame));
@@ -137,37 +57,25 @@ void track_all(io::Sequence& sequence, System& system, const RunArguments& argum
     if (!next) {
       ++run.unreadable_frames;
       log(LogLevel::warning, next.error().message);
-      FrameStats stats;
-      stats.frame = expected;
-      expected += arguments.stride;
-      stats.state = "unreadable";
-      stats.reason = next.error().message;
-      run.frames.push_back(stats);
+      run.frames.push_back(untracked(expected, 0, "unreadable", next.error().message));
+      expected += arguments.reading.stride;
       continue;
     }
     if (!*next) break;
     frame = std::move(**next);
-    expected = frame.index + arguments.stride;
+    expected = frame.index + arguments.reading.stride;
     const double decode_ms = decode.ms();
+    if (!since_first) since_first.emplace();
     if (arguments.realtime && sequence.kind() != io::SequenceKind::camera &&
         pace.wait_until_due(frame.stamp, 1.0 / sequence.frame_rate())) {
       ++run.late_frames;
-      FrameStats stats;
-      stats.frame = frame.index;
-      stats.stamp = frame.stamp;
-      stats.state = "late";
-      stats.reason = "the next frame was due before this one could be taken";
-      run.frames.push_back(stats);
+      run.frames.push_back(
+          untracked(frame.index, frame.stamp, "late", "the next frame was due before this one could be taken"));
       continue;
     }
-    if (run.frames.empty()) since_first.restart();
     const double cpu_start = thread_cpu_ms();
-    const FrameReport report = system.process({.frame = frame.index,
-                                               .stamp = frame.stamp,
-                                               .image = frame.image.view(),
-                                               .right = frame.right.view(),
-                                               .depth = frame.depth.view()});
-    if (run.first_pose_ms < 0 && report.track.state == TrackState::tracking) run.first_pose_ms = since_first.ms();
+    const FrameReport report = system.process(input_of(frame));
+    if (run.first_pose_ms < 0 && report.track.state == TrackState::tracking) run.first_pose_ms = since_first->ms();
     run.mapping.insert(run.mapping.end(), report.mapping.begin(), report.mapping.end());
     FrameStats stats = to_stats(frame, report, arguments.localize);
     stats.decode_ms = decode_ms;
@@ -175,13 +83,14 @@ void track_all(io::Sequence& sequence, System& system, const RunArguments& argum
     if (run.frames.size() % kMemoryEvery == 0) stats.rss_mb = resident_mb();
     run.frames.push_back(std::move(stats));
     const auto map = system.map().read();
-    progress.show(run.frames.back(), run.frames.size(), map->key_frame_count(), map->point_count());
+    progress.show(run.frames.back().state, run.frames.size(), map->key_frame_count(), map->point_count());
   }
   const std::vector<MappingReport> rest = system.finish();
   run.mapping.insert(run.mapping.end(), rest.begin(), rest.end());
 }
 
-Result<void> apply_settings(const RunArguments& arguments, const Fields& known) {
+// The settings as the file, --set and the other options have them.
+Result<void> apply_settings(const RunArguments& arguments, const Fields& known, SystemOptions& options) {
   if (!arguments.config.empty()) {
     if (auto loaded = io::load_settings(arguments.config, known); !loaded) return loaded;
   }
@@ -190,7 +99,52 @@ Result<void> apply_settings(const RunArguments& arguments, const Fields& known) 
     if (equals == std::string::npos) return fail("--set " + setting + ": it must be NAME=VALUE");
     if (auto set = set_field(known, setting.substr(0, equals), setting.substr(equals + 1)); !set) return set;
   }
+  if (arguments.features > 0) options.orb.features = arguments.features;
+  options.realtime = options.realtime || arguments.realtime;
+  options.localize = options.localize || arguments.localize;
   return {};
+}
+
+Result<void> choose_instructions(const std::string& name) {
+  if (use_simd_target(name)) return {};
+  std::string names = "best";
+  for (const std::string& target : simd_targets()) names += ", " + target;
+  return fail("--simd " + name + ": there is no such instruction set here; there are " + names);
+}
+
+Result<void> open_output_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return fail(folder + ": the output folder can't be made: " + error.message());
+  if (access(folder.c_str(), W_OK) != 0) return fail(folder + ": the output folder can't be written to");
+  return {};
+}
+
+// Nothing when there is none, or it can't be read: then a warning says why.
+std::optional<Trajectory> read_truth(const io::Sequence& sequence) {
+  if (!sequence.truth()) return std::nullopt;
+  auto truth = io::load_truth(sequence);
+  if (truth) return std::move(*truth);
+  log(LogLevel::warning, truth.error().message);
+  return std::nullopt;
+}
+
+// The run's files, and the map where it is asked for. Returns the summary.
+Result<nlohmann::json> save(const RunArguments& arguments, const RunRecord& record, const System& system,
+                            const io::Sequence& sequence, const io::MapHeader& header) {
+  const std::optional<Trajectory> truth = read_truth(sequence);
+  OutputOptions output;
+  output.directory = arguments.out;
+  output.format = kFormats.at(arguments.format);
+  output.title = std::filesystem::path(arguments.path).lexically_normal().filename().string();
+  if (truth) output.truth = &*truth;
+  auto summary = write_outputs(record, system, output);
+  if (!arguments.save_map.empty()) {
+    const MapState state = system.map().read()->state();
+    if (const auto saved = io::save_map(arguments.save_map, state, header); !saved)
+      return tl::unexpected(saved.error());
+  }
+  return summary;
 }
 
 void print_summary(const nlohmann::json& summary, const std::filesystem::path& out) {
@@ -211,97 +165,68 @@ void print_summary(const nlohmann::json& summary, const std::filesystem::path& o
   std::printf("written to %s\n", out.string().c_str());
 }
 
+// The summary on stdout; returns the exit code.
+int tell(const RunArguments& arguments, const nlohmann::json& summary, io::SequenceKind kind) {
+  if (arguments.json) {
+    std::cout << summary.dump(2) << "\n";
+  } else if (!arguments.quiet) {
+    print_summary(summary, arguments.out);
+  }
+  // Nothing but Ctrl-C ends a camera; a recording that was cut short is told by the shell's code for the signal.
+  if (summary["interrupted"].get<bool>() && kind != io::SequenceKind::camera) {
+    log(LogLevel::warning, "interrupted; what was done until then is written");
+    return 128 + interrupted;
+  }
+  return summary["frames_tracked"].get<int64_t>() > 0 ? 0 : 1;
+}
+
 int run(const RunArguments& arguments) {
   SystemOptions options;
   const Fields known = fields(options);
-  if (const auto applied = apply_settings(arguments, known); !applied) return fail_with(applied.error());
-  if (arguments.features > 0) options.orb.features = arguments.features;
-  options.realtime = options.realtime || arguments.realtime;
-  options.localize = options.localize || arguments.localize;
+  if (const auto applied = apply_settings(arguments, known, options); !applied) return fail_with(applied.error());
   if (arguments.dump_config) {
     std::cout << io::dump_settings(known);
     return 0;
   }
-  if (!use_simd_target(arguments.simd)) {
-    std::string names = "best";
-    for (const std::string& name : simd_targets()) names += ", " + name;
-    return fail_with("--simd " + arguments.simd + ": there is no such instruction set here; there are " + names);
-  }
+  if (const auto chosen = choose_instructions(arguments.simd); !chosen) return fail_with(chosen.error());
   if (arguments.path.empty())
     return fail_with("run: PATH is missing: a recording's folder, a video file or a camera's number");
-
-  io::SequenceOptions reading;
-  if (!arguments.sensor.empty()) reading.sensor = kSensors.at(arguments.sensor);
-  if (!arguments.kind.empty()) reading.kind = kKinds.at(arguments.kind);
-  reading.camera_file = arguments.camera;
-  reading.first = arguments.first;
-  reading.count = arguments.count;
-  reading.stride = arguments.stride;
   // From here on Ctrl-C is an end like the recording's own.
   end_well_on_signals();
-  auto sequence = io::open_sequence(arguments.path, reading);
+  const auto sequence = io::open_sequence(arguments.path, arguments.reading.options());
   if (!sequence) return fail_with(sequence.error());
   options.sensor = (*sequence)->sensor();
   if (options.localize && arguments.map.empty())
     return fail_with("--localize: it needs a map to localise in, --map FILE");
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
-  std::optional<Map> map;
+  std::optional<io::SavedMap> map;
   if (!arguments.map.empty()) {
     auto opened = open_map(arguments.map, options);
     if (!opened) return fail_with(opened.error());
     map = std::move(*opened);
   }
-
-  std::error_code error;
-  std::filesystem::create_directories(arguments.out, error);
-  if (error) return fail_with(arguments.out + ": the output folder can't be made: " + error.message());
-  if (access(arguments.out.c_str(), W_OK) != 0)
-    return fail_with(arguments.out + ": the output folder can't be written to");
+  if (const auto opened = open_output_folder(arguments.out); !opened) return fail_with(opened.error());
 
   RunRecord record;
   record.source = (*sequence)->description();
   record.sensor = options.sensor;
   if (!arguments.quiet) log(LogLevel::info, record.source);
   System system((*sequence)->camera(), options, *vocabulary);
-  if (map) system.set_map(std::move(*map));
+  if (map) {
+    if (const auto set = system.set_map(std::move(map->map), map->header.camera); !set)
+      return fail_with(arguments.map + ": " + set.error().message + " (--localize)");
+  }
   const Stopwatch wall;
   track_all(**sequence, system, arguments, record);
   record.wall_seconds = wall.ms() / 1000;
   record.interrupted = interrupted != 0;
   if (record.frames.empty() && !record.interrupted) return fail_with(arguments.path + ": no frame could be read");
 
-  OutputOptions output;
-  output.directory = arguments.out;
-  output.format = kFormats.at(arguments.format);
-  output.title = std::filesystem::path(arguments.path).lexically_normal().filename().string();
-  Trajectory truth;
-  if ((*sequence)->truth()) {
-    if (auto loaded = io::load_truth(**sequence)) {
-      truth = std::move(*loaded);
-      output.truth = &truth;
-    } else {
-      log(LogLevel::warning, loaded.error().message);
-    }
-  }
-  const auto summary = write_outputs(record, system, output);
-  if (!arguments.save_map.empty()) {
-    const MapState state = system.map().read()->state();
-    const auto header = map_header((*sequence)->camera(), options, vocabulary->get());
-    if (const auto saved = io::save_map(arguments.save_map, state, header); !saved) return fail_with(saved.error());
-  }
+  const auto header = map_header(map ? map->header.camera : (*sequence)->camera(), options, vocabulary->get());
+  const auto summary = save(arguments, record, system, **sequence, header);
   if (!summary) return fail_with(summary.error());
-  if (arguments.json) {
-    std::cout << summary->dump(2) << "\n";
-  } else if (!arguments.quiet) {
-    print_summary(*summary, arguments.out);
-  }
-  // Nothing but Ctrl-C ends a camera; a recording that was cut short is told by the shell's code for the signal.
-  if (record.interrupted && (*sequence)->kind() != io::SequenceKind::camera) {
-    log(LogLevel::warning, "interrupted; what was done until then is written");
-    return 128 + interrupted;
-  }
-  return (*summary)["frames_tracked"].get<int64_t>() > 0 ? 0 : 1;
+  return tell(arguments, *summary, (*sequence)->kind());
 }
 
 }  // namespace
@@ -313,10 +238,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("run", "Track a recording, a video or a camera, and make a map");
   command->add_option("PATH", arguments->path,
                       "folder (TUM RGB-D, KITTI, EuRoC, images), video file, or camera number");
-  command->add_option("--sensor", arguments->sensor, "mono, stereo or rgbd (default: the richest the recording allows)")
-      ->check(CLI::IsMember(keys(kSensors)));
-  command->add_option("--camera", arguments->camera,
-                      "camera YAML, for what the recording does not say (docs/input.md)");
+  add_reading_options(*command, arguments->reading);
   command->add_option("--out", arguments->out, "folder for the results")->capture_default_str();
   command->add_option("--map", arguments->map, "saved map to go on with; the camera is looked for in it");
   command->add_flag("--localize", arguments->localize, "localise only: the map given by --map is not changed");
@@ -325,8 +247,6 @@ void add_run_command(CLI::App& app, int& exit_code) {
                       "vocabulary to recognise places by; none: not at all (default: the one that comes along)");
   command->add_flag("--realtime", arguments->realtime,
                     "frames come at their own times; late ones are dropped and counted");
-  command->add_option("--kind", arguments->kind, "kind of recording (default: recognised)")
-      ->check(CLI::IsMember(keys(kKinds)));
   command->add_option("--format", arguments->format, "trajectory format: tum, kitti or euroc")
       ->capture_default_str()
       ->check(CLI::IsMember(keys(kFormats)));
@@ -340,9 +260,6 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_option("--config", arguments->config, "settings YAML");
   command->add_option("--set", arguments->settings, "one setting, NAME=VALUE; may be repeated");
   command->add_flag("--dump-config", arguments->dump_config, "print all settings with their meaning, and end");
-  command->add_option("--first", arguments->first, "index of the first frame")->check(CLI::NonNegativeNumber);
-  command->add_option("--count", arguments->count, "frames at most");
-  command->add_option("--stride", arguments->stride, "every n-th frame")->check(CLI::PositiveNumber);
   command->add_flag("--quiet", arguments->quiet, "no progress, no summary");
   command->add_flag("--json", arguments->json, "the summary as JSON on stdout");
   command->footer(

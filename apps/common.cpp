@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common.h"
 
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
 #include "covis/core/log.h"
 
 namespace covis::app {
@@ -22,6 +25,28 @@ const std::map<std::string, io::SequenceKind> kKinds{
 
 volatile std::sig_atomic_t interrupted = 0;
 
+io::SequenceOptions Reading::options() const {
+  io::SequenceOptions options;
+  if (!sensor.empty()) options.sensor = kSensors.at(sensor);
+  if (!kind.empty()) options.kind = kKinds.at(kind);
+  options.camera_file = camera;
+  options.first = first;
+  options.count = count;
+  options.stride = stride;
+  return options;
+}
+
+void add_reading_options(CLI::App& command, Reading& reading) {
+  command.add_option("--sensor", reading.sensor, "mono, stereo or rgbd (default: the richest the recording allows)")
+      ->check(CLI::IsMember(keys(kSensors)));
+  command.add_option("--kind", reading.kind, "kind of recording (default: recognised)")
+      ->check(CLI::IsMember(keys(kKinds)));
+  command.add_option("--camera", reading.camera, "camera YAML, for what the recording does not say (docs/input.md)");
+  command.add_option("--first", reading.first, "index of the first frame")->check(CLI::NonNegativeNumber);
+  command.add_option("--count", reading.count, "frames at most");
+  command.add_option("--stride", reading.stride, "every n-th frame")->check(CLI::PositiveNumber);
+}
+
 nlohmann::json camera_json(const Camera& camera) {
   static constexpr const char* kModels[] = {"pinhole", "brown_conrady", "kannala_brandt"};
   nlohmann::json json{{"width", camera.width},
@@ -34,6 +59,29 @@ nlohmann::json camera_json(const Camera& camera) {
   if (camera.pinhole.bf > 0) json["baseline"] = camera.pinhole.baseline();
   if (camera.distortion != Distortion::none) json["distortion"] = camera.coefficients;
   return json;
+}
+
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + static_cast<ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+Result<void> write_trajectories(const std::filesystem::path& file, const std::vector<Trajectory>& of_map,
+                                io::TrajectoryFormat format) {
+  Result<void> problem;
+  for (size_t m = 0;; ++m) {
+    const std::string name = file.stem().string() + (m > 0 ? "_map" + std::to_string(m) : "");
+    const std::filesystem::path part = file.parent_path() / (name + file.extension().string());
+    if (m < of_map.size()) {
+      const auto written = io::write_trajectory(part, of_map[m], format);
+      if (!written && problem) problem = written;
+      continue;
+    }
+    std::error_code error;
+    if (!std::filesystem::remove(part, error)) return problem;
+  }
 }
 
 int fail_with(const std::string& message) {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the commands share: names of settings, errors, Ctrl-C.
+// What the commands share: names of settings, which frames to read, errors, Ctrl-C.
 #pragma once
 
 #include <csignal>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -12,6 +13,11 @@
 #include "covis/features/frontend.h"
 #include "covis/geometry/camera.h"
 #include "covis/io/sequence.h"
+#include "covis/io/trajectory.h"
+
+namespace CLI {
+class App;
+}
 
 namespace covis::app {
 
@@ -33,7 +39,27 @@ std::string name_of(const std::map<std::string, Value>& map, Value wanted) {
   return {};
 }
 
+// What of a recording is read, and how.
+struct Reading {
+  std::string sensor, kind, camera;
+  int64_t first = 0, count = -1;
+  int stride = 1;
+
+  io::SequenceOptions options() const;
+};
+// --sensor, --kind, --camera, --first, --count and --stride.
+void add_reading_options(CLI::App& command, Reading& reading);
+
 nlohmann::json camera_json(const Camera& camera);
+
+// The value that the share q of the others is below; 0 when there is none.
+double quantile(std::vector<double> values, double q);
+
+// Maps that are not joined have a world each, and so a file each: FILE, FILE_map1, … Those that an earlier run left
+// beyond are removed: they would pass for this one's. The first that fails is the error; the others are written all the
+// same.
+Result<void> write_trajectories(const std::filesystem::path& file, const std::vector<Trajectory>& of_map,
+                                io::TrajectoryFormat format);
 
 // Say what went wrong and return the exit code for it.
 int fail_with(const std::string& message);

@@ -16,6 +16,14 @@ std::string number(double value) {
 
 }  // namespace
 
+System::Input input_of(const io::Frame& frame) {
+  return {.frame = frame.index,
+          .stamp = frame.stamp,
+          .image = frame.image.view(),
+          .right = frame.right.view(),
+          .depth = frame.depth.view()};
+}
+
 Result<std::shared_ptr<const Vocabulary>> open_vocabulary(const std::string& name) {
   if (name == "none") return nullptr;
   if (!name.empty()) return Vocabulary::load(name);
@@ -43,7 +51,7 @@ io::MapHeader map_header(const Camera& camera, const SystemOptions& options, con
   return header;
 }
 
-Result<Map> open_map(const std::filesystem::path& file, const SystemOptions& options) {
+Result<io::SavedMap> open_map(const std::filesystem::path& file, const SystemOptions& options) {
   auto saved = io::load_map(file);
   if (!saved) return tl::unexpected(saved.error());
   const io::MapHeader& header = saved->header;
@@ -58,7 +66,7 @@ Result<Map> open_map(const std::filesystem::path& file, const SystemOptions& opt
                 " and orb.scale_factor " + number(static_cast<double>(header.factor)) + "; use the same");
   }
   if (saved->map.key_frame_count() == 0) return fail(file.string() + ": the map is empty");
-  return std::move(saved->map);
+  return saved;
 }
 
 }  // namespace covis::app

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the commands share of vocabularies and saved maps.
+// What the commands that run the system share: its input, vocabularies and saved maps.
 #pragma once
 
 #include <filesystem>
@@ -9,10 +9,14 @@
 #include "covis/core/error.h"
 #include "covis/geometry/camera.h"
 #include "covis/io/map_file.h"
+#include "covis/io/sequence.h"
 #include "covis/slam/system.h"
 #include "covis/vocabulary/vocabulary.h"
 
 namespace covis::app {
+
+// Views of the frame's images.
+System::Input input_of(const io::Frame& frame);
 
 // The vocabulary named; with an empty name the default one, which lies in share/covis beside the installed command or
 // in the source tree; null for "none".
@@ -20,8 +24,8 @@ Result<std::shared_ptr<const Vocabulary>> open_vocabulary(const std::string& nam
 
 io::MapHeader map_header(const Camera& camera, const SystemOptions& options, const Vocabulary* vocabulary);
 
-// A saved map for a camera: an error when it was made with another kind of sensor or another pyramid, for what it holds
-// can't be found again then.
-Result<Map> open_map(const std::filesystem::path& file, const SystemOptions& options);
+// A saved map to go on from: an error when it was made with another kind of sensor or another pyramid, for what it
+// holds can't be found again then.
+Result<io::SavedMap> open_map(const std::filesystem::path& file, const SystemOptions& options);
 
 }  // namespace covis::app

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run_session.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "common.h"
 #include "covis/eval/evaluation.h"
 #include "covis/eval/report.h"
 #include "covis/io/files.h"
@@ -14,27 +16,11 @@ namespace {
 
 using nlohmann::json;
 
-Trajectory of_map(int map, const std::vector<PoseOfFrame>& poses) {
-  Trajectory trajectory;
-  for (const PoseOfFrame& pose : poses) {
-    if (pose.map == map) trajectory.push_back({pose.stamp, pose.T_wc});
-  }
-  return trajectory;
-}
-
-// Of the maps beside the first. Files of an earlier run are removed: they would pass for this one's.
-Result<void> write_further_maps(const OutputOptions& options, size_t maps, const std::vector<PoseOfFrame>& poses) {
-  Result<void> problem;
-  for (size_t m = 1;; ++m) {
-    const std::filesystem::path file = options.directory / ("trajectory_map" + std::to_string(m) + ".txt");
-    if (m < maps) {
-      const auto written = io::write_trajectory(file, of_map(static_cast<int>(m), poses), options.format);
-      if (!written && problem) problem = written;
-      continue;
-    }
-    std::error_code error;
-    if (!std::filesystem::remove(file, error)) return problem;
-  }
+// One for each map; an empty one when there is no map at all.
+std::vector<Trajectory> by_map(const std::vector<PoseOfFrame>& poses, size_t maps) {
+  std::vector<Trajectory> trajectories(std::max<size_t>(1, maps));
+  for (const PoseOfFrame& pose : poses) trajectories[static_cast<size_t>(pose.map)].push_back({pose.stamp, pose.T_wc});
+  return trajectories;
 }
 
 AlignMode alignment_of(Sensor sensor) { return sensor == Sensor::monocular ? AlignMode::sim3 : AlignMode::se3; }
@@ -98,8 +84,10 @@ std::vector<ReportFrame> report_frames(const RunRecord& run) {
 Result<json> write_outputs(const RunRecord& run, const System& system, const OutputOptions& options) {
   const std::vector<MapSummary> maps = system.maps();
   const std::vector<PoseOfFrame> poses = system.trajectory();
-  const Trajectory final = of_map(0, poses), online = of_map(0, system.online_trajectory());
-  const Trajectory key_frames = of_map(0, system.key_frames());
+  const std::vector<Trajectory> trajectories = by_map(poses, maps.size());
+  const Trajectory& final = trajectories.front();
+  const Trajectory online = by_map(system.online_trajectory(), maps.size()).front();
+  const Trajectory key_frames = by_map(system.key_frames(), maps.size()).front();
   std::vector<Eigen::Vector3d> points;
   {
     const auto map = system.map().read();
@@ -114,8 +102,7 @@ Result<json> write_outputs(const RunRecord& run, const System& system, const Out
   const auto keep_first = [&](Result<void> written) {
     if (!written && problem) problem = std::move(written);
   };
-  keep_first(io::write_trajectory(out / "trajectory.txt", final, options.format));
-  keep_first(write_further_maps(options, maps.size(), poses));
+  keep_first(write_trajectories(out / "trajectory.txt", trajectories, options.format));
   keep_first(io::write_trajectory(out / "trajectory_online.txt", online, options.format));
   keep_first(io::write_trajectory(out / "keyframes.txt", key_frames, options.format));
   keep_first(io::write_ply(out / "map.ply", points));

@@ -13,39 +13,11 @@ namespace {
 
 using nlohmann::json;
 
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 template <class Item, class Value>
 json spread(const std::vector<Item>& items, Value value) {
   std::vector<double> values;
   for (const Item& item : items) values.push_back(value(item));
   return {{"median", quantile(values, 0.5)}, {"p95", quantile(values, 0.95)}};
-}
-
-json growth(const RunRecord& run) {
-  std::vector<double> second, last;  // of tenths of the run
-  const size_t n = run.frames.size();
-  for (size_t i = 0; i < n; ++i) {
-    const FrameStats& f = run.frames[i];
-    if (f.state != "tracking" || f.key_frame) continue;
-    if (10 * i >= n && 10 * i < 2 * n) second.push_back(f.cpu_ms);
-    if (10 * i >= 9 * n) last.push_back(f.cpu_ms);
-  }
-  double rss_second = 0, rss_last = 0;
-  for (size_t i = 0; i < n; ++i) {
-    if (run.frames[i].rss_mb <= 0) continue;
-    if (10 * i < 2 * n) rss_second = run.frames[i].rss_mb;
-    rss_last = run.frames[i].rss_mb;
-  }
-  return {{"cpu_ms_second_tenth", quantile(second, 0.5)},
-          {"cpu_ms_last_tenth", quantile(last, 0.5)},
-          {"rss_mb_after_second_tenth", rss_second},
-          {"rss_mb_at_end", rss_last}};
 }
 
 json to_json(const MappingReport& m) {
@@ -69,29 +41,34 @@ json to_json(const MappingReport& m) {
           {"total_ms", m.total_ms}};
 }
 
+// What closing a loop and joining two maps have in common.
+json to_json(int64_t frame, const LoopReport& report) {
+  return {{"frame", frame},
+          {"matches", report.matches},
+          {"inliers", report.inliers},
+          {"found_again", report.found_again},
+          {"fused", report.fused},
+          {"scale", report.scale},
+          {"query_ms", report.query_ms},
+          {"verify_ms", report.verify_ms},
+          {"correct_ms", report.correct_ms}};
+}
+
 json loops(const RunRecord& run) {
   json list = json::array();
   for (size_t k = 0; k < run.mapping.size(); ++k) {
-    const MappingReport& m = run.mapping[k];
-    if (!m.loop.loop.valid() || m.loop.merged) continue;
+    const LoopReport& loop = run.mapping[k].loop;
+    if (!loop.loop.valid() || loop.merged) continue;
     // Its full bundle adjustment came some key frames later, unless another loop or the end was first.
     double full_ba_ms = 0;
     for (size_t later = k + 1; later < run.mapping.size() && !run.mapping[later].loop.loop.valid(); ++later)
       full_ba_ms += run.mapping[later].loop.full_ba_ms;
-    list.push_back({{"frame", m.frame},
-                    {"matches", m.loop.matches},
-                    {"inliers", m.loop.inliers},
-                    {"found_again", m.loop.found_again},
-                    {"fused", m.loop.fused},
-                    {"path_m", m.loop.path},
-                    {"correction_m", m.loop.correction},
-                    {"rotation_deg", m.loop.rotation_deg},
-                    {"scale", m.loop.scale},
-                    {"query_ms", m.loop.query_ms},
-                    {"verify_ms", m.loop.verify_ms},
-                    {"correct_ms", m.loop.correct_ms},
-                    {"pose_graph_ms", m.loop.pose_graph_ms},
-                    {"full_ba_ms", full_ba_ms}});
+    json& item = list.emplace_back(to_json(run.mapping[k].frame, loop));
+    item.update({{"path_m", loop.path},
+                 {"correction_m", loop.correction},
+                 {"rotation_deg", loop.rotation_deg},
+                 {"pose_graph_ms", loop.pose_graph_ms},
+                 {"full_ba_ms", full_ba_ms}});
   }
   return list;
 }
@@ -100,16 +77,7 @@ json merges(const RunRecord& run) {
   json list = json::array();
   for (const MappingReport& m : run.mapping) {
     if (!m.loop.merged) continue;
-    list.push_back({{"frame", m.frame},
-                    {"key_frames_moved", m.loop.merged_key_frames},
-                    {"matches", m.loop.matches},
-                    {"inliers", m.loop.inliers},
-                    {"found_again", m.loop.found_again},
-                    {"fused", m.loop.fused},
-                    {"scale", m.loop.scale},
-                    {"query_ms", m.loop.query_ms},
-                    {"verify_ms", m.loop.verify_ms},
-                    {"correct_ms", m.loop.correct_ms}});
+    list.emplace_back(to_json(m.frame, m.loop))["key_frames_moved"] = m.loop.merged_key_frames;
   }
   return list;
 }
@@ -201,6 +169,37 @@ json losses(const RunRecord& run) {
 
 }  // namespace
 
+FrameStats to_stats(const io::Frame& frame, const FrameReport& report, bool localize) {
+  const TrackResult& track = report.track;
+  FrameStats stats;
+  stats.frame = frame.index;
+  stats.stamp = frame.stamp;
+  stats.state = localize && track.state == TrackState::lost ? "not_localised" : name(track.state);
+  stats.reason = track.reason;
+  stats.method = name(track.method);
+  stats.features = track.features;
+  stats.matches = track.predicted_matches;
+  stats.local_points = track.local_points;
+  stats.in_view = track.local_in_view;
+  stats.inliers = track.inliers;
+  stats.key_frame = track.key_frame;
+  stats.timing = report.timing;
+  stats.motion_ms = track.motion_ms;
+  stats.local_update_ms = track.local_update_ms;
+  stats.local_search_ms = track.local_search_ms;
+  stats.pose_ms = track.pose_ms;
+  return stats;
+}
+
+FrameStats untracked(int64_t frame, Timestamp stamp, const char* state, const std::string& reason) {
+  FrameStats stats;
+  stats.frame = frame;
+  stats.stamp = stamp;
+  stats.state = state;
+  stats.reason = reason;
+  return stats;
+}
+
 bool processed(const FrameStats& frame) { return frame.state != "late" && frame.state != "unreadable"; }
 
 std::string stats_text(const RunRecord& run, const std::vector<PoseOfFrame>& poses) {
@@ -237,7 +236,7 @@ json summarise(const RunRecord& run, const System& system) {
     key_frames += map.key_frames;
     points += map.points;
   }
-  const Pinhole& camera = system.camera();
+  const Pinhole camera = system.camera();
   return {{"source", run.source},
           {"sensor", name_of(kSensors, run.sensor)},
           {"camera", {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}}},
@@ -255,7 +254,6 @@ json summarise(const RunRecord& run, const System& system) {
           {"tracking_ms", spread(done, [](const FrameStats& f) { return f.tracking_ms(); })},
           {"frame_ms", spread(done, [](const FrameStats& f) { return f.timing.total_ms; })},
           {"cpu_ms", spread(done, [](const FrameStats& f) { return f.cpu_ms; })},
-          {"growth", growth(run)},
           {"stage_ms", stage_times(run)},
           {"mapping_ms", mapping_times(run)},
           {"loops", loops(run)},

@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "covis/core/time.h"
 #include "covis/core/sensor.h"
+#include "covis/core/time.h"
+#include "covis/io/sequence.h"
 #include "covis/slam/system.h"
 
 namespace covis::app {
@@ -43,6 +44,10 @@ struct RunRecord {
   double first_pose_ms = -1;  // from the first decoded image to the first pose; negative: there was none
 };
 
+// Of a frame that was tracked, or should have been.
+FrameStats to_stats(const io::Frame& frame, const FrameReport& report, bool localize);
+// Of one that was not looked at: late or unreadable.
+FrameStats untracked(int64_t frame, Timestamp stamp, const char* state, const std::string& reason);
 bool processed(const FrameStats& frame);
 
 // stats.jsonl: a line a frame, with what mapping did of it and the map its pose belongs to.

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Relocalisation by the truth: maps the first frames of an RGB-D recording, then places each of the others on its own,
-// from nothing, and tells recall and error beside how much of each frame's view the first ones had seen.
+// from nothing, in that map loaded anew (as `covis localize` does), and tells recall and error beside how much of each
+// frame's view the first ones had seen.
 //   relocalisation_bench RECORDING CAMERA.yaml FRAMES_TO_MAP [NAME=VALUE …]
-// Seen: of the frame's depth, put where the truth says, the share that one mapping frame sees too (in its image, not
-// hidden, by 5 % of the depth). The map is put into the
-// truth's world by the mean over the mapping frames' poses.
+// Seen: of the frame's depth, put where the truth says, the largest share that one mapping frame sees too: in its
+// image, not hidden (by 5 % of the depth), and along rays at most 20 degrees apart. The map is put into the truth's
+// world by the mean over the mapping frames' poses; a frame found in another map, begun after a loss, counts as not
+// found.
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <numbers>
 #include <string>
@@ -19,15 +21,56 @@
 #include "covis/core/fields.h"
 #include "covis/core/time.h"
 #include "covis/io/sequence.h"
+#include "covis/map/map_state.h"
 #include "covis/slam/system.h"
 #include "covis/vocabulary/vocabulary.h"
 
 namespace covis {
 namespace {
 
-constexpr int kGrid = 20;          // pixels between the depths that are looked at
-constexpr int kEvery = 5;          // mapping frames looked at
-constexpr double kCosine = 0.94;  // between the rays of both cameras to what both see
+constexpr int kGrid = 20;         // pixels between the depths that are looked at
+constexpr int kEvery = 5;         // mapping frames looked at
+constexpr double kCosine = 0.94;  // of 20 degrees, between the rays of both cameras to what both see
+
+struct Settings {
+  std::string path, camera_file;
+  int64_t frames_to_map = 0;
+  SystemOptions options;
+};
+
+Result<Settings> parse(const std::vector<std::string>& arguments) {
+  Settings settings{arguments[0], arguments[1], 0, {}};
+  const std::string& number = arguments[2];
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), settings.frames_to_map);
+  if (error != std::errc() || end != number.data() + number.size() || settings.frames_to_map < 1)
+    return fail("FRAMES_TO_MAP: \"" + number + "\" is not a number of frames, 1 or more");
+  const Fields known = fields(settings.options);
+  for (size_t i = 3; i < arguments.size(); ++i) {
+    const size_t equals = arguments[i].find('=');
+    if (equals == std::string::npos) return fail(arguments[i] + ": it must be NAME=VALUE");
+    if (const auto set = set_field(known, arguments[i].substr(0, equals), arguments[i].substr(equals + 1)); !set)
+      return tl::unexpected(set.error());
+  }
+  settings.options.sensor = Sensor::rgbd;
+  return settings;
+}
+
+// True poses by their stamps.
+class Truth {
+ public:
+  explicit Truth(const Trajectory& poses) {
+    for (const auto& pose : poses) T_wc_.emplace(pose.stamp, pose.T_wc);
+  }
+  // Within 5 ms; nullptr: there is none.
+  const SE3* at(Timestamp stamp) const {
+    constexpr Timestamp kNear = 5'000'000;
+    const auto found = T_wc_.lower_bound(stamp - kNear);
+    return found != T_wc_.end() && found->first < stamp + kNear ? &found->second : nullptr;
+  }
+
+ private:
+  std::map<Timestamp, SE3> T_wc_;
+};
 
 struct View {
   SE3 T_wc;
@@ -101,94 +144,128 @@ void print(const char* name, std::vector<Placed> frames) {
               quantile(&Placed::metres, 1), quantile(&Placed::degrees, 0.5), quantile(&Placed::degrees, 0.95));
 }
 
-int run(const char* path, const char* camera_file, int to_map, const std::vector<std::string>& settings) {
-  auto sequence = io::open_sequence(path, {.sensor = Sensor::rgbd, .camera_file = camera_file});
-  const auto vocabulary = Vocabulary::load(COVIS_SOURCE_DIR "/vocabulary/default.covis-voc");
-  if (!sequence || !vocabulary) {
-    std::fprintf(stderr, "%s\n", (sequence ? vocabulary.error() : sequence.error()).message.c_str());
-    return 1;
-  }
-  const auto truth = io::load_truth(**sequence);
-  if (!truth) return std::fprintf(stderr, "%s\n", truth.error().message.c_str()), 1;
-  std::map<Timestamp, SE3> T_wc_of;
-  for (const auto& pose : *truth) T_wc_of.emplace(pose.stamp, pose.T_wc);
-  const auto true_pose = [&](Timestamp stamp) {
-    auto at = T_wc_of.lower_bound(stamp - 5'000'000);
-    return at != T_wc_of.end() && at->first < stamp + 5'000'000 ? &at->second : nullptr;
-  };
-
-  SystemOptions options;
-  for (const std::string& setting : settings) {
-    const size_t equals = std::min(setting.find('='), setting.size());
-    const std::string value = setting.substr(std::min(equals + 1, setting.size()));
-    if (const auto set = set_field(fields(options), setting.substr(0, equals), value); !set)
-      return std::fprintf(stderr, "%s\n", set.error().message.c_str()), 1;
-  }
-  options.sensor = Sensor::rgbd;
-  const Camera camera = (*sequence)->camera();
-  System system(camera, options, *vocabulary);
-  std::vector<View> mapped;
-  std::vector<Placed> placed;
-  std::vector<double> times;
-  SE3 T_truth_map;
+// Calls visit(frame) for each frame that can be read.
+template <class Visit>
+void for_each_frame(io::Sequence& sequence, Visit&& visit) {
   while (true) {
-    auto next = (*sequence)->next();
+    auto next = sequence.next();
     if (!next) continue;
-    if (!*next) break;
-    io::Frame& frame = **next;
-    const SE3* T_wc = true_pose(frame.stamp);
-    if (frame.index < to_map) {
-      system.process(input(frame));
-      if (T_wc && frame.index % kEvery == 0) mapped.push_back({*T_wc, std::move(frame.depth)});
-      continue;
-    }
-    if (placed.empty()) {
-      system.finish();
-      std::vector<std::pair<SE3, SE3>> poses;  // estimate and truth
-      for (const PoseOfFrame& pose : system.trajectory()) {
-        if (const SE3* T = true_pose(pose.stamp)) poses.emplace_back(pose.T_wc, *T);
-      }
-      if (poses.empty()) return std::fprintf(stderr, "%s: nothing was tracked that has a truth\n", path), 1;
-      T_truth_map = mean_motion(poses);
-    }
-    if (!T_wc) continue;
-    Placed& p = placed.emplace_back();
+    if (!*next) return;
+    visit(**next);
+  }
+}
+
+// Maps them all; returns what some of them saw, from where they truly were.
+std::vector<View> map_frames(io::Sequence& sequence, const Truth& truth, System& system) {
+  std::vector<View> views;
+  for_each_frame(sequence, [&](io::Frame& frame) {
+    system.process(input(frame));
+    const SE3* T_wc = truth.at(frame.stamp);
+    if (T_wc && frame.index % kEvery == 0) views.push_back({*T_wc, std::move(frame.depth)});
+  });
+  system.finish();
+  return views;
+}
+
+// From the first map's world to the truth's.
+Result<SE3> to_truth(const System& system, const Truth& truth) {
+  std::vector<std::pair<SE3, SE3>> poses;  // estimate and truth
+  for (const PoseOfFrame& pose : system.trajectory()) {
+    const SE3* T_wc = truth.at(pose.stamp);
+    if (T_wc && pose.map == 0) poses.emplace_back(pose.T_wc, *T_wc);
+  }
+  if (poses.empty()) return fail("nothing was mapped that has a truth");
+  return mean_motion(poses);
+}
+
+struct Placing {
+  std::vector<Placed> frames;
+  std::vector<double> times;  // ms
+};
+
+Placing place(io::Sequence& sequence, const Truth& truth, const std::vector<View>& mapped, const SE3& T_truth_map,
+              System& system) {
+  Placing placing;
+  const Camera camera = sequence.camera();
+  for_each_frame(sequence, [&](const io::Frame& frame) {
+    const SE3* T_wc = truth.at(frame.stamp);
+    if (!T_wc) return;
+    Placed& p = placing.frames.emplace_back();
     for (const View& view : mapped) p.seen = std::max(p.seen, share_seen(camera, *T_wc, frame.depth, view));
     const Stopwatch watch;
     const auto found = system.locate(input(frame));
-    times.push_back(watch.ms());
-    p.found = found.has_value();
-    if (!found) continue;
-    const SE3 difference = T_wc->inverse() * T_truth_map * *found;
+    placing.times.push_back(watch.ms());
+    p.found = found && found->map == 0;
+    if (!p.found) return;
+    const SE3 difference = T_wc->inverse() * T_truth_map * found->T_wc;
     p.metres = difference.t().norm();
     p.degrees = so3_log(difference.R()).norm() * 180 / std::numbers::pi;
-  }
-  if (placed.empty()) return std::fprintf(stderr, "%s: no frame is left to be placed\n", path), 1;
+  });
+  return placing;
+}
+
+void print(Placing placing) {
   std::puts(
       "| seen before    | frames | found | recall | < 5 cm, 2 deg | error median / 95 % / most | median / 95 % |");
   std::puts("| --- | --- | --- | --- | --- | --- | --- |");
-  constexpr std::array<double, 6> kBounds{0, 0.2, 0.4, 0.6, 0.8, 1.0};
+  constexpr std::array<int, 6> kBounds{0, 20, 40, 60, 80, 100};  // percent
   for (size_t k = 0; k + 1 < kBounds.size(); ++k) {
+    const double from = kBounds[k] / 100.0, to = kBounds[k + 1] / 100.0;
     std::vector<Placed> part;
-    std::copy_if(placed.begin(), placed.end(), std::back_inserter(part), [&](const Placed& p) {
-      return p.seen >= kBounds[k] && (p.seen < kBounds[k + 1] || kBounds[k + 1] == 1);
-    });
-    print((std::to_string(static_cast<int>(100 * kBounds[k])) + " to " +
-           std::to_string(static_cast<int>(100 * kBounds[k + 1])) + " %")
-              .c_str(),
-          part);
+    std::copy_if(placing.frames.begin(), placing.frames.end(), std::back_inserter(part),
+                 [&](const Placed& p) { return p.seen >= from && (p.seen < to || to == 1); });
+    print((std::to_string(kBounds[k]) + " to " + std::to_string(kBounds[k + 1]) + " %").c_str(), part);
   }
-  print("all", placed);
-  std::nth_element(times.begin(), times.begin() + static_cast<ptrdiff_t>(times.size() / 2), times.end());
-  std::printf("%.1f ms an image (median)\n", times[times.size() / 2]);
-  return 0;
+  print("all", placing.frames);
+  const auto middle = placing.times.begin() + static_cast<ptrdiff_t>(placing.times.size() / 2);
+  std::nth_element(placing.times.begin(), middle, placing.times.end());
+  std::printf("%.1f ms an image (median)\n", *middle);
+}
+
+Result<Placing> run(const Settings& settings) {
+  io::SequenceOptions reading{.sensor = Sensor::rgbd, .camera_file = settings.camera_file};
+  reading.count = settings.frames_to_map;
+  const auto first = io::open_sequence(settings.path, reading);
+  if (!first) return tl::unexpected(first.error());
+  reading.first = settings.frames_to_map;
+  reading.count = -1;
+  const auto rest = io::open_sequence(settings.path, reading);
+  if (!rest) return tl::unexpected(rest.error());
+  const auto vocabulary = Vocabulary::load(COVIS_SOURCE_DIR "/vocabulary/default.covis-voc");
+  if (!vocabulary) return tl::unexpected(vocabulary.error());
+  const auto poses = io::load_truth(**first);
+  if (!poses) return tl::unexpected(poses.error());
+  const Truth truth(*poses);
+
+  const Camera camera = (*first)->camera();
+  System mapping(camera, settings.options, *vocabulary);
+  const std::vector<View> mapped = map_frames(**first, truth, mapping);
+  const auto T_truth_map = to_truth(mapping, truth);
+  if (!T_truth_map) return tl::unexpected(T_truth_map.error());
+  auto map = Map::from_state(mapping.map().read()->state());
+  if (!map) return tl::unexpected(map.error());
+  SystemOptions options = settings.options;
+  options.localize = true;
+  System system(camera, options, *vocabulary);
+  if (const auto set = system.set_map(std::move(*map), camera); !set) return tl::unexpected(set.error());
+  Placing placing = place(**rest, truth, mapped, *T_truth_map, system);
+  if (placing.frames.empty()) return fail(settings.path + ": no frame with a truth is left to be placed");
+  return placing;
 }
 
 }  // namespace
 }  // namespace covis
 
 int main(int argc, char** argv) {
-  if (argc < 4)
-    return std::fprintf(stderr, "usage: relocalisation_bench RECORDING CAMERA.yaml FRAMES_TO_MAP [NAME=VALUE …]\n"), 2;
-  return covis::run(argv[1], argv[2], std::atoi(argv[3]), {argv + 4, argv + argc});
+  if (argc < 4) {
+    std::fprintf(stderr, "usage: relocalisation_bench RECORDING CAMERA.yaml FRAMES_TO_MAP [NAME=VALUE …]\n");
+    return 2;
+  }
+  const auto settings = covis::parse({argv + 1, argv + argc});
+  const auto placing = settings ? covis::run(*settings) : tl::unexpected(settings.error());
+  if (!placing) {
+    std::fprintf(stderr, "%s\n", placing.error().message.c_str());
+    return 1;
+  }
+  covis::print(*placing);
 }

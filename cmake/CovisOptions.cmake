@@ -40,8 +40,6 @@ target_compile_options(covis_flags INTERFACE
   $<$<CONFIG:Debug>:-Wnull-dereference>
   # GCC 12 sees overlaps in "text" + std::string that are not there (its bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
-  # GCC 12 sees overlaps in std::string concatenation that are not there (GCC bug 105329).
-  -Wno-restrict
   $<$<BOOL:${COVIS_WERROR}>:-Werror>
   # The same bits on every SIMD target: no fused multiply-add the source did not ask for.
   -ffp-contract=off

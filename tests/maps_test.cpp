@@ -159,7 +159,7 @@ TEST(FurtherMap, NoneIsBegunWhereItMustNot) {
     SystemOptions options = impatient(Sensor::rgbd);
     c.change(options);
     System system(recording.synth.camera(), options, c.words ? vocabulary() : nullptr);
-    system.set_map(Map::from_state(before).value());
+    ASSERT_TRUE(system.set_map(Map::from_state(before).value(), recording.synth.camera()));
     int tracked = 0;
     for (int step = 12; step < 24; ++step) {
       tracked += system.process(walk.input(step)).track.state == TrackState::tracking;
@@ -175,7 +175,7 @@ TEST(FurtherMap, ALoadedMapStaysTheFirst) {
   Recording recording(Sensor::rgbd, 160);
   Walk walk = carried_away(recording);
   System system(recording.synth.camera(), impatient(Sensor::rgbd), vocabulary());
-  system.set_map(map_before(walk, impatient(Sensor::rgbd)));
+  ASSERT_TRUE(system.set_map(map_before(walk, impatient(Sensor::rgbd)), recording.synth.camera()));
   for (int step = 12; step < 42; ++step) system.process(walk.input(step));
   system.finish();
   const std::vector<MapSummary> maps = system.maps();

@@ -82,7 +82,7 @@ class SavedDesk : public Places {
     System system(recording.synth.camera(), localize, vocabulary());
     auto saved = io::load_map(file);
     ASSERT_TRUE(saved) << saved.error().message;
-    system.set_map(std::move(saved->map));
+    ASSERT_TRUE(system.set_map(std::move(saved->map), saved->header.camera));
     EXPECT_EQ(system.process(recording.black(0)).track.state, TrackState::lost);
     int tracked = 0;
     for (int i = 25; i < 40; ++i) tracked += system.process(recording.frame(i)).track.state == TrackState::tracking;
@@ -96,7 +96,7 @@ class SavedDesk : public Places {
     auto saved = io::load_map(file);
     ASSERT_TRUE(saved) << saved.error().message;
     const size_t key_frames = saved->map.key_frame_count();
-    system.set_map(std::move(saved->map));
+    ASSERT_TRUE(system.set_map(std::move(saved->map), saved->header.camera));
     int tracked = 0;
     for (int i = 20; i < 40; ++i) {
       tracked += system.process(recording.frame(i)).track.state == TrackState::tracking;

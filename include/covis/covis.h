@@ -105,9 +105,9 @@ class COVIS_API Slam {
   tl::expected<FrameResult, std::string> track_stereo(int64_t stamp, const GreyImage& left, const GreyImage& right);
   tl::expected<FrameResult, std::string> track_rgbd(int64_t stamp, const GreyImage& image, const DepthImage& depth);
 
-  // The pose of one image in the present maps, from nothing but the image; no pose when its place is not recognised. Leaves
-  // tracking as it is; waits until everything asked of mapping is done. Needs a vocabulary to find places far from the
-  // last one. Errors as above.
+  // The pose of one image in the present maps, from nothing but the image; no pose when its place is not recognised.
+  // Leaves tracking and mapping as they are; waits until the key frames asked for are mapped. Needs a vocabulary to
+  // find places far from the last one. Errors as above.
   using Located = tl::expected<std::optional<Location>, std::string>;
   Located locate_monocular(const GreyImage& image);
   Located locate_stereo(const GreyImage& left, const GreyImage& right);

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "covis/core/aligned.h"
-#include "covis/geometry/camera.h"
 
 namespace covis {
 
@@ -72,7 +71,7 @@ struct Features {
   // Empty, with room for so many key points; for their raw pixels only when asked.
   void start(size_t room, bool distorted);
 
-  AlignedVector<float> x, y;          // undistorted pixel, level-0 scale
+  AlignedVector<float> x, y;          // undistorted pixel, level-0 scale, as the camera that was given would see it
   AlignedVector<float> raw_x, raw_y;  // pixel in the image as it came; empty where x, y are just that: see image_x()
   AlignedVector<float> angle;         // radians in [0, 2 pi)
   AlignedVector<float> u_right;       // column in the (real or virtual) right image; negative: none
@@ -81,7 +80,6 @@ struct Features {
   AlignedVector<Descriptor> descriptor;
   FeatureGrid grid;
   std::shared_ptr<const ScalePyramid> pyramid;
-  Pinhole camera;  // of the undistorted key points
 
   int size() const { return static_cast<int>(x.size()); }
   const AlignedVector<float>& image_x() const { return raw_x.empty() ? x : raw_x; }

@@ -112,8 +112,7 @@ Fields fields(OrbOptions& o) {
 }
 
 struct Frontend::Impl {
-  Impl(const Camera& c, const OrbOptions& options, Sensor sensor)
-      : camera(c), pinhole(c.pinhole), bounds(find_bounds(c)), left(options) {
+  Impl(const Camera& c, const OrbOptions& options, Sensor sensor) : camera(c), bounds(find_bounds(c)), left(options) {
     if (sensor == Sensor::stereo) {
       right.emplace(options);
       worker.emplace(*right);
@@ -124,7 +123,6 @@ struct Frontend::Impl {
   std::shared_ptr<Features> finish(ImageView<const float> depth_image);
 
   const Camera camera;
-  Pinhole pinhole;  // of the undistorted key points: the camera's, or refined
   const ImageBounds bounds;
   OrbExtractor left;
   std::optional<OrbExtractor> right;
@@ -138,7 +136,6 @@ struct Frontend::Impl {
 std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_image) {
   const KeyPoints& k = left.key_points();
   std::shared_ptr<Features> f = ring.next();
-  f->camera = pinhole;
   f->pyramid = left.pyramid();
   const size_t n = k.size();
   f->start(std::max(n, left.most_key_points()), distorted());
@@ -179,10 +176,6 @@ void Frontend::set_feature_budget(int features) {
   impl_->left.set_budget(features);
   if (impl_->right) impl_->right->set_budget(features);
 }
-
-void Frontend::set_pinhole(const Pinhole& pinhole) { impl_->pinhole = pinhole; }
-
-const Pinhole& Frontend::pinhole() const { return impl_->pinhole; }
 
 void Frontend::give_away_last() { impl_->ring.give_away_last(impl_->left.most_key_points(), impl_->distorted()); }
 

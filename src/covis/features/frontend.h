@@ -9,6 +9,7 @@
 #include "covis/core/image.h"
 #include "covis/core/sensor.h"
 #include "covis/features/features.h"
+#include "covis/geometry/camera.h"
 
 namespace covis {
 
@@ -43,9 +44,6 @@ class Frontend {
   // Greatest number of key points wanted (the monocular initialiser asks for more than tracking does).
   void set_feature_budget(int features);
 
-  // Intrinsics that Features get from now on: those given were refined. Their pixels stay as they are.
-  void set_pinhole(const Pinhole& pinhole);
-  const Pinhole& pinhole() const;
   // The features of the last call stay with somebody: others take their place now, rather than when their turn comes.
   void give_away_last();
 

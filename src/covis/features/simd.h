@@ -12,12 +12,6 @@
 
 #include "covis/features/features.h"
 
-// The kernels hold vectors in arrays; those of SVE have no size that is known. NEON serves there. To be known before
-// Highway is included.
-#ifndef HWY_DISABLED_TARGETS
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
-#endif
-
 namespace covis {
 
 // The instruction sets that this machine and this build have, best first, by their Highway names in small letters, and at

@@ -14,11 +14,10 @@ inline Descriptor random_descriptor(Random& random) {
   return {{random.next(), random.next(), random.next(), random.next()}};
 }
 
-// Without key points. 640 x 480 pixels; one metre of depth is 40 pixels of disparity.
-inline Features no_features(const Pinhole& camera = {500, 500, 320, 240, 40}) {
+// Without key points.
+inline Features no_features() {
   Features f;
   f.pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
-  f.camera = camera;
   return f;
 }
 
@@ -30,8 +29,8 @@ struct TestKeyPoint {
   double depth = 0, u_right = -1;  // where one is given, the other follows
 };
 
-inline void add(Features& f, const TestKeyPoint& k) {
-  const double bf = f.camera.bf;
+// bf: pixels of disparity at a depth of one metre (Pinhole::bf).
+inline void add(Features& f, const TestKeyPoint& k, double bf = 40) {
   f.x.push_back(static_cast<float>(k.x));
   f.y.push_back(static_cast<float>(k.y));
   f.angle.push_back(static_cast<float>(k.angle));
@@ -44,7 +43,7 @@ inline void add(Features& f, const TestKeyPoint& k) {
 // To be called after the last key point.
 inline void finish(Features& f, const ImageBounds& bounds = {0, 0, 640, 480}) { f.grid.build(bounds, f.x, f.y); }
 
-// Anywhere in the image, of all levels, all of one depth (0: none).
+// Anywhere in an image of 640 x 480, of all levels, all of one depth (0: none).
 inline FeaturesPtr random_features(Random& random, int count, double depth) {
   auto f = std::make_shared<Features>(no_features());
   for (int i = 0; i < count; ++i) {

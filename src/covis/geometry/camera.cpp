@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/geometry/camera.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -127,6 +129,32 @@ std::optional<Eigen::Vector2d> Camera::undistort(const Eigen::Vector2d& pixel) c
   const auto ray = unproject(pixel);
   if (!ray || !(ray->z() > 1e-6)) return std::nullopt;
   return pinhole.project(*ray);
+}
+
+std::string difference(const Camera& camera, const Camera& other) {
+  std::string text;
+  const auto compare = [&](const std::string& name, double a, double b) {
+    constexpr double kDigits = 1e-6;
+    if (std::abs(a - b) <= kDigits * std::max(1.0, std::abs(a))) return;
+    char figures[64];
+    std::snprintf(figures, sizeof figures, " %.6g instead of %.6g", b, a);
+    text += (text.empty() ? "" : ", ") + name + figures;
+  };
+  compare("width", camera.width, other.width);
+  compare("height", camera.height, other.height);
+  const Pinhole &p = camera.pinhole, &q = other.pinhole;
+  compare("fx", p.fx, q.fx);
+  compare("fy", p.fy, q.fy);
+  compare("cx", p.cx, q.cx);
+  compare("cy", p.cy, q.cy);
+  compare("base line", p.baseline(), q.baseline());
+  if (camera.distortion != other.distortion) {
+    text += text.empty() ? "another lens" : ", another lens";
+  } else if (camera.distortion != Distortion::none) {
+    for (size_t k = 0; k < camera.coefficients.size(); ++k)
+      compare("lens coefficient " + std::to_string(k + 1), camera.coefficients[k], other.coefficients[k]);
+  }
+  return text;
 }
 
 }  // namespace covis

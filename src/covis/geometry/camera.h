@@ -24,6 +24,7 @@ struct Pinhole {
   }
   // The ray through a pixel, with z = 1.
   Eigen::Vector3d unproject(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1.0}; }
+  friend bool operator==(const Pinhole&, const Pinhole&) = default;
 };
 
 enum class Distortion { none, brown_conrady, kannala_brandt };
@@ -44,5 +45,9 @@ struct Camera {
   // (Distorted) pixel to where the ideal pinhole would see it; nothing for rays at 90 degrees and beyond.
   std::optional<Eigen::Vector2d> undistort(const Eigen::Vector2d& pixel) const;
 };
+
+// What of `other` differs from `camera` by more than the digits of a file, as text ("fx 718.9 instead of 707.1, …");
+// empty when nothing does.
+std::string difference(const Camera& camera, const Camera& other);
 
 }  // namespace covis

@@ -284,5 +284,24 @@ TEST(TwoView, RefusesWhatTellsNoDepth) {
   EXPECT_EQ(reconstruct_two_views({}, camera, {}).status, TwoViewStatus::too_few_matches);
 }
 
+TEST(Camera, WhatDiffersIsNamed) {
+  const Camera a{640, 480, {500, 500, 320, 240, 40}, Distortion::brown_conrady, {0.1, 0.01, 0, 0, 0}};
+  EXPECT_EQ(difference(a, a), "");
+  Camera b = a;
+  b.pinhole.fx *= 1 + 1e-8;  // the digits of a file
+  EXPECT_EQ(difference(a, b), "");
+  b.pinhole.fx = b.pinhole.fy = 510;
+  b.pinhole.bf = 510 * 0.08;
+  EXPECT_EQ(difference(a, b), "fx 510 instead of 500, fy 510 instead of 500");
+  b = a;
+  b.width = 320;
+  b.coefficients[1] = 0.02;
+  EXPECT_EQ(difference(a, b), "width 320 instead of 640, lens coefficient 2 0.02 instead of 0.01");
+  b = a;
+  b.pinhole.bf = 50;
+  b.distortion = Distortion::none;
+  EXPECT_EQ(difference(a, b), "base line 0.1 instead of 0.08, another lens");
+}
+
 }  // namespace
 }  // namespace covis

@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "covis/core/log.h"
 #include "covis/io/files.h"
 #include "covis/io/map_file_format.h"
 
@@ -132,12 +133,12 @@ std::string problem_of(const MapHeader& h) {
 
 // ---- Writing ----
 
-FrameRecord record_of(const KeyFrameState& k) {
+FrameRecord record_of(const KeyFrameState& k, const Pinhole& camera) {
   const Features& f = *k.features;
   FrameRecord r;
   Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.R.data()) = k.T_cw.R();
   Eigen::Map<Eigen::Vector3d>(r.t.data()) = k.T_cw.t();
-  r.camera = f.camera;
+  r.camera = camera;
   r.bounds = f.grid.bounds;
   r.features = static_cast<uint32_t>(f.size());
   r.levels = f.pyramid->levels;
@@ -149,7 +150,7 @@ std::vector<Section> sections_of(const MapState& map, const MapHeader& header) {
   const Counts counts = counts_of(map);
   FieldWriter about, key_frames, features, observations, points;
   for (const KeyFrameState& k : map.key_frames) {
-    const FrameRecord record = record_of(k);
+    const FrameRecord record = record_of(k, map.camera);
     key_frame_fields(key_frames, k, record);
     observations.array(k.points.data(), k.points.size());
   }
@@ -230,7 +231,7 @@ Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& re
       f->raw_y = std::move(image_y);
     }
     f->pyramid = pyramid;
-    f->camera = r.camera;
+    if (!valid_camera(r.camera)) return fail(file.error(name + "has no valid camera"));
     const std::string problem = covis::problem_of(*f, r.bounds);
     if (!problem.empty()) return fail(file.error(name + problem));
     f->grid.build(r.bounds, f->x, f->y);
@@ -258,7 +259,20 @@ Result<void> read_points(SectionFile& file, uint32_t count, std::vector<MapPoint
   return {};
 }
 
-Result<MapState> read_state(SectionFile& file, const Counts& counts) {
+// The one of all key frames. Early versions could leave key frames of two in a map: the first key frame's serves then,
+// as in any adjustment they made.
+Pinhole camera_of(const std::vector<FrameRecord>& records, const SectionFile& file) {
+  const Pinhole& first = records.front().camera;
+  const auto others =
+      std::count_if(records.begin(), records.end(), [&](const FrameRecord& r) { return r.camera != first; });
+  if (others > 0) {
+    log(LogLevel::warning, file.error("its key frames are of several cameras, " + std::to_string(others) +
+                                      " of others than the first: that one's focal length is taken for all"));
+  }
+  return first;
+}
+
+Result<MapState> read_state(SectionFile& file, const Counts& counts, const Pinhole& given) {
   MapState state;
   state.root = counts.root;
   state.next_serial = counts.next_serial;
@@ -266,6 +280,7 @@ Result<MapState> read_state(SectionFile& file, const Counts& counts) {
   auto key_frames = read_key_frames(file, counts.key_frames, records);
   if (!key_frames) return tl::unexpected(key_frames.error());
   state.key_frames = std::move(*key_frames);
+  state.camera = records.empty() ? given : camera_of(records, file);
   Result<void> read = read_features(file, records, state.key_frames);
   if (read) read = read_observations(file, state.key_frames);
   if (read) read = read_points(file, counts.points, state.points);
@@ -291,7 +306,7 @@ Result<SavedMap> load_map(const std::filesystem::path& path) {
   if (!file) return tl::unexpected(file.error());
   const auto about = read_about(*file);
   if (!about) return tl::unexpected(about.error());
-  auto state = read_state(*file, about->counts);
+  auto state = read_state(*file, about->counts, about->header.camera.pinhole);
   if (!state) return tl::unexpected(state.error());
   auto map = Map::from_state(std::move(*state));
   if (!map) return fail(file->error("its map is not sound: " + map.error().message));

@@ -20,7 +20,7 @@
 namespace covis::io {
 
 inline constexpr uint16_t kMapFileMajor = 1;  // files of another one can't be read
-inline constexpr uint16_t kMapFileMinor = 1;  // a newer one only adds sections, which are skipped
+inline constexpr uint16_t kMapFileMinor = 1;  // a newer one moves no field: read, but for what it may newly contain
 
 static_assert(std::endian::native == std::endian::little, "fields go to the file as they lie in memory");
 

@@ -11,6 +11,7 @@
 #include <functional>
 #include <limits>
 
+#include "covis/core/log.h"
 #include "covis/io/files.h"
 #include "covis/io/map_file_format.h"
 #include "covis/io/test_maps.h"
@@ -75,6 +76,7 @@ TEST_F(MapFile, RawPixelsAreInTheFileAndKeptOnlyWhereTheyDiffer) {
     features->raw_y = features->y;
     if (differ) features->raw_y[17] += 0.5f;
     Map map;
+    map.set_camera(refined_camera());
     map.begin_part(0, 0, SE3(), features);
     const std::string bytes = bytes_of(map);
     const auto loaded = load_map(file());
@@ -90,6 +92,8 @@ TEST_F(MapFile, RawPixelsAreInTheFileAndKeptOnlyWhereTheyDiffer) {
 TEST_F(MapFile, EmptyMapAndSmallMaps) {
   Map map;
   const std::string empty = bytes_of(map);
+  EXPECT_EQ(load_map(file())->map.camera(), test_header().camera.pinhole) << "nothing refined";
+  map.set_camera(refined_camera());
   EXPECT_EQ(load_map(file())->map.key_frame_count(), 0u);
   EXPECT_EQ(bytes_of(load_map(file())->map), empty);
   Random random(1);
@@ -126,8 +130,29 @@ TEST_F(MapFile, LoadedMapGoesOn) {
   EXPECT_EQ(on.key_frame_count(), on.parts().size()) << "roots stay";
 }
 
+// Early versions could leave key frames of two cameras in a map.
+TEST_F(MapFile, KeyFramesOfTwoCamerasGetTheFirstOnes) {
+  bytes_of(random_map(3, 300));
+  // Of the last key frame: fx, … lie before its bounds, pyramid and loop edges. Found by its bytes.
+  const std::string changed = with_changed(2, [](std::string& bytes) {
+    const double fx = refined_camera().fx, other = fx + 3;
+    const size_t at = bytes.rfind(std::string(reinterpret_cast<const char*>(&fx), sizeof fx));
+    ASSERT_NE(at, std::string::npos);
+    bytes.replace(at, sizeof other, reinterpret_cast<const char*>(&other), sizeof other);
+  });
+  write("two.covis", changed);
+  std::string said;
+  set_log_sink([&](LogLevel, std::string_view text) { said += text; });
+  const auto loaded = load_map(folder / "two.covis");
+  set_log_sink({});
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->map.camera(), refined_camera());
+  EXPECT_THAT(said, HasSubstr("several cameras"));
+}
+
 TEST_F(MapFile, InfoSaysWhatIsInIt) {
   Map map;
+  map.set_camera(refined_camera());
   Random random(1);
   const auto at = [](double x, double y, double z) {
     return SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(-x, -y, -z));

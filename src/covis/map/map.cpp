@@ -146,17 +146,13 @@ void Map::set_words(KeyFrameId id, std::shared_ptr<const Words> words) {
 bool Map::correct_pose(KeyFrameId id, const SE3& T_cw, double growth) {
   if (!set_pose(id, T_cw)) return false;
   key_frames_.at(id).scale *= growth;
-  ++moves_;
+  count_move();
   return true;
 }
 
 void Map::set_camera(const Pinhole& camera) {
-  for (const KeyFrameId& id : key_frames()) {
-    KeyFrame& key_frame = key_frames_.at(id);
-    auto refined = std::make_shared<Features>(*key_frame.features);  // others may hold the old ones
-    refined->camera = camera;
-    key_frame.features = std::move(refined);
-  }
+  camera_ = camera;
+  count_move();
 }
 
 void Map::protect(KeyFrameId id) { ++key_frames_.at(id).protections; }

@@ -8,6 +8,8 @@
 // the parts are joined (the "Atlas" of Elvira, Tardós, Montiel, IROS 2019, within one container). Each part has a world
 // and a spanning tree of its own, and no point is seen from two parts. A map made without a loss has one part.
 //
+// All of it was seen by one camera: key frames hold pixels, the map the intrinsics, which may be refined as it grows.
+//
 // Units: metres. Frames: w the world, c a camera. All containers iterate in an order that depends on the operations
 // alone, never on addresses.
 #pragma once
@@ -25,6 +27,7 @@
 #include "covis/core/ids.h"
 #include "covis/core/time.h"
 #include "covis/features/features.h"
+#include "covis/geometry/camera.h"
 #include "covis/geometry/se3.h"
 #include "covis/geometry/sim3.h"
 #include "covis/map/key_frame_database.h"
@@ -110,8 +113,6 @@ class Map {
   // The correction of a loop: the pose, and the factor by which lengths near this key frame grew. Counted by moves(), as
   // is join_parts(): what was read of the map before such a move does not fit what is read after it.
   bool correct_pose(KeyFrameId id, const SE3& T_cw, double growth);
-  // Gives every key frame these intrinsics: those it was made with were refined.
-  void set_camera(const Pinhole& camera);
   void protect(KeyFrameId id);
   void unprotect(KeyFrameId id);
   void add_loop_edge(KeyFrameId a, KeyFrameId b);
@@ -131,6 +132,13 @@ class Map {
   std::optional<Resolved> resolve(KeyFrameId id) const;
 
   uint64_t moves() const { return moves_; }
+  // All of it was adjusted: counted by moves().
+  void count_move() { ++moves_; }
+
+  // ---- The camera ----
+  // Of the undistorted key points of every key frame, which stay as they are when it is refined. Counted by moves().
+  const Pinhole& camera() const { return camera_; }
+  void set_camera(const Pinhole& camera);
 
   // ---- Parts ----
   const std::vector<MapPart>& parts() const { return parts_; }  // by rising number: the oldest first
@@ -215,6 +223,7 @@ class Map {
   std::unordered_map<MapPointId, MapPointId> replaced_by_;   // looked up, never iterated
   std::unordered_map<KeyFrameId, Ancestor> erased_frames_;   // looked up, never iterated
   KeyFrameDatabase database_;
+  Pinhole camera_;
   std::vector<MapPart> parts_;  // by rising number; each has a key frame
   uint32_t next_part_ = 0;
   uint32_t next_serial_ = 0;

@@ -22,11 +22,6 @@ bool are_finite(const AlignedVector<float>& values) {
   return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
 }
 
-bool valid_camera(const Pinhole& c) {
-  return std::isfinite(c.fx) && std::isfinite(c.fy) && std::isfinite(c.cx) && std::isfinite(c.cy) &&
-         std::isfinite(c.bf) && c.fx > 0 && c.fy > 0 && c.bf >= 0;
-}
-
 bool valid_bounds(const ImageBounds& b) {
   for (const float v : {b.min_x, b.min_y, b.max_x, b.max_y}) {
     if (!(std::abs(v) <= kMaxPixel)) return false;
@@ -70,6 +65,11 @@ std::string problem_of(const MapState& state, const MapPointState& p) {
 // Beyond it a float can't hold the levels' variances.
 bool valid_pyramid(int levels, float factor) { return levels >= 1 && levels <= 32 && factor >= 1 && factor <= 4; }
 
+bool valid_camera(const Pinhole& c) {
+  return std::isfinite(c.fx) && std::isfinite(c.fy) && std::isfinite(c.cx) && std::isfinite(c.cy) &&
+         std::isfinite(c.bf) && c.fx > 0 && c.fy > 0 && c.bf >= 0;
+}
+
 std::string problem_of(const Features& f, const ImageBounds& bounds) {
   const size_t n = f.x.size();
   if (f.y.size() != n || f.image_x().size() != n || f.image_y().size() != n || f.angle.size() != n ||
@@ -78,7 +78,6 @@ std::string problem_of(const Features& f, const ImageBounds& bounds) {
   }
   if (n > kMaxFeatures) return "has more features than an image gives";
   if (!f.pyramid || !valid_pyramid(f.pyramid->levels, f.pyramid->factor)) return "has no valid pyramid";
-  if (!valid_camera(f.camera)) return "has no valid camera";
   if (!valid_bounds(bounds)) return "has no valid image bounds";
   if (!are_pixels(f.x) || !are_pixels(f.y) || !are_pixels(f.raw_x) || !are_pixels(f.raw_y)) {
     return "has a feature outside any image";
@@ -94,6 +93,7 @@ std::string problem_of(const Features& f, const ImageBounds& bounds) {
 
 std::string problem_of(const MapState& state) {
   if (state.key_frames.size() >= kNone || state.points.size() >= kNone) return "there is too much of it";
+  if (!state.key_frames.empty() && !valid_camera(state.camera)) return "it has no valid camera";
   for (size_t i = 0; i < state.key_frames.size(); ++i) {
     if (const std::string problem = problem_of(state, i); !problem.empty()) return frame_name(i) + " " + problem;
   }
@@ -112,6 +112,7 @@ std::string problem_of(const MapState& state) {
 MapState Map::state() const {
   MapState state;
   state.next_serial = next_serial_;
+  state.camera = camera_;
   const std::vector<KeyFrameId> frames = key_frames();
   std::vector<uint32_t> frame_index, point_index;  // by slot
   for (size_t i = 0; i < frames.size(); ++i) {
@@ -218,6 +219,7 @@ Result<Map> Map::from_state(MapState state) {
   }
   for (size_t i = 0; i < points.size(); ++i) map.points_.at(points[i]).reference = frames[state.points[i].reference];
   map.next_serial_ = state.next_serial;
+  map.camera_ = state.camera;
   map.find_parts(frames);
   map.rebuild_shared();
   if (const std::string problem = map.check(); !problem.empty()) return fail(problem);

@@ -40,6 +40,9 @@ class SharedMap {
     Map* map_;
   };
 
+  SharedMap() = default;
+  explicit SharedMap(const Pinhole& camera) { map_.set_camera(camera); }
+
   ReadGuard read() const { return {map_, mutex_}; }
   WriteGuard write() { return {map_, mutex_}; }
 

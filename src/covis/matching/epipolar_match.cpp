@@ -10,28 +10,25 @@ namespace covis {
 namespace {
 
 // F with x_b' F x_a = 0 for homogeneous pixels.
-Eigen::Matrix3d fundamental(const Pinhole& a, const Pinhole& b, const SE3& T_ba) {
-  const auto inverse_k = [](const Pinhole& c) {
-    Eigen::Matrix3d k;
-    k << 1 / c.fx, 0, -c.cx / c.fx, 0, 1 / c.fy, -c.cy / c.fy, 0, 0, 1;
-    return k;
-  };
-  return inverse_k(b).transpose() * hat(T_ba.t()) * T_ba.R() * inverse_k(a);
+Eigen::Matrix3d fundamental(const Pinhole& c, const SE3& T_ba) {
+  Eigen::Matrix3d inverse_k;
+  inverse_k << 1 / c.fx, 0, -c.cx / c.fx, 0, 1 / c.fy, -c.cy / c.fy, 0, 0, 1;
+  return inverse_k.transpose() * hat(T_ba.t()) * T_ba.R() * inverse_k;
 }
 
 }  // namespace
 
-std::vector<FeatureMatch> match_epipolar(const Features& a, std::span<const uint8_t> use_a, const Features& b,
-                                         std::span<const uint8_t> use_b, const SE3& T_ba,
+std::vector<FeatureMatch> match_epipolar(const Pinhole& camera, const Features& a, std::span<const uint8_t> use_a,
+                                         const Features& b, std::span<const uint8_t> use_b, const SE3& T_ba,
                                          const EpipolarMatchOptions& options) {
   std::vector<int32_t> to;  // features of b
   for (int32_t j = 0; j < b.size(); ++j) {
     if (use_b.empty() || use_b[static_cast<size_t>(j)]) to.push_back(j);
   }
   const size_t n = to.size();
-  const Eigen::Matrix3d F = fundamental(a.camera, b.camera, T_ba);
+  const Eigen::Matrix3d F = fundamental(camera, T_ba);
   std::optional<Eigen::Vector2d> epipole;
-  if (T_ba.t().z() > 0) epipole = b.camera.project(T_ba.t());
+  if (T_ba.t().z() > 0) epipole = camera.project(T_ba.t());
 
   // The line first: it rejects most, and costs less than comparing descriptors.
   LinePoints points(n);

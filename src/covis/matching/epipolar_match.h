@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "covis/features/features.h"
+#include "covis/geometry/camera.h"
 #include "covis/geometry/se3.h"
 #include "covis/matching/descriptor_match.h"
 
@@ -23,9 +24,10 @@ struct EpipolarMatchOptions {
 };
 
 // Matches features of `a` (those with use_a[i] != 0) to features of `b` (likewise) that lie near their epipolar lines.
-// T_ba takes camera a to camera b. Each feature of b at most once (the most similar). Sorted by a.
-std::vector<FeatureMatch> match_epipolar(const Features& a, std::span<const uint8_t> use_a, const Features& b,
-                                         std::span<const uint8_t> use_b, const SE3& T_ba,
+// T_ba takes camera a to camera b, both of the same intrinsics. Each feature of b at most once (the most similar).
+// Sorted by a.
+std::vector<FeatureMatch> match_epipolar(const Pinhole& camera, const Features& a, std::span<const uint8_t> use_a,
+                                         const Features& b, std::span<const uint8_t> use_b, const SE3& T_ba,
                                          const EpipolarMatchOptions& options);
 
 }  // namespace covis

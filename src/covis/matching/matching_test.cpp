@@ -39,7 +39,7 @@ void add(Features& f, float x, float y, int level, const Descriptor& d) {
 TEST(NearestRow, FindsTheTwoNearestAndTheNearestOfEachColumn) {
   Random random(77);
   for (const size_t count : {0u, 1u, 2u, 7u, 8u, 9u, 100u, 1003u}) {
-    Features f = no_features(kCamera);
+    Features f = no_features();
     for (size_t j = 0; j < count; ++j) {
       // Few different ones, so that there are ties.
       add(f, 1, 1, 0, {{random.below(4), j % 3 ? 0 : ~uint64_t{0}, random.below(3), random.below(2)}});
@@ -100,7 +100,7 @@ TEST(NearLine, FindsByEveryInstructionSetWhatAPlainSearchFinds) {
 TEST(WindowMatch, FindsTheMostSimilarInTheWindowOnly) {
   Random random(1);
   const Descriptor wanted = random_descriptor(random);
-  Features f = no_features(kCamera);
+  Features f = no_features();
   add(f, 100, 100, 2, turned(wanted, 30, random));  // inside, similar
   add(f, 105, 100, 2, turned(wanted, 10, random));  // inside, more similar
   add(f, 140, 100, 2, wanted);                      // the same, but outside
@@ -123,7 +123,7 @@ TEST(WindowMatch, RatioIsAskedWithinOneLevelOnly) {
   Random random(2);
   const Descriptor wanted = random_descriptor(random);
   for (const int second_level : {2, 3}) {
-    Features f = no_features(kCamera);
+    Features f = no_features();
     add(f, 100, 100, 2, turned(wanted, 20, random));
     add(f, 103, 100, second_level, turned(wanted, 22, random));
     finish(f);
@@ -138,7 +138,7 @@ TEST(WindowMatch, AFeatureGoesToTheMoreSimilarQuery) {
   Random random(3);
   const Descriptor a = random_descriptor(random);
   const Descriptor b = turned(a, 40, random);
-  Features f = no_features(kCamera);
+  Features f = no_features();
   add(f, 100, 100, 0, turned(a, 5, random));
   finish(f);
   WindowMatcher matcher;
@@ -153,7 +153,7 @@ TEST(WindowMatch, AFeatureGoesToTheMoreSimilarQuery) {
 TEST(WindowMatch, ChecksTheRightColumnAndChiSquare) {
   Random random(4);
   const Descriptor wanted = random_descriptor(random);
-  Features f = no_features(kCamera);
+  Features f = no_features();
   add(f, {.x = 100, .y = 100, .descriptor = wanted, .u_right = 80});
   finish(f);
   WindowMatcher matcher;
@@ -188,7 +188,7 @@ TEST(CheckRotation, KeepsTheBulkWhateverItsAngle) {
 
 TEST(DescriptorMatch, FindsAPermutationAndSkipsWhatIsAmbiguousOrUnused) {
   Random random(6);
-  Features a = no_features(kCamera), b = no_features(kCamera);
+  Features a = no_features(), b = no_features();
   constexpr int kCount = 200;
   for (int i = 0; i < kCount; ++i) add(a, 10, 10, 0, random_descriptor(random));
   for (int i = 0; i < kCount; ++i) {
@@ -205,7 +205,7 @@ TEST(DescriptorMatch, FindsAPermutationAndSkipsWhatIsAmbiguousOrUnused) {
 TEST(EpipolarMatch, TakesTheOneNearTheLine) {
   Random random(7);
   const SE3 T_ba(so3_exp({0.02, -0.05, 0.01}), Eigen::Vector3d(-0.4, 0.05, 0.02));
-  Features a = no_features(kCamera), b = no_features(kCamera);
+  Features a = no_features(), b = no_features();
   int expected = 0;
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector3d p_a(random.uniform(-2, 2), random.uniform(-1.5, 1.5), random.uniform(3, 8));
@@ -216,7 +216,7 @@ TEST(EpipolarMatch, TakesTheOneNearTheLine) {
     add(b, static_cast<float>(at_b.x()), static_cast<float>(at_b.y()) + (off ? 8.0f : 0.0f), 0, turned(d, 20, random));
     if (!off) ++expected;
   }
-  const auto matches = match_epipolar(a, {}, b, {}, T_ba, {});
+  const auto matches = match_epipolar(kCamera, a, {}, b, {}, T_ba, {});
   EXPECT_EQ(static_cast<int>(matches.size()), expected);
   for (const FeatureMatch& m : matches) {
     EXPECT_EQ(m.a, m.b);
@@ -227,12 +227,12 @@ TEST(EpipolarMatch, TakesTheOneNearTheLine) {
 TEST(EpipolarMatch, StaysAwayFromTheEpipole) {
   Random random(8);
   const SE3 T_ba(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, 0, 1));  // straight ahead: the epipole is the centre
-  Features a = no_features(kCamera), b = no_features(kCamera);
+  Features a = no_features(), b = no_features();
   const Descriptor d = random_descriptor(random);
   add(a, 321, 240, 0, d);
   add(b, 322, 240, 0, d);
-  EXPECT_TRUE(match_epipolar(a, {}, b, {}, T_ba, {}).empty());
-  EXPECT_EQ(match_epipolar(a, {}, b, {}, T_ba, {.epipole_margin = 1}).size(), 1u);
+  EXPECT_TRUE(match_epipolar(kCamera, a, {}, b, {}, T_ba, {}).empty());
+  EXPECT_EQ(match_epipolar(kCamera, a, {}, b, {}, T_ba, {.epipole_margin = 1}).size(), 1u);
 }
 
 }  // namespace

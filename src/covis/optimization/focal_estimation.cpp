@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/optimization/focal_estimation.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -8,28 +9,36 @@ namespace covis {
 
 FocalEstimate estimate_focal(const BundleProblem& problem, BundleAdjuster& adjuster,
                              const std::atomic<bool>* interrupt) {
-  constexpr double kStep = 0.01;  // of the factor, between the three
-  constexpr double kLeastCost = 1e-9;
+  constexpr double kStep = 0.01;           // of the factor, between the three
+  constexpr double kLeastVariance = 1e-6;  // no key point is known better than to a thousandth of its sigma
   FocalEstimate estimate;
-  std::array<double, 3> cost{};
+  std::array<double, 3> costs{};
   for (size_t k = 0; k < 3; ++k) {
     BundleProblem copy = problem;
     copy.camera = with_focal(problem.camera, 1 + kStep * (static_cast<double>(k) - 1));
-    const BundleSummary summary =
-        adjuster.solve(copy, {.iterations = 40, .robust = false, .relative_cost_change = 1e-7, .interrupt = interrupt});
-    if (!summary.ok || summary.interrupted) return estimate;
-    cost[k] = summary.final_cost;
+    const std::optional<double> cost = adjusted_cost(copy, adjuster, interrupt);
+    if (!cost) return estimate;
+    costs[k] = *cost;
   }
-  const double curvature = cost[0] + cost[2] - 2 * cost[1];
+  const double curvature = costs[0] + costs[2] - 2 * costs[1];
   double freedom = -3.0 * static_cast<double>(problem.points.size());
   for (const BundleObservation& o : problem.observations) freedom += !o.active ? 0 : o.u_right >= 0 ? 3 : 2;
   for (const uint8_t fixed : problem.fixed) freedom -= fixed ? 0 : 6;
-  if (!(curvature > kLeastCost) || !(freedom > 0)) return estimate;
-  const double variance = cost[1] / freedom;  // of an observation, in units of the sigma it was given
-  estimate.factor = 1 + kStep * (cost[0] - cost[2]) / (2 * curvature);
-  estimate.sigma = kStep * std::sqrt(2 * variance / curvature);
+  if (!(curvature > 0) || !(freedom > 0)) return estimate;
+  estimate.cost = costs[1];
+  estimate.variance = std::max(costs[1] / freedom, kLeastVariance);
+  estimate.factor = 1 + kStep * (costs[0] - costs[2]) / (2 * curvature);
+  estimate.sigma = kStep * std::sqrt(2 * estimate.variance / curvature);
   estimate.ok = std::isfinite(estimate.factor) && std::isfinite(estimate.sigma);
   return estimate;
+}
+
+std::optional<double> adjusted_cost(BundleProblem& problem, BundleAdjuster& adjuster,
+                                    const std::atomic<bool>* interrupt) {
+  const BundleSummary summary = adjuster.solve(
+      problem, {.iterations = 40, .robust = false, .relative_cost_change = 1e-7, .interrupt = interrupt});
+  if (!summary.ok || summary.interrupted) return std::nullopt;
+  return summary.final_cost;
 }
 
 Pinhole with_focal(const Pinhole& camera, double factor) {

@@ -5,6 +5,9 @@
 // subset of the parameters, section 6.1; covariance from it, section 9.3.3).
 #pragma once
 
+#include <atomic>
+#include <optional>
+
 #include "covis/optimization/bundle_adjustment.h"
 
 namespace covis {
@@ -13,11 +16,19 @@ struct FocalEstimate {
   bool ok = false;    // false: interrupted, or the cost has no minimum near here (motion that tells nothing of it)
   double factor = 1;  // of fx and fy, the best
   double sigma = 0;   // standard deviation of the factor, the noise taken from the cost itself
+  double cost = 0;    // adjusted, at factor 1
+  double variance =
+      0;  // of an observation, in units of that it was given: a cost that is greater by so much is 1 sigma off
 };
 
 // `problem` must have been adjusted and its outliers classified: all is done on copies of it, without robust weights.
 FocalEstimate estimate_focal(const BundleProblem& problem, BundleAdjuster& adjuster,
                              const std::atomic<bool>* interrupt = nullptr);
+
+// Adjusts the problem until nothing is gained, as the estimate does: without robust weights, so that costs can be
+// compared. Nothing when interrupted.
+std::optional<double> adjusted_cost(BundleProblem& problem, BundleAdjuster& adjuster,
+                                    const std::atomic<bool>* interrupt = nullptr);
 
 // The camera with its focal lengths times `factor`; what depends on the base line stays.
 Pinhole with_focal(const Pinhole& camera, double factor);

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The focal length adjusted beside other work on a monocular map.
+#include "covis/slam/focal_refinement.h"
+
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "covis/core/random.h"
 #include "covis/slam/global_adjuster.h"
@@ -24,13 +28,13 @@ void drive(SharedMap& shared, double claimed) {
     places.push_back(T_wc[p % 16] *
                      Eigen::Vector3d(random.uniform(-4, 4), random.uniform(-3, 3), random.uniform(4, 14)));
   const auto map = shared.write();
+  map->set_camera({500 * claimed, 500 * claimed, 320, 240, 0});
   const auto pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
   std::vector<MapPointId> points(places.size());
   for (const SE3& pose : T_wc) {
     const SE3 T_cw = pose.inverse();
     auto f = std::make_shared<Features>();
     f->pyramid = pyramid;
-    f->camera = {500 * claimed, 500 * claimed, 320, 240, 0};
     std::vector<size_t> seen;
     for (size_t p = 0; p < places.size(); ++p) {
       const Eigen::Vector3d p_c = T_cw * places[p];
@@ -61,45 +65,129 @@ void drive(SharedMap& shared, double claimed) {
   }
 }
 
-TEST(FocalRefinement, GivesTheMapTheCameraItTells) {
-  SharedMap map;
-  drive(map, 1.02);
+constexpr double kTruth = 500;  // pixels
+
+GlobalAdjuster::Outcome refine(SharedMap& map, double given_fx) {
   GlobalAdjuster adjuster;
-  adjuster.start_focal(map, map.read()->root(), 510);
-  ASSERT_TRUE(adjuster.running());
-  EXPECT_TRUE(adjuster.refines_focal());
-  adjuster.commit(map);
-  ASSERT_TRUE(adjuster.refined_camera());
-  EXPECT_NEAR(adjuster.refined_camera()->fx, 500, 2.5);
-  const auto m = map.read();
-  EXPECT_EQ(m->check(), "");
-  for (const KeyFrameId& id : m->key_frames()) EXPECT_EQ(m->at(id).features->camera.fx, adjuster.refined_camera()->fx);
+  adjuster.start(map, map.read()->root(), FocalSchedule::kIterations, given_fx);
+  EXPECT_TRUE(adjuster.running());
+  const GlobalAdjuster::Outcome outcome = adjuster.commit(map);
+  EXPECT_FALSE(adjuster.running());
+  EXPECT_TRUE(outcome.focal);
+  EXPECT_EQ(map.read()->check(), "");
+  return outcome;
+}
+
+// Mean distance of the points' projections to where they were seen, pixels.
+double reprojection_error(const Map& map) {
+  double sum = 0, count = 0;
+  map.for_each_point([&](MapPointId, const MapPoint& point) {
+    for (const Observation& o : point.observations) {
+      const KeyFrame& key_frame = map.at(o.key_frame);
+      const Eigen::Vector2d at = map.camera().project(key_frame.T_cw * point.position_w);
+      sum += std::hypot(at.x() - key_frame.features->x[o.feature], at.y() - key_frame.features->y[o.feature]);
+      ++count;
+    }
+  });
+  return sum / count;
+}
+
+// Half of the error left is not enough, and neither is the camera without the map.
+TEST(FocalRefinement, GivesTheMapTheCameraItTells) {
+  for (const double claimed : {0.985, 1.02}) {
+    SharedMap map;
+    drive(map, claimed);
+    const double before = std::abs(map.read()->camera().fx - kTruth);
+    ASSERT_GT(before, 7);
+    const uint64_t moves = map.read()->moves();
+    EXPECT_TRUE(refine(map, claimed * kTruth).taken_over);
+    const auto m = map.read();
+    EXPECT_LT(std::abs(m->camera().fx - kTruth), 1.5) << "the error was " << before << " pixels";
+    EXPECT_EQ(m->camera().fy, m->camera().fx);
+    EXPECT_EQ(m->camera().cx, 320);
+    EXPECT_GT(m->moves(), moves);
+    EXPECT_LT(reprojection_error(*m), 0.45) << "key points are half a pixel off at most, 0.38 in the mean";
+  }
 }
 
 TEST(FocalRefinement, LeavesARightOneAndTheMap) {
   SharedMap map;
   drive(map, 1.0);
+  const uint64_t moves = map.read()->moves();
   std::vector<SE3> before;
   for (const KeyFrameId& id : map.read()->key_frames()) before.push_back(map.read()->at(id).T_cw);
-  GlobalAdjuster adjuster;
-  adjuster.start_focal(map, map.read()->root(), 500);
-  adjuster.commit(map);
-  EXPECT_FALSE(adjuster.refined_camera());
+  EXPECT_FALSE(refine(map, kTruth).taken_over);
   const auto m = map.read();
+  EXPECT_EQ(m->camera().fx, kTruth);
+  EXPECT_EQ(m->moves(), moves);
   size_t k = 0;
-  for (const KeyFrameId& id : m->key_frames()) {
-    EXPECT_EQ(m->at(id).features->camera.fx, 500);
-    EXPECT_EQ(m->at(id).T_cw.t(), before[k++].t());
-  }
+  for (const KeyFrameId& id : m->key_frames()) EXPECT_EQ(m->at(id).T_cw.t(), before[k++].t());
 }
 
+// No farther at once than the estimate is good for; the next one goes on from there.
+TEST(FocalRefinement, AGreatErrorTakesTwoRounds) {
+  SharedMap map;
+  drive(map, 1.035);
+  EXPECT_TRUE(refine(map, 1.035 * kTruth).taken_over);
+  EXPECT_NEAR(map.read()->camera().fx, 1.035 * 0.98 * kTruth, 1e-6);
+  EXPECT_TRUE(refine(map, 1.035 * kTruth).taken_over);
+  EXPECT_NEAR(map.read()->camera().fx, kTruth, 2.5);
+}
+
+// What the map tells is more than 5 % from the one given, however near the present one is.
 TEST(FocalRefinement, KeepsNearTheGivenOne) {
   SharedMap map;
   drive(map, 1.02);
-  GlobalAdjuster adjuster;
-  adjuster.start_focal(map, map.read()->root(), 530);  // what the map tells is more than 5 % away from this
-  adjuster.commit(map);
-  EXPECT_FALSE(adjuster.refined_camera());
+  EXPECT_FALSE(refine(map, 1.06 * kTruth).taken_over);
+  EXPECT_EQ(map.read()->camera().fx, 1.02 * kTruth);
+}
+
+TEST(FocalRefinement, IsLeftWhereAnotherPartWasBegunOrThePartIsGone) {
+  for (const bool gone : {false, true}) {
+    SharedMap map;
+    drive(map, 1.02);
+    GlobalAdjuster adjuster;
+    adjuster.start(map, map.read()->root(), FocalSchedule::kIterations, 1.02 * kTruth);
+    uint64_t moves = 0;
+    {
+      const auto m = map.write();
+      if (gone) {
+        m->erase_part(m->parts().front().number);
+      } else {
+        m->begin_part(99, 99, SE3(), m->at(m->root()).features);
+      }
+      moves = m->moves();
+    }
+    EXPECT_FALSE(adjuster.commit(map).taken_over);
+    EXPECT_EQ(map.read()->camera().fx, 1.02 * kTruth);
+    EXPECT_EQ(map.read()->moves(), moves);
+  }
+}
+
+TEST(FocalRefinement, IsAskedForAsTheMapGrowsWhileItIsOneAndNotLarge) {
+  Map map;
+  FocalSchedule schedule;
+  const auto features = [] {
+    auto f = std::make_shared<Features>();
+    f->pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
+    return f;
+  }();
+  std::vector<uint32_t> asked;
+  while (map.next_serial() < 160) {
+    const auto serial = static_cast<int64_t>(map.next_serial());
+    map.attach_to_tree(map.add_key_frame(serial, serial, SE3(), features));
+    if (const auto age = schedule.ask(map)) {
+      asked.push_back(map.next_serial());
+      EXPECT_EQ(*age, 2 + static_cast<int>(map.next_serial()) / 25);
+    }
+  }
+  EXPECT_EQ(asked, (std::vector<uint32_t>{20, 25, 31, 38, 47, 58, 72, 90}));
+  map.clear();
+  schedule.restart(map);
+  EXPECT_FALSE(schedule.ask(map));
+  Map two;
+  for (int64_t k = 0; k < 30; ++k) two.begin_part(k, k, SE3(), features);
+  EXPECT_FALSE(FocalSchedule().ask(two));
 }
 
 }  // namespace

@@ -2,31 +2,20 @@
 #include "covis/slam/global_adjuster.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <vector>
 
 #include "covis/core/log.h"
 #include "covis/core/time.h"
-#include "covis/optimization/focal_estimation.h"
+#include "covis/slam/focal_refinement.h"
 
 namespace covis {
 
-void GlobalAdjuster::start(const SharedMap& shared, KeyFrameId of_part, int iterations) {
-  abandon();
-  given_fx_ = 0;
-  begin(shared, of_part, iterations);
-}
-
-void GlobalAdjuster::start_focal(const SharedMap& shared, KeyFrameId of_part, double given_fx) {
-  constexpr int kIterations = 20;
+void GlobalAdjuster::start(const SharedMap& shared, KeyFrameId of_part, int iterations,
+                           std::optional<double> given_fx) {
   abandon();
   given_fx_ = given_fx;
-  begin(shared, of_part, kIterations);
-}
-
-void GlobalAdjuster::begin(const SharedMap& shared, KeyFrameId of_part, int iterations) {
-  camera_.reset();
+  good_ = false;
   problem_ = {};
   {
     const auto map = shared.read();
@@ -41,26 +30,12 @@ void GlobalAdjuster::begin(const SharedMap& shared, KeyFrameId of_part, int iter
 void GlobalAdjuster::adjust(int iterations) {
   const Stopwatch watch;
   BundleAdjuster adjuster;
-  summary_ = adjuster.solve(problem_.problem, {.iterations = iterations, .interrupt = &interrupt_});
-  classify_observations(problem_.problem);
-  if (given_fx_ > 0 && summary_.ok && refine_focal(adjuster)) camera_ = problem_.problem.camera;
+  BundleProblem& problem = problem_.problem;
+  good_ = adjuster.solve(problem, {.iterations = iterations, .interrupt = &interrupt_}).ok;
+  classify_observations(problem);
+  if (given_fx_) good_ = good_ && refine_focal(problem, adjuster, *given_fx_, &interrupt_);
   ms_ = watch.ms();
   done_ = true;
-}
-
-// Moves the problem to its best focal length when that is known well, and surely another one.
-bool GlobalAdjuster::refine_focal(BundleAdjuster& adjuster) {
-  constexpr double kMaxSigma = 0.005, kSignificant = 4, kMinChange = 0.006, kMaxChange = 0.05;
-  BundleProblem& problem = problem_.problem;
-  const FocalEstimate estimate = estimate_focal(problem, adjuster, &interrupt_);
-  if (!estimate.ok || estimate.sigma > kMaxSigma) return false;
-  if (std::abs(estimate.factor - 1) < std::max(kMinChange, kSignificant * estimate.sigma)) return false;
-  const Pinhole refined = with_focal(problem.camera, estimate.factor);
-  if (std::abs(refined.fx / given_fx_ - 1) > kMaxChange) return false;
-  problem.camera = refined;
-  summary_ = adjuster.solve(problem, {.iterations = 20, .interrupt = &interrupt_});
-  classify_observations(problem);
-  return summary_.ok && !summary_.interrupted;
 }
 
 void GlobalAdjuster::abandon() {
@@ -69,30 +44,31 @@ void GlobalAdjuster::abandon() {
   thread_.join();
 }
 
-double GlobalAdjuster::commit(SharedMap& map) {
+GlobalAdjuster::Outcome GlobalAdjuster::commit(SharedMap& shared) {
   thread_.join();
-  if (given_fx_ > 0) {
-    const auto locked = map.write();
-    if (locked->parts().size() > 1) camera_.reset();  // begun meanwhile: the others were not adjusted to it
-    if (camera_) {
-      locked->set_camera(*camera_);
-      take_over(*locked);
-      log(LogLevel::info, "focal length refined: " + std::to_string(camera_->fx) + " pixels instead of " +
-                              std::to_string(given_fx_));
-    }
-  } else if (summary_.ok) {
-    take_over(*map.write());
-  } else {
+  Outcome outcome{.focal = given_fx_.has_value(), .ms = ms_};
+  if (good_) {
+    const auto map = shared.write();
+    // A part begun meanwhile was not adjusted to another camera.
+    outcome.taken_over = (!outcome.focal || map->parts().size() == 1) && take_over(*map);
+  } else if (!outcome.focal) {
     log(LogLevel::warning, "the full bundle adjustment after a loop failed; the map stays as it was");
   }
+  if (outcome.focal && outcome.taken_over) {
+    log(LogLevel::info, "focal length refined: " + std::to_string(problem_.problem.camera.fx) + " pixels instead of " +
+                            std::to_string(*given_fx_));
+  }
   problem_ = {};
-  return ms_;
+  return outcome;
 }
 
-void GlobalAdjuster::take_over(Map& map) const {
+// False when the part was given up meanwhile.
+bool GlobalAdjuster::take_over(Map& map) const {
   const auto& frames = problem_.key_frames;
   const auto alive = std::find_if(frames.begin(), frames.end(), [&](KeyFrameId id) { return map.find(id); });
-  if (alive == frames.end()) return;  // the part was given up
+  if (alive == frames.end()) return false;
+  if (given_fx_) map.set_camera(problem_.problem.camera);
+  map.count_move();
   const MapPart part = *map.part(map.at(*alive).part);
   std::vector<SE3> before, after;    // by slot
   std::vector<uint8_t> adjusted;     // by slot: has an adjusted pose
@@ -144,6 +120,7 @@ void GlobalAdjuster::take_over(Map& map) const {
   for (const auto& [id, position] : places) {
     if (map.find(id)) map.refresh_point_geometry(id);
   }
+  return true;
 }
 
 }  // namespace covis

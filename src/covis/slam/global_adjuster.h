@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Full bundle adjustment after a loop, in its own thread on a copy of the map; mapping goes on meanwhile. The mapping
-// thread starts it, takes its result over (what was made meanwhile is moved along the spanning tree), or gives it up when
-// another loop comes. Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, section III-D.
+// Full bundle adjustment after a loop, or of a monocular map with its focal length, in its own thread on a copy of the
+// map; mapping goes on meanwhile. The mapping thread starts it, takes its result over (what was made meanwhile is moved
+// along the spanning tree), or gives it up when a loop comes. Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017,
+// section III-D.
 #pragma once
 
 #include <atomic>
@@ -17,32 +18,31 @@ class GlobalAdjuster {
  public:
   ~GlobalAdjuster() { abandon(); }
 
-  // Copies the part of the map that the key frame belongs to, under a read guard, and begins.
-  void start(const SharedMap& map, KeyFrameId of_part, int iterations);
-  // The same with the focal length among what is adjusted, as far as the map tells it; within 5 % of given_fx. Where it
-  // does not, or agrees with what it is, nothing comes of it.
-  void start_focal(const SharedMap& map, KeyFrameId of_part, double given_fx);
+  // Copies the part of the map that the key frame belongs to, under a read guard, and begins. With `given_fx`, the
+  // focal length the camera came with, that is adjusted too (focal_refinement.h); where the map does not tell it, or
+  // agrees with what it is, nothing comes of it.
+  void start(const SharedMap& map, KeyFrameId of_part, int iterations, std::optional<double> given_fx = {});
   bool running() const { return thread_.joinable(); }
   // The result is there: commit() will not wait.
   bool ready() const { return done_.load(); }
-  // Waits for the result and writes it to the map. Returns the milliseconds the adjustment took.
-  double commit(SharedMap& map);
-  // The camera that the last commit() gave to the map, if it did.
-  const std::optional<Pinhole>& refined_camera() const { return camera_; }
-  bool refines_focal() const { return given_fx_ > 0; }
+
+  struct Outcome {
+    bool focal = false;       // it was asked for the focal length
+    bool taken_over = false;  // the map was changed (and, asked for it, its camera)
+    double ms = 0;            // that the adjustment took
+  };
+  // Waits for the result and writes it to the map.
+  Outcome commit(SharedMap& map);
   // Interrupts and forgets.
   void abandon();
 
  private:
-  void begin(const SharedMap& map, KeyFrameId of_part, int iterations);
   void adjust(int iterations);
-  bool refine_focal(BundleAdjuster& adjuster);
-  void take_over(Map& map) const;
+  bool take_over(Map& map) const;
 
   MapProblem problem_;  // of the thread while running
-  BundleSummary summary_;
-  double given_fx_ = 0;  // positive: the focal length is asked for
-  std::optional<Pinhole> camera_;
+  std::optional<double> given_fx_;
+  bool good_ = false;  // there is something to take over
   double ms_ = 0;
   std::atomic<bool> interrupt_{false}, done_{false};
   std::thread thread_;

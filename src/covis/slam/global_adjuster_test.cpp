@@ -12,7 +12,8 @@ namespace {
 
 // Cameras along a line looking at random points in front of them, all seen exactly.
 struct World {
-  SharedMap map;
+  static constexpr Pinhole camera{500, 500, 320, 240, 50};
+  SharedMap map{camera};
   std::vector<KeyFrameId> frames;
   std::vector<MapPointId> points;
   std::vector<SE3> truth;
@@ -28,12 +29,11 @@ struct World {
     }
   }
   void add(const SE3& T_cw, const std::vector<Eigen::Vector3d>& places) {
-    const Pinhole camera{500, 500, 320, 240, 50};
-    auto f = std::make_shared<Features>(no_features(camera));
+    auto f = std::make_shared<Features>(no_features());
     for (const Eigen::Vector3d& place : places) {
       const Eigen::Vector3d p_c = T_cw * place;
       const Eigen::Vector2d pixel = camera.project(p_c);
-      covis::add(*f, {.x = pixel.x(), .y = pixel.y(), .depth = p_c.z()});
+      covis::add(*f, {.x = pixel.x(), .y = pixel.y(), .depth = p_c.z()}, camera.bf);
     }
     finish(*f, {-3000, -3000, 3000, 3000});
     const auto m = map.write();
@@ -78,7 +78,11 @@ TEST(GlobalAdjuster, TakesItsResultOverBesideNewWork) {
     m->attach_to_tree(fresh);
     ASSERT_EQ(m->at(fresh).parent, last);
   }
-  EXPECT_GE(adjuster.commit(world.map), 0);
+  const uint64_t moves = world.map.read()->moves();
+  const GlobalAdjuster::Outcome outcome = adjuster.commit(world.map);
+  EXPECT_TRUE(outcome.taken_over);
+  EXPECT_FALSE(outcome.focal);
+  EXPECT_GT(world.map.read()->moves(), moves) << "what was read of the map before does not fit what is read after";
   EXPECT_FALSE(adjuster.running());
   const auto m = world.map.read();
   EXPECT_EQ(m->check(), "");

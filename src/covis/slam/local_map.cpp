@@ -64,7 +64,7 @@ void LocalMap::update(const Map& map, const std::vector<MapPointId>& matched, Ke
   if (!key_frames.empty()) {
     reference.copy(map, key_frames.front());
     // A point seen by two key frames with depth is as sure as one seen by three without.
-    const bool young = map.part(reference.part)->key_frames <= 2 || reference.features->camera.bf > 0;
+    const bool young = map.part(reference.part)->key_frames <= 2 || map.camera().bf > 0;
     reference_points = map.tracked_points(reference.id, young ? 2 : 3);
   }
 }

@@ -16,6 +16,7 @@ using testing::UnorderedElementsAre;
 class LocalMapTest : public testing::Test {
  protected:
   LocalMapTest() {
+    map.set_camera({500, 500, 320, 240, 40});
     for (int i = 0; i < 5; ++i) {
       frames.push_back(map.add_key_frame(i, i, SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(-i, 0, 0)),
                                          random_features(random, 400, 2)));

@@ -35,6 +35,7 @@ bool LoopCloser::process(KeyFrameId current, LoopReport& report) {
     report.query_ms = watch.ms();
     if (places.empty()) return false;
     view = copy_view(*map, current);
+    camera_ = map->camera();
   }
   report.candidates = static_cast<int>(places.size());
   std::optional<Found> found;
@@ -43,7 +44,7 @@ bool LoopCloser::process(KeyFrameId current, LoopReport& report) {
   }
   report.verify_ms = watch.ms() - report.query_ms;
   if (!found) return false;
-  if (!found->elsewhere && nothing_to_correct(view, *found, report)) {
+  if (!found->elsewhere && nothing_to_correct(*found, report)) {
     fuse(view, *found, report);
     last_loop_serial_ = map_.read()->at(current).serial;
     return false;
@@ -98,7 +99,7 @@ LoopCloser::View LoopCloser::copy_view(const Map& map, KeyFrameId id) const {
 
 LoopCloser::Place LoopCloser::copy_place(const Map& map, KeyFrameId id) const {
   const KeyFrame& source = map.at(id);
-  Place place{id, source.T_cw, source.features, {id}, {}, {}};
+  Place place{id, source.T_cw, {id}, {}, {}};
   for (const Neighbour& n : map.best_neighbours(id, kGroupPoints)) place.group.push_back(n.key_frame);
   for (const KeyFrameId& member : place.group) {
     for (const MapPointId& point : map.at(member).points) {
@@ -142,7 +143,6 @@ std::vector<Sim3Match> LoopCloser::match_points(const View& current, const Place
   }
   std::vector<Sim3Match> matches;
   const Features& f = *current.features;
-  const Pinhole& camera = place.features->camera;
   for (size_t i = 0; i < matched.size(); ++i) {
     if (!matched[i].valid()) continue;
     const auto at = std::lower_bound(place.points.begin(), place.points.end(), matched[i]);
@@ -154,7 +154,7 @@ std::vector<Sim3Match> LoopCloser::match_points(const View& current, const Place
     if (!(m.p_1.z() > 0) || !(m.p_2.z() > 0)) continue;
     // Others of the group may see the point where the key frame itself does not: its place there is where it projects.
     m.z_1 = {f.x[i], f.y[i]};
-    m.z_2 = camera.project(m.p_2);
+    m.z_2 = camera_.project(m.p_2);
     const int level = f.pyramid->predict_level(point.d_max, static_cast<float>(m.p_2.norm()));
     m.inv_sigma2_1 = f.pyramid->inv_sigma2[f.level[i]];
     m.inv_sigma2_2 = f.pyramid->inv_sigma2[static_cast<size_t>(level)];
@@ -171,7 +171,8 @@ LoopCloser::Projection LoopCloser::project(const Place& place, const View& view,
   std::vector<size_t> source;
   for (size_t p = 0; p < place.copies.size(); ++p) {
     const MapPoint& point = place.copies[p];
-    const auto seen = predict_view({point.position_w, point.normal_w.cast<float>(), point.d_min, point.d_max}, T_cw, centre, f);
+    const auto seen = predict_view({point.position_w, point.normal_w.cast<float>(), point.d_min, point.d_max}, T_cw,
+                                   centre, camera_, f);
     if (!seen) continue;
     ++result.in_view;
     queries.push_back({seen->u, seen->v, seen->u_right,
@@ -195,7 +196,7 @@ bool LoopCloser::refine(const Place& place, const View& view, SE3& T_cw, Project
                      f.pyramid->inv_sigma2[f.level[feature]]);
   }
   std::vector<uint8_t> inlier;
-  const PoseResult pose = optimize_pose(T_cw, observations, f.camera, {}, inlier);
+  const PoseResult pose = optimize_pose(T_cw, observations, camera_, {}, inlier);
   if (!pose.ok) return false;
   T_cw = pose.T_cw;
   size_t kept = 0;
@@ -218,15 +219,14 @@ std::optional<LoopCloser::Found> LoopCloser::verify(const View& current, KeyFram
   const std::vector<Sim3Match> matches = match_points(current, place);
   report.matches = std::max(report.matches, static_cast<int>(matches.size()));
   if (static_cast<int>(matches.size()) < o.min_matches) return std::nullopt;
-  const Pinhole& camera = current.features->camera;
   const uint64_t seed = hash_seed(static_cast<uint64_t>(options_.seed), 3, candidate.slot);
-  const auto start = ransac_sim3(matches, camera, place.features->camera, !monocular(), seed, o.min_inliers);
+  const auto start = ransac_sim3(matches, camera_, camera_, !monocular(), seed, o.min_inliers);
   if (!start) return std::nullopt;
   std::vector<Sim3Match> agreeing;
   for (size_t k = 0; k < matches.size(); ++k) {
     if (start->inlier[k]) agreeing.push_back(matches[k]);
   }
-  const Sim3Result fine = refine_sim3(start->S_12, agreeing, camera, place.features->camera, !monocular());
+  const Sim3Result fine = refine_sim3(start->S_12, agreeing, camera_, camera_, !monocular());
   report.inliers = std::max(report.inliers, fine.inliers);
   if (!fine.ok || fine.inliers < o.min_inliers) return std::nullopt;
 
@@ -295,7 +295,7 @@ bool LoopCloser::neighbours_agree(const Map& map, const View& current, const Fou
 
 // A place seen again whose correction would move its points by no more than two pixels: the camera looked away for a
 // moment. Its points are made one, but there is no drift to take out.
-bool LoopCloser::nothing_to_correct(const View& current, const Found& found, const LoopReport& report) const {
+bool LoopCloser::nothing_to_correct(const Found& found, const LoopReport& report) const {
   constexpr double kPixels = 2;
   std::vector<double> depths;
   const SE3 T_cw = found.S_cw.as_pose();
@@ -306,7 +306,7 @@ bool LoopCloser::nothing_to_correct(const View& current, const Found& found, con
   const auto middle = depths.begin() + static_cast<ptrdiff_t>(depths.size() / 2);
   std::nth_element(depths.begin(), middle, depths.end());
   const double angle = report.correction / std::max(*middle, 1e-9) + report.rotation_deg * std::numbers::pi / 180;
-  return angle * current.features->camera.fx < kPixels && std::abs(std::log(report.scale)) < 0.005;
+  return angle * camera_.fx < kPixels && std::abs(std::log(report.scale)) < 0.005;
 }
 
 bool LoopCloser::drift_explains(const Map& map, const View& current, const Found& found, LoopReport& report) const {

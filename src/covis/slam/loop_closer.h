@@ -47,7 +47,6 @@ class LoopCloser {
   struct Place {
     KeyFrameId key_frame;
     SE3 T_cw;
-    FeaturesPtr features;
     std::vector<KeyFrameId> group;           // the key frame first
     std::vector<MapPointId> points;          // of the group, sorted
     std::vector<MapPoint> copies;            // of each point, without observations
@@ -85,7 +84,7 @@ class LoopCloser {
   bool neighbours_agree(const Map& map, const View& current, const Found& found);
   bool seen_from_there(const Map& map, const View& current, const Found& found);
   bool drift_explains(const Map& map, const View& current, const Found& found, LoopReport& report) const;
-  bool nothing_to_correct(const View& current, const Found& found, const LoopReport& report) const;
+  bool nothing_to_correct(const Found& found, const LoopReport& report) const;
   void correct(const View& current, const Found& found, LoopReport& report);
   bool join(const View& current, const Found& found, LoopReport& report);  // false: refused by the map
   void fuse(const View& current, const Found& found, LoopReport& report);
@@ -95,6 +94,7 @@ class LoopCloser {
   SharedMap& map_;
   const SystemOptions options_;
   std::optional<uint32_t> last_loop_serial_;
+  Pinhole camera_;  // the map's
   WindowMatcher matcher_;
   PointFuser fuser_;
 };

@@ -8,7 +8,7 @@ namespace covis {
 
 void MapProblem::gather(const Map& map, const std::vector<KeyFrameId>& frames, size_t moving) {
   key_frames = frames;
-  problem.camera = map.at(frames.front()).features->camera;
+  problem.camera = map.camera();
   std::vector<std::pair<KeyFrameId, int32_t>> pose_of;  // sorted by handle
   for (size_t k = 0; k < frames.size(); ++k) {
     problem.poses.push_back(map.at(frames[k]).T_cw);

@@ -54,7 +54,6 @@ size_t Mapper::key_frames_of_its_part(KeyFrameId id) const {
 
 KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
   auto features = std::make_shared<Features>(*request.features);  // a copy: the frame's have room for more
-  if (refined_) features->camera = *refined_;                     // it may be made before tracking knew
   const auto map = map_.write();
   SE3 T_cw = request.T_cr;
   std::optional<Map::Resolved> reference;
@@ -82,7 +81,8 @@ KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
   const SE3 T_wc = T_cw.inverse();
   const uint32_t serial = map->at(id).serial;
   for (const uint32_t feature : request.new_points) {
-    const MapPointId point = map->add_point(T_wc * unproject_depth(*request.features, feature), id, feature);
+    const MapPointId point =
+        map->add_point(T_wc * unproject_depth(map->camera(), *request.features, feature), id, feature);
     if (!point.valid()) continue;
     map->refresh_point(point);
     recent_.push_back({point, serial});
@@ -133,6 +133,7 @@ int Mapper::cull_recent_points(KeyFrameId current) {
 int Mapper::cull_key_frames(KeyFrameId current) {
   constexpr int kObservers = 3;  // others that must see a point for it to be redundant
   const auto map = map_.write();
+  const double close = options_.tracker.close_depth_baselines * map->camera().baseline();
   int culled = 0;
   for (const Neighbour& neighbour : map->neighbours(current)) {
     const KeyFrameId id = neighbour.key_frame;
@@ -142,7 +143,7 @@ int Mapper::cull_key_frames(KeyFrameId current) {
     int points = 0, redundant = 0;
     for (size_t i = 0; i < key_frame.points.size(); ++i) {
       if (!key_frame.points[i].valid()) continue;
-      if (!monocular() && !(features.depth[i] > 0 && features.depth[i] <= close_depth(features))) continue;
+      if (!monocular() && !(features.depth[i] > 0 && features.depth[i] <= close)) continue;
       ++points;
       const MapPoint& point = map->at(key_frame.points[i]);
       if (static_cast<int>(point.observations.size()) <= kObservers) continue;
@@ -163,32 +164,18 @@ int Mapper::cull_key_frames(KeyFrameId current) {
 // how fast the machine is; in real time as soon as it is there.
 void Mapper::take_over_adjustment(MappingReport& report) {
   if (!global_.running()) return;
-  ++global_age_;
-  const int age = global_.refines_focal() ? focal_age_ : options_.loop.ba_key_frames;
-  if (options_.realtime ? !global_.ready() : global_age_ < age) return;
-  const double ms = global_.commit(map_);
-  if (!global_.refines_focal()) report.loop.full_ba_ms = ms;
-  report.camera = global_.refined_camera();
-  if (report.camera) refined_ = report.camera;
+  --global_left_;
+  if (options_.realtime ? !global_.ready() : global_left_ > 0) return;
+  const GlobalAdjuster::Outcome outcome = global_.commit(map_);
+  if (!outcome.focal) report.loop.full_ba_ms = outcome.ms;
 }
 
-// A monocular map of a camera that turns and moves tells its focal length; a wrong one makes the scale drift at every
-// turn. It is asked for again as the map grows, until the map is large; not while there are several parts, which all
-// would have to follow.
 void Mapper::adjust_focal(KeyFrameId current) {
-  constexpr uint32_t kLeastStep = 5, kStepShare = 4;  // key frames from one time to the next: a share of those made
-  constexpr int kLeastAge = 2, kAgeShare = 25;        // key frames it is given: more in a larger map
-  constexpr size_t kLargest = 100;                    // key frames of a map
   if (!monocular() || !options_.mapper.refine_focal || global_.running()) return;
-  {
-    const auto map = map_.read();
-    if (map->next_serial() < next_focal_ || map->key_frame_count() > kLargest || map->parts().size() != 1) return;
-    next_focal_ = map->next_serial() + std::max(kLeastStep, map->next_serial() / kStepShare);
-    focal_age_ = kLeastAge + static_cast<int>(map->key_frame_count()) / kAgeShare;
-    if (given_fx_ <= 0) given_fx_ = map->at(current).features->camera.fx;
-  }
-  global_.start_focal(map_, current, given_fx_);
-  global_age_ = 0;
+  const std::optional<int> age = focal_.ask(*map_.read());
+  if (!age) return;
+  global_.start(map_, current, FocalSchedule::kIterations, given_fx_);
+  global_left_ = *age;
 }
 
 void Mapper::close_loop(KeyFrameId current, MappingReport& report) {
@@ -196,7 +183,7 @@ void Mapper::close_loop(KeyFrameId current, MappingReport& report) {
   if (!closer_.process(current, report.loop)) return;
   global_.abandon();
   if (options_.loop.ba_iterations > 0) global_.start(map_, current, options_.loop.ba_iterations);
-  global_age_ = 0;
+  global_left_ = options_.loop.ba_key_frames;
 }
 
 void Mapper::finish() {
@@ -208,7 +195,7 @@ void Mapper::discard(uint32_t part) {
   map->erase_part(part);
   if (!map->parts().empty()) return;
   closer_.reset();
-  next_focal_ = map->next_serial() + kFirstFocal;
+  focal_.restart(*map);
 }
 
 }  // namespace covis

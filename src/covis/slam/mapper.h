@@ -14,6 +14,7 @@
 
 #include "covis/map/shared_map.h"
 #include "covis/optimization/bundle_adjustment.h"
+#include "covis/slam/focal_refinement.h"
 #include "covis/slam/global_adjuster.h"
 #include "covis/slam/loop_closer.h"
 #include "covis/slam/messages.h"
@@ -24,9 +25,14 @@ namespace covis {
 
 class Mapper {
  public:
-  // Without a vocabulary (null) key frames have no words and places are not recognised.
+  // The map has the camera it was given. Without a vocabulary (null) key frames have no words and places are not
+  // recognised.
   Mapper(SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary = nullptr)
-      : map_(map), options_(options), vocabulary_(std::move(vocabulary)), closer_(map, options) {}
+      : map_(map),
+        options_(options),
+        vocabulary_(std::move(vocabulary)),
+        closer_(map, options),
+        given_fx_(map.read()->camera().fx) {}
 
   // The whole of local mapping for one key frame. `interrupt` (may be null) becomes true when another waits: bundle
   // adjustment is then cut short.
@@ -60,9 +66,6 @@ class Mapper {
   void adjust_focal(KeyFrameId current);
 
   bool monocular() const { return options_.sensor == Sensor::monocular; }
-  double close_depth(const Features& features) const {
-    return options_.tracker.close_depth_baselines * features.camera.baseline();
-  }
 
   SharedMap& map_;
   const SystemOptions options_;
@@ -70,12 +73,9 @@ class Mapper {
   std::vector<Recent> recent_;
   LoopCloser closer_;
   GlobalAdjuster global_;
-  int global_age_ = 0;  // key frames since the full bundle adjustment began
-  double given_fx_ = 0;  // the focal length the camera came with, pixels
-  std::optional<Pinhole> refined_;  // the camera the map has instead
-  static constexpr uint32_t kFirstFocal = 20;
-  int focal_age_ = 0;  // key frames after which what comes of it is taken over
-  uint32_t next_focal_ = kFirstFocal;  // serial of the key frame at which the focal length is asked for next
+  int global_left_ = 0;  // key frames until its result is taken over
+  FocalSchedule focal_;
+  const double given_fx_;  // the focal length the camera came with, pixels
   BundleAdjuster adjuster_;
   PointFuser fuser_;
 };

@@ -90,7 +90,7 @@ MappingReport Mapper::initialise(const InitialMapRequest& request) {
   MappingReport report;
   report.frame = request.second.frame;
   BundleProblem problem;
-  problem.camera = request.first.features->camera;
+  problem.camera = map_.read()->camera();
   problem.poses = {SE3(), request.T_21};
   problem.fixed = {1, 0};
   for (size_t p = 0; p < request.points.size(); ++p) {

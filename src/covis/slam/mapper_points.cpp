@@ -37,33 +37,33 @@ struct View {
 };
 
 // Cosine of the angle under which the two eyes of a stereo camera see a feature with depth.
-double stereo_cosine(const Features& features, uint32_t i) {
+double stereo_cosine(const Pinhole& camera, const Features& features, uint32_t i) {
   if (!(features.depth[i] > 0)) return 2;  // above any cosine: no stereo parallax
-  return std::cos(2 * std::atan2(features.camera.baseline() / 2, static_cast<double>(features.depth[i])));
+  return std::cos(2 * std::atan2(camera.baseline() / 2, static_cast<double>(features.depth[i])));
 }
 
 // The place of a matched pair of features, by the better of triangulation and depth.
-std::optional<Eigen::Vector3d> place(const View& a, uint32_t ia, const View& b, uint32_t ib) {
+std::optional<Eigen::Vector3d> place(const Pinhole& camera, const View& a, uint32_t ia, const View& b, uint32_t ib) {
   constexpr double kMaxCosine = 0.9998;  // least parallax of a triangulation without depth
   const Features& fa = *a.features;
   const Features& fb = *b.features;
-  const Eigen::Vector3d ray_a = fa.camera.unproject(fa.x[ia], fa.y[ia]);
-  const Eigen::Vector3d ray_b = fb.camera.unproject(fb.x[ib], fb.y[ib]);
+  const Eigen::Vector3d ray_a = camera.unproject(fa.x[ia], fa.y[ia]);
+  const Eigen::Vector3d ray_b = camera.unproject(fb.x[ib], fb.y[ib]);
   const double cosine = (a.T_wc.R() * ray_a).dot(b.T_wc.R() * ray_b) / (ray_a.norm() * ray_b.norm());
-  const double stereo_a = stereo_cosine(fa, ia), stereo_b = stereo_cosine(fb, ib);
+  const double stereo_a = stereo_cosine(camera, fa, ia), stereo_b = stereo_cosine(camera, fb, ib);
   const bool any_depth = stereo_a <= 1 || stereo_b <= 1;
   if (cosine > 0 && cosine < std::min(stereo_a, stereo_b) && (any_depth || cosine < kMaxCosine)) {
     return triangulate(a.T_cw, ray_a, b.T_cw, ray_b);
   }
   if (!any_depth) return std::nullopt;
-  return stereo_a < stereo_b ? a.T_wc * unproject_depth(fa, ia) : b.T_wc * unproject_depth(fb, ib);
+  return stereo_a < stereo_b ? a.T_wc * unproject_depth(camera, fa, ia) : b.T_wc * unproject_depth(camera, fb, ib);
 }
 
 // In front of both, near its pixels in both, and its distances agree with its levels.
-bool holds(const Eigen::Vector3d& p_w, const View& a, uint32_t ia, const View& b, uint32_t ib) {
+bool holds(const Eigen::Vector3d& p_w, const Pinhole& camera, const View& a, uint32_t ia, const View& b, uint32_t ib) {
   if (!p_w.allFinite()) return false;
   const Eigen::Vector3d in_a = a.T_cw * p_w, in_b = b.T_cw * p_w;
-  if (!reprojects_well(in_a, *a.features, ia) || !reprojects_well(in_b, *b.features, ib)) return false;
+  if (!reprojects_well(in_a, camera, *a.features, ia) || !reprojects_well(in_b, camera, *b.features, ib)) return false;
   const double distance_a = in_a.norm(), distance_b = in_b.norm();
   if (!(distance_a > 0) || !(distance_b > 0)) return false;
   const ScalePyramid& pyramid = *a.features->pyramid;
@@ -84,8 +84,10 @@ int Mapper::create_points(KeyFrameId current) {
   };
   std::vector<View> neighbours;
   std::vector<View> self;
+  Pinhole camera;
   {
     const auto map = map_.read();
+    camera = map->camera();
     self.emplace_back(*map, current);
     const int count = monocular() ? options_.mapper.create_neighbours_mono : options_.mapper.create_neighbours;
     for (const Neighbour& neighbour : map->best_neighbours(current, count))
@@ -96,13 +98,12 @@ int Mapper::create_points(KeyFrameId current) {
   std::vector<NewPoint> made;
   for (View& b : neighbours) {
     const double baseline = (a.T_wc.t() - b.T_wc.t()).norm();
-    if (monocular() ? baseline < kMinBaselineShare * b.median_depth : baseline < a.features->camera.baseline())
-      continue;
+    if (monocular() ? baseline < kMinBaselineShare * b.median_depth : baseline < camera.baseline()) continue;
     const SE3 T_ba = b.T_cw * a.T_wc;
-    for (const FeatureMatch& m : match_epipolar(*a.features, a.is_free, *b.features, b.is_free, T_ba, {})) {
+    for (const FeatureMatch& m : match_epipolar(camera, *a.features, a.is_free, *b.features, b.is_free, T_ba, {})) {
       const auto ia = static_cast<uint32_t>(m.a), ib = static_cast<uint32_t>(m.b);
-      const auto p_w = place(a, ia, b, ib);
-      if (!p_w || !holds(*p_w, a, ia, b, ib)) continue;
+      const auto p_w = place(camera, a, ia, b, ib);
+      if (!p_w || !holds(*p_w, camera, a, ia, b, ib)) continue;
       made.push_back({*p_w, b.id, ia, ib});
       a.is_free[ia] = 0;
       b.is_free[ib] = 0;

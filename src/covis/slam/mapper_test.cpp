@@ -46,7 +46,7 @@ class MapperTest : public testing::Test {
   }
 
   TestFrames& frames = TestFrames::of(Sensor::rgbd);
-  SharedMap shared;
+  SharedMap shared{frames.camera()};
   Mapper mapper{shared, options_of(Sensor::rgbd)};
 };
 
@@ -61,7 +61,7 @@ TEST_F(MapperTest, TheFirstKeyFramesPointsLieAtTheirDepth) {
   EXPECT_EQ(map->point_count(), features_with_depth(f).size());
   map->for_each_point([&](MapPointId, const MapPoint& p) {
     const uint32_t feature = p.observations[0].feature;
-    EXPECT_LT((p.position_w - unproject_depth(f, feature)).norm(), 1e-9);
+    EXPECT_LT((p.position_w - unproject_depth(map->camera(), f, feature)).norm(), 1e-9);
     EXPECT_EQ(p.descriptor, f.descriptor[feature]);
   });
 }
@@ -197,7 +197,7 @@ InitialMapRequest two_views(int second) {
 
 // Points of the first view by the depth sensor's word, found in the second by their place.
 void add_true_points(InitialMapRequest& r) {
-  SharedMap true_map;
+  SharedMap true_map(TestFrames::of(Sensor::rgbd).camera());
   Mapper true_mapper(true_map, options_of(Sensor::rgbd));
   KeyFrameRequest with_depth;
   with_depth.features = TestFrames::of(Sensor::rgbd).features(0);
@@ -217,7 +217,7 @@ void add_true_points(InitialMapRequest& r) {
 // Two views and no depth: an initial map, then points by triangulation with a third.
 TEST(MonocularMapper, MakesAMapOfMedianDepthOneAndTriangulatesMore) {
   TestFrames& mono = TestFrames::of(Sensor::monocular);
-  SharedMap shared;
+  SharedMap shared(mono.camera());
   Mapper mapper(shared, options_of(Sensor::monocular));
   InitialMapRequest r = two_views(6);
   add_true_points(r);
@@ -252,7 +252,7 @@ TEST(MonocularMapper, MakesAMapOfMedianDepthOneAndTriangulatesMore) {
 }
 
 TEST(MonocularMapper, AnInitialMapOfWrongMatchesIsRefusedAndLeavesNothing) {
-  SharedMap shared;
+  SharedMap shared(TestFrames::of(Sensor::monocular).camera());
   Mapper mapper(shared, options_of(Sensor::monocular));
   InitialMapRequest r = two_views(6);
   for (uint32_t i = 0; i < 150; ++i) r.points.push_back({{0, 0, 1}, i, 400 - i});

@@ -29,6 +29,10 @@ std::optional<MappingReport> MappingActor::poll() {
   return wait();
 }
 
+void MappingActor::wait_idle() const {
+  for (int waiting = waiting_.load(); waiting > 0; waiting = waiting_.load()) waiting_.wait(waiting);
+}
+
 void MappingActor::run() {
   while (std::optional<Request> request = inbox_.pop()) {
     interrupt_ = interruptible_ && waiting_ > 1;
@@ -40,6 +44,7 @@ void MappingActor::run() {
     }
     request.reset();
     --waiting_;
+    waiting_.notify_all();
     outbox_.push(std::move(report));
   }
 }

@@ -30,6 +30,8 @@ class MappingActor {
   int pending() const { return pending_; }
   // No request waits or is worked on.
   bool idle() const { return waiting_.load() == 0; }
+  // Waits for that; reports stay where they are.
+  void wait_idle() const;
 
   // Only while nothing is pending.
   Mapper& mapper() { return mapper_; }

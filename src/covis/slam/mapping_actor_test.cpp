@@ -38,9 +38,19 @@ class MappingActorTest : public testing::Test {
 
   TestFrames& frames = TestFrames::of(Sensor::rgbd);
   SystemOptions options;
-  SharedMap shared;
+  SharedMap shared{frames.camera()};
   std::unique_ptr<MappingActor> actor;
 };
+
+TEST_F(MappingActorTest, WaitingUntilItIsIdleTakesNoReport) {
+  actor->wait_idle();
+  actor->submit(first());
+  actor->wait_idle();
+  EXPECT_TRUE(actor->idle());
+  EXPECT_EQ(shared.read()->key_frame_count(), 1u);
+  EXPECT_EQ(actor->pending(), 1);
+  EXPECT_TRUE(actor->wait().key_frame.valid());
+}
 
 TEST_F(MappingActorTest, ReportsComeInTheOrderOfTheirRequests) {
   EXPECT_EQ(actor->pending(), 0);

@@ -70,7 +70,6 @@ struct MappingReport {
   double loop_ms = 0;
   double total_ms = 0;
   LoopReport loop;
-  std::optional<Pinhole> camera;  // intrinsics refined: those of the map from now on
 };
 
 }  // namespace covis

@@ -26,7 +26,8 @@ void MonoInitializer::take_reference(const FeaturesPtr& features, int64_t frame,
   last_y_.assign(features->y.begin(), features->y.end());
 }
 
-std::optional<InitialMapRequest> MonoInitializer::offer(const FeaturesPtr& features, int64_t frame, Timestamp stamp) {
+std::optional<InitialMapRequest> MonoInitializer::offer(const Pinhole& camera, const FeaturesPtr& features,
+                                                        int64_t frame, Timestamp stamp) {
   const TrackerOptions& o = options_.tracker;
   matches_ = 0;
   if (!reference_.features) {
@@ -63,7 +64,7 @@ std::optional<InitialMapRequest> MonoInitializer::offer(const FeaturesPtr& featu
   options.min_parallax_deg = o.init_min_parallax;
   options.min_points = o.init_min_points;
   options.seed = hash_seed(static_cast<uint64_t>(options_.seed), 1, static_cast<uint64_t>(frame));
-  const TwoViewResult motion = reconstruct_two_views(pairs, first.camera, options);
+  const TwoViewResult motion = reconstruct_two_views(pairs, camera, options);
   if (motion.status != TwoViewStatus::ok) {
     reason_ = name(motion.status);
     return std::nullopt;

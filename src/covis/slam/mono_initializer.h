@@ -17,8 +17,10 @@ class MonoInitializer {
  public:
   explicit MonoInitializer(const SystemOptions& options) : options_(options) {}
 
-  // Offers a frame. An initial map when it and the reference view make one; otherwise nothing, and reason() tells why.
-  std::optional<InitialMapRequest> offer(const FeaturesPtr& features, int64_t frame, Timestamp stamp);
+  // Offers a frame of a camera of these intrinsics. An initial map when it and the reference view make one; otherwise
+  // nothing, and reason() tells why.
+  std::optional<InitialMapRequest> offer(const Pinhole& camera, const FeaturesPtr& features, int64_t frame,
+                                         Timestamp stamp);
   // Forgets the reference view.
   void reset();
   std::string_view reason() const { return reason_; }

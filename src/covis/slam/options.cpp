@@ -43,7 +43,7 @@ Fields fields(TrackerOptions& o) {
       {"tracker.weak_inliers", &o.weak_inliers,
        "with fewer inliers the next frames get twice the features, until there are 2.5 times as many; 0: never", 0,
        10000},
-      {"tracker.init_features", &o.init_features, "features of a first frame (stereo, RGB-D)", 50, 100000},
+      {"tracker.init_features", &o.init_features, "features of a first frame (stereo, RGB-D)", 50, 30000},
       {"tracker.init_min_matches", &o.init_min_matches, "matches of the two first views (monocular)", 20, 10000},
       {"tracker.init_window", &o.init_window, "how far a key point may move between the two first views, pixels", 5,
        1000},

@@ -30,7 +30,7 @@ int PointFuser::fuse(SharedMap& shared, KeyFrameId target, const std::vector<Map
       const MapPoint* point = map->find(id);
       if (!point || std::binary_search(observed.begin(), observed.end(), id)) continue;
       const auto view = predict_view({point->position_w, point->normal_w.cast<float>(), point->d_min, point->d_max},
-                                     T_cw, centre, *features);
+                                     T_cw, centre, map->camera(), *features);
       if (!view) continue;
       const float scale = features->pyramid->scale[static_cast<size_t>(view->level)];
       queries_.push_back({view->u, view->v, view->u_right, static_cast<float>(options.window) * scale,

@@ -15,9 +15,9 @@
 namespace covis {
 
 // The point of a feature with depth, in camera coordinates, metres.
-inline Eigen::Vector3d unproject_depth(const Features& features, uint32_t feature) {
+inline Eigen::Vector3d unproject_depth(const Pinhole& camera, const Features& features, uint32_t feature) {
   const double z = features.depth[feature];
-  return features.camera.unproject(features.x[feature], features.y[feature]) * z;
+  return camera.unproject(features.x[feature], features.y[feature]) * z;
 }
 
 // Where a map point should appear in a camera, if it can be seen there at all.
@@ -38,10 +38,10 @@ struct PointAppearance {
 // Nothing when it is behind the camera, outside the image, outside 0.8 d_min … 1.2 d_max, or seen at more than 60
 // degrees from its mean viewing direction (ORB-SLAM, V-D).
 inline std::optional<PredictedView> predict_view(const PointAppearance& point, const SE3& T_cw,
-                                                 const Eigen::Vector3d& centre_w, const Features& features) {
+                                                 const Eigen::Vector3d& centre_w, const Pinhole& camera,
+                                                 const Features& features) {
   const Eigen::Vector3d p_c = T_cw * point.position_w;
   if (!(p_c.z() > 0)) return std::nullopt;
-  const Pinhole& camera = features.camera;
   const double inv_z = 1 / p_c.z();
   PredictedView view;
   view.u = static_cast<float>(camera.fx * p_c.x() * inv_z + camera.cx);
@@ -59,9 +59,8 @@ inline std::optional<PredictedView> predict_view(const PointAppearance& point, c
 
 // Squared reprojection error over the variance of feature i, and whether it is within the 95 % bound (2 or 3 rows).
 // False for a point behind the camera.
-inline bool reprojects_well(const Eigen::Vector3d& p_c, const Features& features, uint32_t i) {
+inline bool reprojects_well(const Eigen::Vector3d& p_c, const Pinhole& camera, const Features& features, uint32_t i) {
   if (!(p_c.z() > 0)) return false;
-  const Pinhole& camera = features.camera;
   const Eigen::Vector2d pixel = camera.project(p_c);
   const double du = pixel.x() - features.x[i], dv = pixel.y() - features.y[i];
   const double inv_sigma2 = features.pyramid->inv_sigma2[features.level[i]];

@@ -2,8 +2,8 @@
 #include "covis/slam/system.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "covis/core/log.h"
 #include "covis/core/time.h"
 
 namespace covis {
@@ -21,8 +21,10 @@ int index_of(const std::vector<MapSummary>& maps, uint32_t part) {
 }  // namespace
 
 System::System(const Camera& camera, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
-    : options_(options),
+    : given_(camera),
+      options_(options),
       vocabulary_(std::move(vocabulary)),
+      map_(camera.pinhole),
       frontend_(camera, options.orb, options.sensor),
       tracker_(map_, options, vocabulary_),
       mapping_(map_, options, vocabulary_) {
@@ -31,8 +33,8 @@ System::System(const Camera& camera, const SystemOptions& options, std::shared_p
 
 System::~System() = default;
 
-FeaturesPtr System::extract(const Input& input) {
-  frontend_.set_feature_budget(options_.orb.features * (tracker_.wants_more_features() ? 2 : 1));
+FeaturesPtr System::extract(const Input& input, bool twice_the_features) {
+  frontend_.set_feature_budget(options_.orb.features * (twice_the_features ? 2 : 1));
   switch (options_.sensor) {
     case Sensor::monocular:
       return frontend_.monocular(input.image);
@@ -44,7 +46,15 @@ FeaturesPtr System::extract(const Input& input) {
   return nullptr;
 }
 
-void System::set_map(Map map) {
+Result<void> System::set_map(Map map, const Camera& made_by) {
+  if (const std::string other = difference(given_, made_by); !other.empty()) {
+    const std::string what = "the map was made by another camera (" + other + ")";
+    if (!options_.localize)
+      return fail(what + ": it can't be gone on with, for a map has one camera; localise in it only");
+    log(LogLevel::warning, what + ": places of it are looked for with the present one");
+    own_camera_ = given_.pinhole;
+    tracker_.use_camera(*own_camera_);
+  }
   finish();
   if (vocabulary_) {
     for (const KeyFrameId& id : map.key_frames()) {
@@ -56,26 +66,15 @@ void System::set_map(Map map) {
   }
   loaded_parts_ = map.parts().empty() ? 0 : map.parts().back().number + 1;
   *map_.write() = std::move(map);
-  use_refined_camera();
   tracker_.start_lost();
-}
-
-// The map's camera may be the given one with its focal length refined.
-void System::use_refined_camera() {
-  constexpr double kMaxChange = 0.05;
-  if (options_.sensor != Sensor::monocular) return;
-  const auto map = map_.read();
-  if (!map->find(map->root())) return;
-  const Pinhole& of_map = map->at(map->root()).features->camera;
-  const Pinhole& present = frontend_.pinhole();
-  const bool same = of_map.cx == present.cx && of_map.cy == present.cy;
-  if (same && std::abs(of_map.fx / present.fx - 1) < 2 * kMaxChange) frontend_.set_pinhole(of_map);
+  return {};
 }
 
 std::optional<PoseOfFrame> System::locate(const Input& input) {
-  finish();
+  mapping_.wait_idle();
   Tracker tracker(map_, options_, vocabulary_);
-  const auto found = tracker.locate(extract(input), input.frame);
+  if (own_camera_) tracker.use_camera(*own_camera_);
+  const auto found = tracker.locate(extract(input, options_.tracker.weak_inliers > 0), input.frame);
   if (!found) return std::nullopt;
   return PoseOfFrame{input.frame, input.stamp, found->T_cw.inverse(), index_of(maps(), found->part), found->part};
 }
@@ -83,7 +82,7 @@ std::optional<PoseOfFrame> System::locate(const Input& input) {
 FrameReport System::process(const Input& input) {
   FrameReport report;
   const Stopwatch total;
-  FeaturesPtr features = extract(input);
+  FeaturesPtr features = extract(input, tracker_.wants_more_features());
   report.timing.extract_ms = frontend_.timing().extract_ms;
   report.timing.depth_ms = frontend_.timing().depth_ms;
 
@@ -157,7 +156,6 @@ void System::collect(FrameReport& report, bool wait) {
 }
 
 void System::take(const MappingReport& report) {
-  if (report.camera) frontend_.set_pinhole(*report.camera);
   tracker_.key_frame_made(report, report.frame);
   if (!report.key_frame.valid()) return;
   // The frames that became key frames hang on themselves from now on.
@@ -198,7 +196,6 @@ std::vector<MappingReport> System::finish() {
   collect(report, true);
   if (tracker_.state() != TrackState::not_initialised) {
     mapping_.mapper().finish();
-    use_refined_camera();
     tracker_.map_moved();
   }
   return std::move(report.mapping);

@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "covis/core/error.h"
 #include "covis/features/frontend.h"
 #include "covis/map/shared_map.h"
 #include "covis/slam/mapping_actor.h"
@@ -79,13 +80,16 @@ class System {
   };
   FrameReport process(const Input& input);
 
-  // The intrinsics in use: those given, or with the focal length refined (monocular, mapper.refine_focal).
-  const Pinhole& camera() const { return frontend_.pinhole(); }
+  // The intrinsics in use: those of the map, which are those given, or with the focal length refined (monocular,
+  // mapper.refine_focal).
+  Pinhole camera() const { return own_camera_.value_or(map_.read()->camera()); }
 
-  // Puts a map in place, for example a saved one: before the first frame. The camera is looked for in it.
-  void set_map(Map map);
+  // Puts a map in place, for example a saved one: before the first frame. The camera is looked for in it. `made_by`:
+  // the camera it was made with, as it was given then. A map has one camera: made by another it is an error, unless it
+  // serves for localisation only.
+  Result<void> set_map(Map map, const Camera& made_by);
   // Relocalisation alone: where one image was taken, from nothing but the image; nothing when its place is not
-  // recognised. Waits for mapping.
+  // recognised. Waits until key frames asked for are mapped; leaves tracking and mapping as they are.
   std::optional<PoseOfFrame> locate(const Input& input);
 
   // Waits for mapping to end. process() may go on afterwards.
@@ -105,15 +109,16 @@ class System {
   const SharedMap& map() const { return map_; }
 
  private:
-  FeaturesPtr extract(const Input& input);
+  FeaturesPtr extract(const Input& input, bool twice_the_features);
   void collect(FrameReport& report, bool wait);
   void take(const MappingReport& report);
-  void use_refined_camera();
   void discard(uint32_t part);
   std::vector<MapSummary> maps(const Map& map) const;
   template <class Visit>
   void for_each_pose(const Map& map, Visit&& visit) const;
 
+  const Camera given_;
+  std::optional<Pinhole> own_camera_;  // of the frames, when the map is of another camera
   const SystemOptions options_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
   SharedMap map_;

@@ -45,6 +45,7 @@ class TestFrames {
     return synth_.sensor() == Sensor::rgbd ? frontend_.rgbd(image.view(), depth.view())
                                            : frontend_.monocular(image.view());
   }
+  const Pinhole& camera() const { return synth_.camera().pinhole; }
   // World: the camera of frame 0.
   SE3 T_cw(int i) const { return synth_.T_wc(i).inverse() * synth_.T_wc(0); }
   Timestamp stamp(int i) const { return synth_.stamp(i); }
@@ -70,14 +71,15 @@ class TestFrames {
 // For each feature of a frame with a known pose the map point of `from` that lies there, if any. Every `keep`-th alone.
 inline std::vector<MapPointId> points_seen(const Map& map, KeyFrameId from, const Features& features, const SE3& T_cw,
                                            int keep = 1) {
+  const Pinhole& camera = map.camera();
   std::vector<MapPointId> seen(static_cast<size_t>(features.size()));
   int n = 0;
   for (const MapPointId id : map.at(from).points) {
     if (!id.valid() || n++ % keep != 0) continue;
     const Eigen::Vector3d p = T_cw * map.at(id).position_w;
     if (p.z() < 0.1) continue;
-    const auto u = static_cast<float>(features.camera.fx * p.x() / p.z() + features.camera.cx);
-    const auto v = static_cast<float>(features.camera.fy * p.y() / p.z() + features.camera.cy);
+    const auto u = static_cast<float>(camera.fx * p.x() / p.z() + camera.cx);
+    const auto v = static_cast<float>(camera.fy * p.y() / p.z() + camera.cy);
     int best = kHammingLow, best_feature = -1;
     features.for_each_in_window(u, v, 2, 0, 7, [&](int i) {
       const int distance = hamming(map.at(id).descriptor, features.descriptor[static_cast<size_t>(i)]);

@@ -44,7 +44,7 @@ class TrackerTest : public testing::Test {
   TrackResult track_blank(int i) { return track(frames.blank(), i); }
 
   TestFrames& frames;
-  SharedMap shared;
+  SharedMap shared{frames.camera()};
   SystemOptions options;
   Tracker tracker;
   Mapper mapper;

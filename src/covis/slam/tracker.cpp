@@ -50,6 +50,7 @@ Tracker::Tracker(const SharedMap& map, const SystemOptions& options, std::shared
 
 std::optional<Tracker::Located> Tracker::locate(FeaturesPtr features, int64_t frame) {
   current_.start(std::move(features), frame, 0);
+  refresh_camera(*map_.read());
   TrackResult result;
   if (!recover(result, true)) return std::nullopt;
   return Located{current_.T_cw, local_map_.reference.part};
@@ -60,6 +61,7 @@ void Tracker::start_lost() {
   weak_ = options_.tracker.weak_inliers > 0;
   has_velocity_ = false;
   const auto map = map_.read();
+  refresh_camera(*map);
   kept_parts_ = map->parts().empty() ? 0 : map->parts().back().number + 1;
   last_ = {};
   reference_ = new_reference_ = {};
@@ -67,9 +69,7 @@ void Tracker::start_lost() {
   clear_counts();
 }
 
-double Tracker::close_depth() const {
-  return options_.tracker.close_depth_baselines * current_.features->camera.baseline();
-}
+double Tracker::close_depth() const { return options_.tracker.close_depth_baselines * camera_.baseline(); }
 
 Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp stamp, bool map_is_live,
                                 bool mapping_idle) {
@@ -78,6 +78,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
   TrackResult& result = outcome.result;
   result.features = current_.features->size();
   if (state_ == TrackState::not_initialised) {
+    refresh_camera(*map_.read());
     initialise(outcome);
   } else {
     if (map_is_live && (map_changed_ || options_.realtime)) {
@@ -203,6 +204,7 @@ void Tracker::take_over_points(const Map& map, KeyFrameId key_frame) {
 
 void Tracker::refresh_last_frame(const Map& map) {
   moves_ = map.moves();
+  refresh_camera(map);
   if (const auto resolved = map.resolve(reference_)) {
     // After a loop lengths may have changed round here, of the camera's motion too.
     const double growth = resolved->scale / reference_scale_;
@@ -246,7 +248,7 @@ int Tracker::optimize() {
     observed_feature_.push_back(static_cast<int32_t>(i));
   }
   reserve_ahead(inlier_, observed_feature_.size());
-  const PoseResult pose = optimize_pose(current_.T_cw, observations_, f.camera, {}, inlier_);
+  const PoseResult pose = optimize_pose(current_.T_cw, observations_, camera_, {}, inlier_);
   if (!pose.ok) return 0;
   current_.T_cw = pose.T_cw;
   int on_map = 0;
@@ -311,7 +313,7 @@ bool Tracker::key_frame_due(const TrackResult& result, bool mapping_idle) const 
 // In no particular order.
 const std::vector<uint32_t>& Tracker::near_features(const TrackedFrame& frame) {
   const Features& f = *frame.features;
-  const double close = options_.tracker.close_depth_baselines * f.camera.baseline();
+  const double close = close_depth();
   near_.clear();
   size_t close_count = 0;
   for (uint32_t i = 0; i < static_cast<uint32_t>(f.size()); ++i) {

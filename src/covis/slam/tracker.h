@@ -67,6 +67,8 @@ class Tracker {
     uint32_t part = 0;
   };
   std::optional<Located> locate(FeaturesPtr features, int64_t frame);
+  // The frames are of another camera than the map: only for localisation in it.
+  void use_camera(const Pinhole& camera) { own_camera_ = camera_ = camera; }
   // The map was changed beside mapping.
   void map_moved() { map_changed_ = true; }
   // A map was put in place that this tracker knows nothing of: the camera is to be found in it.
@@ -101,6 +103,7 @@ class Tracker {
   std::optional<uint32_t> young_part() const;
   bool new_map_due() const;
 
+  void refresh_camera(const Map& map) { camera_ = own_camera_.value_or(map.camera()); }
   void refresh_last_frame(const Map& map);
   void set_reference(const Map& map, KeyFrameId key_frame);
   void take_over_points(const Map& map, KeyFrameId key_frame);
@@ -131,6 +134,8 @@ class Tracker {
   const std::shared_ptr<const Vocabulary> vocabulary_;
   TrackState state_ = TrackState::not_initialised;
   MonoInitializer initializer_;
+  std::optional<Pinhole> own_camera_;
+  Pinhole camera_;  // of the frames: the map's when it was read last
 
   TrackedFrame current_, last_;
   bool has_velocity_ = false;

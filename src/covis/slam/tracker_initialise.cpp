@@ -41,7 +41,7 @@ void Tracker::initialise_with_depth(Outcome& outcome) {
 }
 
 void Tracker::initialise_monocular(Outcome& outcome) {
-  outcome.initial_map = initializer_.offer(current_.features, current_.index, current_.stamp);
+  outcome.initial_map = initializer_.offer(camera_, current_.features, current_.index, current_.stamp);
   outcome.result.predicted_matches = initializer_.matches();
   if (!outcome.initial_map) {
     outcome.result.reason = initializer_.reason();

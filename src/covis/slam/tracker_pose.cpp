@@ -18,7 +18,7 @@ void Tracker::add_temporary_points() {
   for (const uint32_t i : near_features(last_)) {
     if (last_.known[i] == kMapPoint) continue;
     last_.known[i] = kTemporary;
-    last_.positions[i] = T_wl * unproject_depth(*last_.features, i);
+    last_.positions[i] = T_wl * unproject_depth(camera_, *last_.features, i);
   }
 }
 
@@ -46,12 +46,11 @@ bool Tracker::track_by_motion(TrackResult& result) {
 int Tracker::search_last_frame(double window) {
   const Features& from = *last_.features;
   const Features& to = *current_.features;
-  const Pinhole& camera = to.camera;
   // Moving along the optical axis by more than the base line, a point can only be found at levels finer or coarser than
   // before.
   const double forward = (last_.T_cw * current_.T_cw.centre()).z();
-  const bool ahead = !monocular() && forward > camera.baseline();
-  const bool back = !monocular() && -forward > camera.baseline();
+  const bool ahead = !monocular() && forward > camera_.baseline();
+  const bool back = !monocular() && -forward > camera_.baseline();
   const int top = to.pyramid->levels - 1;
   queries_.clear();
   query_source_.clear();
@@ -59,10 +58,10 @@ int Tracker::search_last_frame(double window) {
     if (!last_.known[i]) continue;
     const Eigen::Vector3d p_c = current_.T_cw * last_.positions[i];
     if (!(p_c.z() > 0)) continue;
-    const Eigen::Vector2f pixel = camera.project(p_c).cast<float>();
+    const Eigen::Vector2f pixel = camera_.project(p_c).cast<float>();
     if (!to.grid.bounds.contains(pixel.x(), pixel.y())) continue;
     const int level = from.level[i];
-    const float u_right = camera.bf > 0 ? static_cast<float>(pixel.x() - camera.bf / p_c.z()) : -1.0f;
+    const float u_right = camera_.bf > 0 ? static_cast<float>(pixel.x() - camera_.bf / p_c.z()) : -1.0f;
     queries_.push_back({pixel.x(), pixel.y(), u_right,
                         static_cast<float>(window) * to.pyramid->scale[static_cast<size_t>(level)],
                         ahead  ? level
@@ -199,7 +198,7 @@ int Tracker::search_local_map(double window_factor) {
                                     {local_map_.nx[k], local_map_.ny[k], local_map_.nz[k]},
                                     local_map_.d_min[k],
                                     local_map_.d_max[k]},
-                                   current_.T_cw, centre, f);
+                                   current_.T_cw, centre, camera_, f);
     if (!view) continue;
     in_view_[k] = 1;
     ++in_view;
@@ -284,11 +283,11 @@ bool Tracker::recover_from(const KeyFrameView& view, TrackResult& result, bool m
   std::vector<size_t> feature;
   for (size_t i = 0; i < current_.known.size(); ++i) {
     if (!current_.known[i]) continue;
-    problem.add(current_.positions[i], f.camera.unproject(f.x[i], f.y[i]), f.pyramid->sigma2[f.level[i]]);
+    problem.add(current_.positions[i], camera_.unproject(f.x[i], f.y[i]), f.pyramid->sigma2[f.level[i]]);
     feature.push_back(i);
   }
   const auto pose =
-      ransac_pnp(problem, f.camera, static_cast<uint64_t>(options_.seed) + static_cast<uint64_t>(current_.index));
+      ransac_pnp(problem, camera_, static_cast<uint64_t>(options_.seed) + static_cast<uint64_t>(current_.index));
   if (!pose) return false;
   current_.T_cw = pose->T_cw;
   for (size_t k = 0; k < feature.size(); ++k) {

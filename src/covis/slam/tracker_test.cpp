@@ -31,6 +31,25 @@ TEST_F(TrackerTest, FollowsTheTruth) {
   }
 }
 
+// A camera of 5 % more focal length sees the same from 5 % farther away.
+TEST_F(TrackerTest, TheFirstFrameAfterARefinementIsTrackedByTheRefinedCamera) {
+  for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
+  Pinhole longer = frames.camera();
+  for (double* value : {&longer.fx, &longer.fy, &longer.bf}) *value *= 1.05;
+  shared.write()->set_camera(longer);
+  tracker.map_moved();
+  const TrackResult result = track(6);
+  ASSERT_EQ(result.state, TrackState::tracking) << result.reason;
+  double depth = 0;
+  int points = 0;
+  shared.read()->for_each_point([&](MapPointId, const MapPoint& p) {
+    depth += (frames.T_cw(6) * p.position_w).z();
+    ++points;
+  });
+  const double back = (result.T_cw * frames.T_cw(6).inverse()).t().z();
+  EXPECT_NEAR(back / (0.05 * depth / points), 1, 0.3);
+}
+
 TEST_F(TrackerTest, NothingToSeeIsNoFirstKeyFrame) {
   const TrackResult result = track_blank(0);
   EXPECT_EQ(result.state, TrackState::not_initialised);

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vectors are kept in structures; those of SVE have no size that is known. NEON serves there.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include "covis/synth/shading.h"
 
 #undef HWY_TARGET_INCLUDE

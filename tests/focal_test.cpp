@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// One camera whose focal length is not what was said: refined as the map grows, kept with the map, one for all of it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "covis/core/log.h"
+#include "covis/io/map_file.h"
+#include "rendered.h"
+
+namespace covis {
+namespace {
+
+constexpr double kClaimed = 1.02;  // times the true focal length
+constexpr double kLeft = 0.008;    // of it, that may be left; half way would be 0.01
+constexpr int kFrames = 200;
+
+class FocalLength : public testing::Test {
+ protected:
+  static Recording& recording() {
+    static Recording made(Sensor::monocular, kFrames, 10, "posters");
+    return made;
+  }
+  static Camera camera(double factor) {
+    Camera made = recording().synth.camera();
+    made.pinhole.fx *= factor;
+    made.pinhole.fy *= factor;
+    return made;
+  }
+  static Camera claimed() { return camera(kClaimed); }
+  static SystemOptions options() { return options_for(Sensor::monocular); }
+  // Of the present camera, relative to the truth.
+  static double off(const System& system) { return std::abs(system.camera().fx / camera(1).pinhole.fx - 1); }
+  static int track(System& system, int from, int to) {
+    int tracked = 0;
+    for (int i = from; i < to; ++i) tracked += system.process(recording().frame(i)).track.state == TrackState::tracking;
+    return tracked;
+  }
+  // A map whose camera was refined, through a file.
+  static io::SavedMap saved() {
+    static const std::string file = [] {
+      System system(claimed(), options(), vocabulary());
+      track(system, 0, kFrames);
+      system.finish();
+      io::MapHeader header;
+      header.camera = claimed();
+      header.levels = options().orb.levels;
+      header.factor = static_cast<float>(options().orb.scale_factor);
+      const std::string name = (std::filesystem::path(testing::TempDir()) / "covis_focal.map").string();
+      EXPECT_TRUE(io::save_map(name, system.map().read()->state(), header));
+      return name;
+    }();
+    return std::move(io::load_map(file).value());
+  }
+};
+
+// However often the user waits for mapping in between, while an estimate is under way too.
+TEST_F(FocalLength, IsRefinedForAllOfTheMap) {
+  for (const int every : {kFrames, 7}) {
+    SCOPED_TRACE(every);
+    System system(claimed(), options(), vocabulary());
+    EXPECT_NEAR(off(system), kClaimed - 1, 1e-9);
+    int tracked = 0;
+    for (int i = 0; i < kFrames; ++i) {
+      tracked += track(system, i, i + 1);
+      if (i % every != every - 1) continue;
+      system.finish();
+      ASSERT_EQ(system.map().read()->check(), "");
+    }
+    system.finish();
+    EXPECT_LT(off(system), kLeft);
+    EXPECT_EQ(system.camera(), system.map().read()->camera());
+    EXPECT_GT(tracked, kFrames * 7 / 10);
+  }
+}
+
+TEST_F(FocalLength, IsRefinedInRealTime) {
+  SystemOptions realtime = options();
+  realtime.realtime = true;
+  System system(claimed(), realtime, vocabulary());
+  for (int i = 0; i < kFrames; ++i) {
+    track(system, i, i + 1);
+    if (i % 5 == 4) system.finish();  // else a slow machine would have few key frames
+  }
+  system.finish();
+  EXPECT_EQ(system.map().read()->check(), "");
+  EXPECT_LT(off(system), kLeft);
+}
+
+TEST_F(FocalLength, StaysAsGivenWhenToldTo) {
+  SystemOptions fixed = options();
+  fixed.mapper.refine_focal = false;
+  System system(claimed(), fixed, vocabulary());
+  track(system, 0, kFrames);
+  system.finish();
+  EXPECT_EQ(system.camera(), claimed().pinhole);
+}
+
+// Looking where an image was taken changes nothing of the run, whatever mapping does in the background.
+TEST_F(FocalLength, LocatingLeavesTheRunAsItIs) {
+  std::string first;
+  for (const bool locating : {false, true}) {
+    System system(claimed(), options(), vocabulary());
+    int located = 0;
+    for (int i = 0; i < kFrames; ++i) {
+      track(system, i, i + 1);
+      if (locating && i % 4 == 0) located += system.locate(recording().frame(i / 2)).has_value();
+    }
+    system.finish();
+    const std::string result = bytes(system.trajectory()) + bytes(system.online_trajectory());
+    if (!locating) first = result;
+    EXPECT_TRUE(result == first);
+    EXPECT_TRUE(!locating || located > 5) << located;
+  }
+}
+
+TEST_F(FocalLength, IsKeptWithASavedMap) {
+  const Pinhole refined = saved().map.camera();
+  EXPECT_LT(std::abs(refined.fx / camera(1).pinhole.fx - 1), kLeft);
+  for (const bool localize : {false, true}) {
+    for (const bool refine : {false, true}) {
+      SystemOptions on = options();
+      on.localize = localize;
+      on.mapper.refine_focal = refine;
+      System system(claimed(), on, vocabulary());
+      io::SavedMap map = saved();
+      ASSERT_TRUE(system.set_map(std::move(map.map), map.header.camera));
+      EXPECT_EQ(system.camera(), refined) << "it is the map's, whatever may be changed from now on";
+      EXPECT_GT(track(system, kFrames - 40, kFrames), 30);
+      system.finish();
+      EXPECT_LT(off(system), kLeft);
+      EXPECT_EQ(system.map().read()->check(), "");
+      if (localize || !refine) {
+        EXPECT_EQ(system.camera(), refined);
+      }
+    }
+  }
+}
+
+// A map of another camera can't be gone on with; places of it can be found, by a camera that is what it is.
+TEST_F(FocalLength, OfAnotherCameraIsNotTakenOver) {
+  const Camera other = camera(1.001);
+  System goes_on(other, options(), vocabulary());
+  io::SavedMap map = saved();
+  const auto refused = goes_on.set_map(std::move(map.map), map.header.camera);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("fx 255 instead of 250.25"), std::string::npos) << refused.error().message;
+  EXPECT_EQ(goes_on.camera(), other.pinhole);
+
+  SystemOptions localize = options();
+  localize.localize = true;
+  System system(other, localize, vocabulary());
+  std::string said;
+  set_log_sink([&](LogLevel level, std::string_view text) {
+    if (level == LogLevel::warning) said += text;
+  });
+  map = saved();
+  const auto taken = system.set_map(std::move(map.map), map.header.camera);
+  set_log_sink({});
+  ASSERT_TRUE(taken);
+  EXPECT_NE(said.find("another camera"), std::string::npos);
+  EXPECT_GT(track(system, kFrames - 40, kFrames), 30);
+  EXPECT_TRUE(system.locate(recording().frame(kFrames - 10)));
+  EXPECT_EQ(system.camera(), other.pinhole);
+  EXPECT_NE(system.map().read()->camera(), other.pinhole);
+}
+
+}  // namespace
+}  // namespace covis
