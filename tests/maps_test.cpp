@@ -113,10 +113,10 @@ TEST_P(Maps, MapsAreJoinedInRealTimeToo) {
   options.realtime = true;
   Walked run(walk, options);
   EXPECT_GE(run.most_maps, 2u);
-  // Key frames of a busy machine may have been too few to be sure: up and down what is mapped, until it is.
+  // Key frames of a busy machine may have been too few to be sure: along all that is mapped, until it is.
   for (int more = 0; more < 5 && run.system.maps().size() > 1; ++more) {
-    walk.go(2, 40);
-    walk.go(40, 2);
+    walk.go(2, 90);
+    walk.go(90, 2);
     run.go_on();
   }
   EXPECT_EQ(run.system.maps().size(), 1u);

@@ -29,7 +29,7 @@ struct TestKeyPoint {
   double depth = 0, u_right = -1;  // where one is given, the other follows
 };
 
-// bf: focal length times base line, pixels times metres.
+// bf: pixels of disparity at a depth of one metre (Pinhole::bf).
 inline void add(Features& f, const TestKeyPoint& k, double bf = 40) {
   f.x.push_back(static_cast<float>(k.x));
   f.y.push_back(static_cast<float>(k.y));
@@ -43,7 +43,7 @@ inline void add(Features& f, const TestKeyPoint& k, double bf = 40) {
 // To be called after the last key point.
 inline void finish(Features& f, const ImageBounds& bounds = {0, 0, 640, 480}) { f.grid.build(bounds, f.x, f.y); }
 
-// Anywhere in the image, of all levels, all of one depth (0: none).
+// Anywhere in an image of 640 x 480, of all levels, all of one depth (0: none).
 inline FeaturesPtr random_features(Random& random, int count, double depth) {
   auto f = std::make_shared<Features>(no_features());
   for (int i = 0; i < count; ++i) {

@@ -217,7 +217,7 @@ void add_true_points(InitialMapRequest& r) {
 // Two views and no depth: an initial map, then points by triangulation with a third.
 TEST(MonocularMapper, MakesAMapOfMedianDepthOneAndTriangulatesMore) {
   TestFrames& mono = TestFrames::of(Sensor::monocular);
-  SharedMap shared(TestFrames::of(Sensor::monocular).camera());
+  SharedMap shared(mono.camera());
   Mapper mapper(shared, options_of(Sensor::monocular));
   InitialMapRequest r = two_views(6);
   add_true_points(r);
