@@ -128,6 +128,11 @@ class Map {
     KeyFrameId key_frame;
     SE3 T_ar;
     double scale = 1;
+    // A camera that hangs on the asked key frame: its pose from that of the returned one. T_ca, and KeyFrame::scale of the
+    // asked one, as they were when the camera was there: after a loop lengths may have changed round it.
+    SE3 carry(const SE3& T_ca, double scale_then) const {
+      return SE3(T_ca.R(), Eigen::Vector3d(scale / scale_then * T_ca.t())) * T_ar;
+    }
   };
   std::optional<Resolved> resolve(KeyFrameId id) const;
 

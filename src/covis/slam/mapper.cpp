@@ -60,9 +60,8 @@ KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
   if (request.reference.valid()) {
     reference = map->resolve(request.reference);
     if (!reference) return {};
-    const double growth = reference->scale / request.reference_scale;
-    const SE3 T_cr(request.T_cr.R(), Eigen::Vector3d(growth * request.T_cr.t()));
-    T_cw = (T_cr * reference->T_ar * map->at(reference->key_frame).T_cw).normalized();
+    const SE3 T_cr = reference->carry(request.T_cr, request.reference_scale);
+    T_cw = (T_cr * map->at(reference->key_frame).T_cw).normalized();
   }
   for (const PointCount& count : request.counts) {
     const MapPointId point = map->forwarded(count.point);

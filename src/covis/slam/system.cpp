@@ -60,7 +60,6 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
     for (const KeyFrameId& id : map.key_frames())
       map.set_words(id, std::make_shared<const Words>(vocabulary_->transform(map.at(id).features->descriptor)));
   }
-  loaded_parts_ = map.parts().empty() ? 0 : map.parts().back().number + 1;
   *map_.write() = std::move(map);
   tracker_.start_lost();
   return {};
@@ -117,6 +116,7 @@ FrameReport System::process(const Input& input) {
   }
   if (outcome.key_frame) {
     frontend_.give_away_last();
+    // Here, so that frames that make no key frame never allocate.
     if (2 * records_.size() > records_.capacity()) records_.reserve(2 * records_.capacity());
     mapping_.submit(std::move(*outcome.key_frame));
   }
@@ -209,9 +209,7 @@ void System::for_each_pose(const Map& map, Visit&& visit) const {
     if (!record.tracked) continue;
     const auto resolved = map.resolve(record.reference);
     if (!resolved) continue;
-    const double growth = resolved->scale / record.reference_scale;
-    const SE3 T_cr(record.T_cr.R(), Eigen::Vector3d(growth * record.T_cr.t()));
-    const SE3 T_cw = T_cr * resolved->T_ar * map.at(resolved->key_frame).T_cw;
+    const SE3 T_cw = resolved->carry(record.T_cr, record.reference_scale) * map.at(resolved->key_frame).T_cw;
     visit(record, T_cw.inverse(), map.at(resolved->key_frame).part);
   }
 }
@@ -221,7 +219,7 @@ std::vector<MapSummary> System::maps() const { return maps(*map_.read()); }
 std::vector<MapSummary> System::maps(const Map& map) const {
   std::vector<MapSummary> maps;
   for (const MapPart& part : map.parts())
-    maps.push_back({part.number, part.number < loaded_parts_, 0, part.key_frames, 0});
+    maps.push_back({part.number, part.number < tracker_.kept_parts(), 0, part.key_frames, 0});
   const auto of = [&](uint32_t part) -> MapSummary& { return maps[static_cast<size_t>(index_of(maps, part))]; };
   map.for_each_point([&](MapPointId, const MapPoint& point) { ++of(map.at(point.reference).part).points; });
   for_each_pose(map, [&](const FrameRecord&, const SE3&, uint32_t part) { ++of(part).frames; });

@@ -37,9 +37,9 @@ struct FrameRecord {
   bool online = false;   // had one when it was tracked (the first view of a monocular map gets its pose later)
   KeyFrameId reference;
   double reference_scale = 1;  // KeyFrame::scale of the reference when it was told
-  SE3 T_cr;         // relative to the reference: carries every later correction
-  SE3 T_wc_online;  // as it was when tracked, …
-  uint32_t part_online = 0;  // … in the world of this part of the map
+  SE3 T_cr;                    // relative to the reference: carries every later correction
+  SE3 T_wc_online;             // as it was when tracked, …
+  uint32_t part_online = 0;    // … in the world of this part of the map
 };
 
 struct FrameReport {
@@ -126,7 +126,6 @@ class System {
   Tracker tracker_;
   MappingActor mapping_;
   std::vector<FrameRecord> records_;
-  uint32_t loaded_parts_ = 0;  // parts below this number were put in place
   int64_t processed_ = 0;   // frames so far
   int64_t visible_at_ = 0;  // count of frames at which pending mapping is taken over
 };

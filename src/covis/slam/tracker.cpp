@@ -207,9 +207,8 @@ void Tracker::refresh_last_frame(const Map& map) {
   refresh_camera(map);
   if (const auto resolved = map.resolve(reference_)) {
     // After a loop lengths may have changed round here, of the camera's motion too.
-    const double growth = resolved->scale / reference_scale_;
-    last_T_cr_ = SE3(last_T_cr_.R(), Eigen::Vector3d(growth * last_T_cr_.t())) * resolved->T_ar;
-    velocity_ = SE3(velocity_.R(), Eigen::Vector3d(growth * velocity_.t()));
+    last_T_cr_ = resolved->carry(last_T_cr_, reference_scale_);
+    velocity_ = SE3(velocity_.R(), Eigen::Vector3d(resolved->scale / reference_scale_ * velocity_.t()));
     set_reference(map, resolved->key_frame);
     last_.T_cw = (last_T_cr_ * map.at(reference_).T_cw).normalized();
   }

@@ -74,12 +74,14 @@ class Tracker {
   // A map was put in place that this tracker knows nothing of: the camera is to be found in it.
   void start_lost();
 
-  // Whether the next frame should get twice the features: for the monocular initialiser, and while tracking hangs on few
-  // points or is lost.
+  // Whether the next frame should get twice the features: for the monocular initialiser, and while tracking hangs on
+  // few points or is lost.
   bool wants_more_features() const {
     return state_ == TrackState::not_initialised ? monocular() : weak_ || (beginning_ && monocular());
   }
   TrackState state() const { return state_; }
+  // Parts of the map below this number were put in place: they are never given up.
+  uint32_t kept_parts() const { return kept_parts_; }
 
  private:
   void initialise(Outcome& outcome);
@@ -94,7 +96,8 @@ class Tracker {
   bool recover(TrackResult& result, bool map_is_live);
   std::vector<KeyFrameId> recovery_candidates(const Map& map);
   bool recover_from(const KeyFrameView& view, TrackResult& result, bool map_is_live);
-  // Localisation only: whether the last frame's depth carries the pose over a place the map has too little, or nothing, of.
+  // Localisation only: whether the last frame's depth carries the pose over a place the map has too little, or nothing,
+  // of.
   bool bridge(TrackResult& result);
   bool may_bridge() const { return options_.localize && !monocular(); }
   void accept(TrackResult& result);
@@ -139,24 +142,24 @@ class Tracker {
 
   TrackedFrame current_, last_;
   bool has_velocity_ = false;
-  SE3 velocity_;              // from the last camera to the current one
-  KeyFrameId reference_;      // the key frame poses are relative to
+  SE3 velocity_;                // from the last camera to the current one
+  KeyFrameId reference_;        // the key frame poses are relative to
   double reference_scale_ = 1;  // KeyFrame::scale of it when last seen
   uint32_t part_ = 0;           // of the map, to which it belongs
-  SE3 last_T_cr_;             // last frame relative to it
-  KeyFrameId new_reference_;  // a key frame just made, to become the reference
-  bool map_changed_ = false;  // since the last frame was refreshed
-  uint64_t moves_ = 0;        // Map::moves() when it was
+  SE3 last_T_cr_;               // last frame relative to it
+  KeyFrameId new_reference_;    // a key frame just made, to become the reference
+  bool map_changed_ = false;    // since the last frame was refreshed
+  uint64_t moves_ = 0;          // Map::moves() when it was
   LocalMap local_map_;
   int64_t begun_frame_ = -1;  // the last frame that asked for a map to be begun
   Timestamp last_key_frame_stamp_ = 0;
   Timestamp last_recovery_ = std::numeric_limits<Timestamp>::min() / 2;
   int lost_frames_ = 0;
   std::optional<Timestamp> lost_since_;
-  bool beginning_ = false;      // lost for long: a new map is to be begun beside the old one
-  int bridged_frames_ = 0;      // in a row
-  bool weak_ = false;           // few inliers lately
-  uint32_t kept_parts_ = 0;     // parts below this number were put in place and are never given up
+  bool beginning_ = false;  // lost for long: a new map is to be begun beside the old one
+  int bridged_frames_ = 0;  // in a row
+  bool weak_ = false;       // few inliers lately
+  uint32_t kept_parts_ = 0;
   size_t recovery_cursor_ = 0;  // whose turn it is among all key frames
 
   std::vector<PointCount> counts_;  // by point slot
