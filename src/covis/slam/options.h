@@ -22,7 +22,7 @@ struct TrackerOptions {
   double local_window_rgbd = 3;       // factor on both for RGB-D
   double local_ratio = 0.8;           // best against second-best distance when both are of one level
   int min_inliers = 30;               // matched map points to accept a pose
-  int min_inliers_recovered = 50;     // the same within one second of a recovery
+  int min_inliers_recovered = 40;     // the same within one second of a recovery
   double min_recovered_share = 0.1;   // of the map points in view that must be matched to accept a recovered pose: things
                                       // of which there are several alike match, what stands round them does not
   double new_map_after = 2;           // seconds after a loss at which a new map is begun beside the old one; 0: never
