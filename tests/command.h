@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sched.h>
+#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,10 +15,9 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
-
-#include "covis/io/test_process.h"
 
 namespace covis {
 
@@ -39,13 +39,17 @@ class Process {
     std::vector<char*> arguments;
     for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
-    id_ = fork_patiently();
-    if (id_ > 0) return;
-    if (one_core) keep_one_core();
-    redirect(standard_out, STDOUT_FILENO);
-    redirect(standard_error, STDERR_FILENO);
-    execv(arguments[0], arguments.data());
-    _exit(127);
+    // Not fork(): this process, with a sanitizer's memory, would be copied for it.
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    redirect(files, standard_out, STDOUT_FILENO);
+    redirect(files, standard_error, STDERR_FILENO);
+    cpu_set_t allowed;
+    if (one_core) keep_one_core(allowed);
+    const int problem = posix_spawn(&id_, arguments[0], &files, nullptr, arguments.data(), environ);
+    if (one_core) sched_setaffinity(0, sizeof allowed, &allowed);
+    posix_spawn_file_actions_destroy(&files);
+    if (problem != 0) throw std::system_error(problem, std::generic_category(), command.front());
   }
   ~Process() {
     if (id_ <= 0) return;
@@ -74,21 +78,20 @@ class Process {
   }
 
  private:
-  static void redirect(const fs::path& file, int descriptor) {
-    const int opened = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    if (opened < 0 || dup2(opened, descriptor) < 0) _exit(126);
-    close(opened);
+  static void redirect(posix_spawn_file_actions_t& files, const fs::path& file, int descriptor) {
+    posix_spawn_file_actions_addopen(&files, descriptor, file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   }
-  static void keep_one_core() {
-    cpu_set_t allowed, one;
+  // For this thread, whose cores a child gets. allowed: what they were.
+  static void keep_one_core(cpu_set_t& allowed) {
+    CPU_ZERO(&allowed);
+    sched_getaffinity(0, sizeof allowed, &allowed);
+    int core = 0;
+    while (core < CPU_SETSIZE - 1 && !CPU_ISSET(core, &allowed)) ++core;
+    cpu_set_t one;
     CPU_ZERO(&one);
-    if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) _exit(126);
-    for (int core = 0; core < CPU_SETSIZE; ++core) {
-      if (!CPU_ISSET(core, &allowed)) continue;
-      CPU_SET(core, &one);
-      break;
-    }
-    if (sched_setaffinity(0, sizeof one, &one) != 0) _exit(126);
+    CPU_SET(core, &one);
+    if (sched_setaffinity(0, sizeof one, &one) != 0)
+      throw std::system_error(errno, std::generic_category(), "sched_setaffinity");
   }
 
   pid_t id_ = -1;

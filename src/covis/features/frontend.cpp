@@ -60,12 +60,7 @@ class FeaturesRing {
     // Copying a shared pointer waits for what its last other owner did, in whatever thread.
     std::shared_ptr<Features> copy = ring_[at_];
     if (copy.use_count() == 2) return copy;
-    renew();
-    return ring_[at_];
-  }
-  void renew(size_t room = 0, bool distorted = false) {
-    ring_[at_] = std::make_shared<Features>();
-    ring_[at_]->start(room, distorted);
+    return ring_[at_] = std::make_shared<Features>();
   }
 
  private:
@@ -176,8 +171,6 @@ void Frontend::set_feature_budget(int features) {
   impl_->left.set_budget(features);
   if (impl_->right) impl_->right->set_budget(features);
 }
-
-void Frontend::give_away_last() { impl_->ring.renew(impl_->left.most_key_points(), impl_->distorted()); }
 
 FeaturesPtr Frontend::monocular(ImageView<const uint8_t> image) {
   const Stopwatch watch;

@@ -24,7 +24,7 @@ struct OrbOptions {
 Fields fields(OrbOptions& options);
 
 // Makes Features from images. Owns its scratch memory: an extraction allocates nothing in a steady state.
-// Features are taken back and used again once nobody holds them; those of key frames stay with them.
+// Features are taken back and used again once nobody holds them: who keeps them longer than some frames copies them.
 // Not thread-safe; one per tracker.
 class Frontend {
  public:
@@ -43,9 +43,6 @@ class Frontend {
 
   // Greatest number of key points wanted (the monocular initialiser asks for more than tracking does).
   void set_feature_budget(int features);
-
-  // The features of the last call stay with somebody: others take their place now, rather than when their turn comes.
-  void give_away_last();
 
   // Images must have the camera's size (asserted; readers check it before).
   FeaturesPtr monocular(ImageView<const uint8_t> image);

@@ -115,7 +115,6 @@ FrameReport System::process(const Input& input) {
     record.part_online = outcome.result.part;
   }
   if (outcome.key_frame) {
-    frontend_.give_away_last();
     // Here, so that frames that make no key frame never allocate.
     if (2 * records_.size() > records_.capacity()) records_.reserve(2 * records_.capacity());
     mapping_.submit(std::move(*outcome.key_frame));

@@ -107,8 +107,11 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
 }
 
 bool Tracker::find_pose(TrackResult& result, bool map_is_live) {
+  constexpr int kTryEvery = 5;  // bridged frames
   bool found = false;
   if (state_ == TrackState::tracking) {
+    // What is bridged drifts: the map is looked for again and again.
+    if (bridged_frames_ > 0 && bridged_frames_ % kTryEvery == 0 && recover(result, map_is_live)) return true;
     found = (has_velocity_ && track_by_motion(result)) || track_by_reference(result);
     found = found && (track_local_map(result, map_is_live) || bridge(result));
   }
@@ -116,22 +119,8 @@ bool Tracker::find_pose(TrackResult& result, bool map_is_live) {
 }
 
 bool Tracker::bridge(TrackResult& result) {
-  constexpr int kTryEvery = 5;  // frames
   if (!may_bridge() || all_inliers() < options_.tracker.min_inliers) return false;
-  // The map is looked for again and again: what is bridged drifts.
-  if (++bridged_frames_ % kTryEvery == 0) {
-    TrackedFrame bridged = current_;
-    LocalMap around = local_map_;
-    std::vector<uint8_t> in_view = in_view_;
-    TrackResult found = result;
-    if (recover(found, true)) {
-      result = found;
-      return true;
-    }
-    current_ = std::move(bridged);
-    local_map_ = std::move(around);
-    in_view_ = std::move(in_view);
-  }
+  ++bridged_frames_;
   result.method = TrackMethod::bridged;
   return true;
 }

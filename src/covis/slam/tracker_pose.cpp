@@ -259,6 +259,8 @@ bool Tracker::recover(TrackResult& result, bool map_is_live) {
       }
       if ((found = recover_from(view, result, map_is_live))) break;
     }
+    // The candidates leave nothing behind: the rest of the local map is made anew for each frame.
+    if (const auto map = map_.read(); !found && map->find(reference_)) local_map_.reference.copy(*map, reference_);
   }
   result.motion_ms += watch.ms();
   if (found) {

@@ -51,8 +51,6 @@ Result<void> check_header(const VocabularyHeader& header, uint64_t bytes) {
   return {};
 }
 
-// The groups of keys (high half: group, low half: feature) that rise.
-
 }  // namespace
 
 double word_score(const std::vector<WordWeight>& a, const std::vector<WordWeight>& b) {
@@ -182,7 +180,7 @@ Words Vocabulary::transform(std::span<const Descriptor> descriptors) const {
 }
 
 DirectIndex Vocabulary::direct_index(std::span<const Descriptor> descriptors) const {
-  std::vector<uint64_t> keys(descriptors.size());
+  std::vector<uint64_t> keys(descriptors.size());  // high half: the node, low half: the feature
   for (size_t i = 0; i < descriptors.size(); ++i) keys[i] = (uint64_t{descend(descriptors[i]).direct_node} << 32) | i;
   std::sort(keys.begin(), keys.end());
   DirectIndex index;
