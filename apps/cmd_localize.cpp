@@ -36,7 +36,8 @@ struct Found {
 
 Found locate_all(io::Sequence& sequence, System& system) {
   Found found;
-  found.of_map.resize(system.maps().size());
+  const std::vector<MapSummary> maps = system.maps();
+  found.of_map.resize(maps.size());
   io::Frame frame;
   while (true) {
     auto next = sequence.next(std::move(frame));
@@ -52,7 +53,9 @@ Found locate_all(io::Sequence& sequence, System& system) {
     const Stopwatch watch;
     const auto located = system.locate(input_of(frame));
     found.times.push_back(watch.ms());
-    if (located) found.of_map[static_cast<size_t>(located->map)].push_back({frame.stamp, located->T_wc});
+    for (size_t m = 0; located && m < maps.size(); ++m) {
+      if (maps[m].part == located->part) found.of_map[m].push_back({frame.stamp, located->T_wc});
+    }
   }
 }
 

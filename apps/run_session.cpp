@@ -74,7 +74,8 @@ std::vector<std::pair<std::string, std::string>> rows_of(const json& s) {
 std::vector<ReportFrame> report_frames(const RunRecord& run) {
   std::vector<ReportFrame> frames;
   for (const FrameStats& f : run.frames) {
-    frames.push_back({f.frame, f.state, f.reason, processed(f) ? f.tracking_ms() : 0, f.inliers, f.key_frame});
+    frames.push_back(
+        {f.frame, f.state, f.reason, processed(f) ? f.tracking_ms() : 0, f.track.inliers, f.track.key_frame});
   }
   return frames;
 }

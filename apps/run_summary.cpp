@@ -96,23 +96,23 @@ json to_json(const FrameStats& f, std::optional<int> map) {
   json line{{"frame", f.frame}, {"stamp", to_seconds(f.stamp)}, {"state", f.state}, {"reason", f.reason}};
   if (map) line["map"] = *map;
   if (!processed(f)) return line;
-  line.update({{"method", f.method},
-               {"features", f.features},
-               {"matches", f.matches},
-               {"local_points", f.local_points},
-               {"in_view", f.in_view},
-               {"inliers", f.inliers},
-               {"key_frame", f.key_frame},
+  line.update({{"method", name(f.track.method)},
+               {"features", f.track.features},
+               {"matches", f.track.predicted_matches},
+               {"local_points", f.track.local_points},
+               {"in_view", f.track.local_in_view},
+               {"inliers", f.track.inliers},
+               {"key_frame", f.track.key_frame},
                {"tracking_ms", f.tracking_ms()},
                {"cpu_ms", f.cpu_ms},
                {"ms",
                 {{"decode_wait", f.decode_ms},
                  {"extract", f.timing.extract_ms},
                  {"depth", f.timing.depth_ms},
-                 {"motion", f.motion_ms},
-                 {"local_update", f.local_update_ms},
-                 {"local_search", f.local_search_ms},
-                 {"pose", f.pose_ms},
+                 {"motion", f.track.motion_ms},
+                 {"local_update", f.track.local_update_ms},
+                 {"local_search", f.track.local_search_ms},
+                 {"pose", f.track.pose_ms},
                  {"track", f.timing.track_ms},
                  {"mapping_wait", f.timing.wait_ms},
                  {"total", f.timing.total_ms}}}});
@@ -128,10 +128,10 @@ json stage_times(const RunRecord& run) {
   const auto stage = [&](auto member) { return spread(tracked, member); };
   return {{"extract", stage([](const FrameStats& f) { return f.timing.extract_ms; })},
           {"depth", stage([](const FrameStats& f) { return f.timing.depth_ms; })},
-          {"motion", stage([](const FrameStats& f) { return f.motion_ms; })},
-          {"local_update", stage([](const FrameStats& f) { return f.local_update_ms; })},
-          {"local_search", stage([](const FrameStats& f) { return f.local_search_ms; })},
-          {"pose", stage([](const FrameStats& f) { return f.pose_ms; })},
+          {"motion", stage([](const FrameStats& f) { return f.track.motion_ms; })},
+          {"local_update", stage([](const FrameStats& f) { return f.track.local_update_ms; })},
+          {"local_search", stage([](const FrameStats& f) { return f.track.local_search_ms; })},
+          {"pose", stage([](const FrameStats& f) { return f.track.pose_ms; })},
           {"mapping_wait", stage([](const FrameStats& f) { return f.timing.wait_ms; })},
           {"decode_wait", stage([](const FrameStats& f) { return f.decode_ms; })}};
 }
@@ -170,24 +170,13 @@ json losses(const RunRecord& run) {
 }  // namespace
 
 FrameStats to_stats(const io::Frame& frame, const FrameReport& report, bool localize) {
-  const TrackResult& track = report.track;
   FrameStats stats;
   stats.frame = frame.index;
   stats.stamp = frame.stamp;
-  stats.state = localize && track.state == TrackState::lost ? "not_localised" : name(track.state);
-  stats.reason = track.reason;
-  stats.method = name(track.method);
-  stats.features = track.features;
-  stats.matches = track.predicted_matches;
-  stats.local_points = track.local_points;
-  stats.in_view = track.local_in_view;
-  stats.inliers = track.inliers;
-  stats.key_frame = track.key_frame;
+  stats.state = localize && report.track.state == TrackState::lost ? "not_localised" : name(report.track.state);
+  stats.reason = report.track.reason;
+  stats.track = report.track;
   stats.timing = report.timing;
-  stats.motion_ms = track.motion_ms;
-  stats.local_update_ms = track.local_update_ms;
-  stats.local_search_ms = track.local_search_ms;
-  stats.pose_ms = track.pose_ms;
   return stats;
 }
 

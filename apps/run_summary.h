@@ -18,16 +18,13 @@ namespace covis::app {
 struct FrameStats {
   int64_t frame = 0;
   Timestamp stamp = 0;
-  std::string state;  // tracking, lost, not_initialised; late (dropped in real time); unreadable
+  std::string state;  // tracking, lost, not_initialised, not_localised; late (dropped in real time); unreadable
   std::string reason;
-  std::string method;
-  int features = 0, matches = 0, local_points = 0, in_view = 0, inliers = 0;
-  bool key_frame = false;
+  TrackResult track;
   double decode_ms = 0;  // waiting for the decoded image
   FrameTiming timing;
   double cpu_ms = 0;  // time the tracking thread itself worked: other busy programs do not enter
   double rss_mb = 0;  // resident memory after this frame, of every hundredth; 0: not asked
-  double motion_ms = 0, local_update_ms = 0, local_search_ms = 0, pose_ms = 0;
   // What tracking cost, image already decoded: everything but waiting for mapping.
   double tracking_ms() const { return timing.total_ms - timing.wait_ms; }
 };

@@ -187,6 +187,7 @@ Placing place(io::Sequence& sequence, const Truth& truth, const std::vector<View
               System& system) {
   Placing placing;
   const Camera camera = sequence.camera();
+  const uint32_t part = system.maps().front().part;
   for_each_frame(sequence, [&](const io::Frame& frame) {
     const SE3* T_wc = truth.at(frame.stamp);
     if (!T_wc) return;
@@ -195,7 +196,7 @@ Placing place(io::Sequence& sequence, const Truth& truth, const std::vector<View
     const Stopwatch watch;
     const auto found = system.locate(input(frame));
     placing.times.push_back(watch.ms());
-    p.found = found && found->map == 0;
+    p.found = found && found->part == part;
     if (!p.found) return;
     const SE3 difference = T_wc->inverse() * T_truth_map * found->T_wc;
     p.metres = difference.t().norm();

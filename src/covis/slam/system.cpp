@@ -65,13 +65,13 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
   return {};
 }
 
-std::optional<PoseOfFrame> System::locate(const Input& input) {
+std::optional<System::Location> System::locate(const Input& input) {
   mapping_.wait_idle();
   Tracker tracker(map_, options_, vocabulary_);
   if (own_camera_) tracker.use_camera(*own_camera_);
   const auto found = tracker.locate(extract(input, options_.tracker.weak_inliers > 0), input.frame);
   if (!found) return std::nullopt;
-  return PoseOfFrame{input.frame, input.stamp, found->T_cw.inverse(), index_of(maps(), found->part), found->part};
+  return Location{found->T_cw.inverse(), found->part};
 }
 
 FrameReport System::process(const Input& input) {

@@ -90,7 +90,11 @@ class System {
   Result<void> set_map(Map map, const Camera& made_by);
   // Relocalisation alone: where one image was taken, from nothing but the image; nothing when its place is not
   // recognised. Waits until key frames asked for are mapped; leaves tracking and mapping as they are.
-  std::optional<PoseOfFrame> locate(const Input& input);
+  struct Location {
+    SE3 T_wc;
+    uint32_t part = 0;  // in whose world: MapSummary::part
+  };
+  std::optional<Location> locate(const Input& input);
 
   // Waits for mapping to end. process() may go on afterwards.
   std::vector<MappingReport> finish();
