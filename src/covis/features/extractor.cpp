@@ -11,9 +11,9 @@ namespace {
 
 constexpr int kCellSize = 30;
 
-// Shares of the levels: proportional to factor^-l, the last level what is left. What a level can't fill goes to the others in
-// proportion, finest first.
-void share_budget(int total, double factor, const std::vector<int>& available, std::vector<int>& share) {
+// Shares of the levels: proportional to factor^-l, the last level what is left. What a level can't fill goes to the
+// others in proportion, finest first.
+void share_out(int total, double factor, const std::vector<int>& available, std::vector<int>& share) {
   const size_t levels = available.size();
   share.assign(levels, 0);
   double weight = 0;
@@ -38,7 +38,8 @@ void share_budget(int total, double factor, const std::vector<int>& available, s
     int left = std::min(missing, room);
     for (size_t l = 0; l < levels && left > 0; ++l) {
       const int spare = available[l] - share[l];
-      const int more = std::min({spare, left, static_cast<int>(std::ceil(static_cast<double>(missing) * spare / room))});
+      const int more =
+          std::min({spare, left, static_cast<int>(std::ceil(static_cast<double>(missing) * spare / room))});
       share[l] += more;
       left -= more;
     }
@@ -53,51 +54,88 @@ void KeyPoints::clear() {
   descriptor.clear();
 }
 
+void KeyPoints::reserve(size_t n) {
+  for (auto* array : {&x, &y, &angle}) array->reserve(n);
+  level.reserve(n);
+  descriptor.reserve(n);
+}
+
+void KeyPoints::append(const KeyPoints& more) {
+  const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  add(x, more.x);
+  add(y, more.y);
+  add(angle, more.angle);
+  add(level, more.level);
+  add(descriptor, more.descriptor);
+}
+
 OrbExtractor::OrbExtractor(const OrbOptions& options)
     : options_(options),
       pyramid_(std::make_shared<ScalePyramid>(options.levels, static_cast<float>(options.scale_factor))),
       levels_(static_cast<size_t>(options.levels)),
-      stretch_(levels_.size()),
-      resizers_(levels_.size()),
-      available_(levels_.size()),
-      corners_(levels_.size()),
-      kept_(levels_.size()) {}
+      available_(levels_.size()) {}
 
 const KeyPoints& OrbExtractor::extract(ImageView<const uint8_t> image) {
-  image_ = image;
-  key_points_.clear();
+  start(image);
+  for (int l = 0; l < levels(); ++l) detect(l);
+  share_budget();
+  for (int l = 0; l < levels(); ++l) describe(l);
+  return finish();
+}
+
+void OrbExtractor::start(ImageView<const uint8_t> image) {
   for (size_t l = 0; l < levels_.size(); ++l) {
+    Level& level = levels_[l];
+    level.view = image;
     if (l > 0) {
       const int width = static_cast<int>(std::lround(static_cast<float>(image.width) / pyramid_->scale[l]));
       const int height = static_cast<int>(std::lround(static_cast<float>(image.height) / pyramid_->scale[l]));
-      levels_[l].resize(std::max(1, width), std::max(1, height));
-      resizers_[l].resize(level(static_cast<int>(l) - 1), levels_[l].view());
+      level.image.resize(std::max(1, width), std::max(1, height));
+      level.resizer.resize(levels_[l - 1].view, level.image.view());
+      level.view = level.image.view();
     }
-    const ImageView<const uint8_t> at = level(static_cast<int>(l));
-    stretch_[l] = {static_cast<float>(image.width) / static_cast<float>(at.width),
-                   static_cast<float>(image.height) / static_cast<float>(at.height)};
-    detector_.detect(level(static_cast<int>(l)), kEdgeBorder, kCellSize, options_.fast_threshold, options_.fast_threshold_low,
-                     corners_[l]);
-    available_[l] = static_cast<int>(corners_[l].size());
+    level.stretch = {static_cast<float>(image.width) / static_cast<float>(level.view.width),
+                     static_cast<float>(image.height) / static_cast<float>(level.view.height)};
   }
-  share_budget(options_.features, options_.scale_factor, available_, share_);
-  for (size_t l = 0; l < levels_.size(); ++l) {
-    const ImageView<const uint8_t> from = level(static_cast<int>(l));
-    quadtree_.distribute(corners_[l], kEdgeBorder, kEdgeBorder, from.width - kEdgeBorder, from.height - kEdgeBorder, share_[l],
-                         kept_[l]);
-    if (kept_[l].empty()) continue;
-    blur_.apply(from, blurred_);
-    for (const Corner& c : kept_[l]) {
-      const float angle = orientation(from.row(c.y) + c.x, from.stride);
-      const Eigen::Vector2f place = to_image(static_cast<int>(l), static_cast<float>(c.x) + (options_.subpixel ? c.dx : 0),
-                                             static_cast<float>(c.y) + (options_.subpixel ? c.dy : 0));
-      key_points_.x.push_back(place.x());
-      key_points_.y.push_back(place.y());
-      key_points_.angle.push_back(angle);
-      key_points_.level.push_back(static_cast<uint8_t>(l));
-      key_points_.descriptor.push_back(describe(blurred_.row(c.y) + c.x, blurred_.stride(), angle));
-    }
+}
+
+void OrbExtractor::detect(int l) {
+  Level& level = levels_[static_cast<size_t>(l)];
+  level.detector.detect(level.view, kEdgeBorder, kCellSize, options_.fast_threshold, options_.fast_threshold_low,
+                        level.corners);
+}
+
+void OrbExtractor::share_budget() {
+  for (size_t l = 0; l < levels_.size(); ++l) available_[l] = static_cast<int>(levels_[l].corners.size());
+  share_out(options_.features, options_.scale_factor, available_, share_);
+}
+
+void OrbExtractor::describe(int l) {
+  Level& level = levels_[static_cast<size_t>(l)];
+  const ImageView<const uint8_t> from = level.view;
+  KeyPoints& points = level.key_points;
+  points.clear();
+  points.reserve(static_cast<size_t>(options_.features) + 3);  // memory is used only when they come
+  level.quadtree.distribute(level.corners, kEdgeBorder, kEdgeBorder, from.width - kEdgeBorder,
+                            from.height - kEdgeBorder, share_[static_cast<size_t>(l)], level.kept);
+  if (level.kept.empty()) return;
+  level.blur.apply(from, level.blurred);
+  for (const Corner& c : level.kept) {
+    const float angle = orientation(from.row(c.y) + c.x, from.stride);
+    const Eigen::Vector2f place = to_image(l, static_cast<float>(c.x) + (options_.subpixel ? c.dx : 0),
+                                           static_cast<float>(c.y) + (options_.subpixel ? c.dy : 0));
+    points.x.push_back(place.x());
+    points.y.push_back(place.y());
+    points.angle.push_back(angle);
+    points.level.push_back(static_cast<uint8_t>(l));
+    points.descriptor.push_back(covis::describe(level.blurred.row(c.y) + c.x, level.blurred.stride(), angle));
   }
+}
+
+const KeyPoints& OrbExtractor::finish() {
+  key_points_.clear();
+  key_points_.reserve(most_key_points());
+  for (const Level& level : levels_) key_points_.append(level.key_points);
   return key_points_;
 }
 

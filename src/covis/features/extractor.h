@@ -18,6 +18,8 @@ struct KeyPoints {
   AlignedVector<uint8_t> level;
   AlignedVector<Descriptor> descriptor;
   void clear();
+  void reserve(size_t n);
+  void append(const KeyPoints& more);
   size_t size() const { return x.size(); }
 };
 
@@ -30,36 +32,51 @@ class OrbExtractor {
   void set_budget(int features) { options_.features = features; }
   // Sorted by level, then row, then column.
   const KeyPoints& extract(ImageView<const uint8_t> image);
+
+  // The same in steps, one after the other; detect() and describe() of different levels may run in different threads.
+  void start(ImageView<const uint8_t> image);  // the pyramid
+  void detect(int level);                      // corners
+  void share_budget();                         // key points wanted of each level
+  void describe(int level);                    // key points and descriptors
+  const KeyPoints& finish();                   // of all levels
+
   const KeyPoints& key_points() const { return key_points_; }
+  int levels() const { return static_cast<int>(levels_.size()); }
   // Level of the last image; level 0 is the caller's.
-  ImageView<const uint8_t> level(int l) const { return l == 0 ? image_ : levels_[static_cast<size_t>(l)].view(); }
-  // Pixels of a level to pixels of the image, and back. Pixel centres are at whole numbers and a level's pixels tile the
-  // same area, so its centre (0, 0) lies half a pixel of the level inside the corner: leaving that out shifts the key
-  // points of the coarsest level by more than a pixel.
+  ImageView<const uint8_t> level(int l) const { return levels_[static_cast<size_t>(l)].view; }
+  // Pixels of a level to pixels of the image, and back. Pixel centres are at whole numbers and a level's pixels tile
+  // the same area, so its centre (0, 0) lies half a pixel of the level inside the corner: leaving that out shifts the
+  // key points of the coarsest level by more than a pixel.
   Eigen::Vector2f to_image(int l, float x, float y) const {
-    const Eigen::Vector2f& s = stretch_[static_cast<size_t>(l)];
+    const Eigen::Vector2f& s = levels_[static_cast<size_t>(l)].stretch;
     return {(x + 0.5f) * s.x() - 0.5f, (y + 0.5f) * s.y() - 0.5f};
   }
   Eigen::Vector2f to_level(int l, float x, float y) const {
-    const Eigen::Vector2f& s = stretch_[static_cast<size_t>(l)];
+    const Eigen::Vector2f& s = levels_[static_cast<size_t>(l)].stretch;
     return {(x + 0.5f) / s.x() - 0.5f, (y + 0.5f) / s.y() - 0.5f};
   }
-  float stretch(int l) const { return stretch_[static_cast<size_t>(l)].x(); }  // image columns a level's pixel
+  float stretch(int l) const { return levels_[static_cast<size_t>(l)].stretch.x(); }  // image columns a level's pixel
   const std::shared_ptr<const ScalePyramid>& pyramid() const { return pyramid_; }
 
  private:
+  // With scratch memory of its own: levels are worked on side by side.
+  struct Level {
+    ImageU8 image;  // empty in level 0
+    ImageView<const uint8_t> view;
+    Eigen::Vector2f stretch;  // image pixels a pixel
+    BilinearResizer resizer;
+    FastDetector detector;
+    std::vector<Corner> corners, kept;
+    Quadtree quadtree;
+    GaussianBlur blur;
+    ImageU8 blurred;
+    KeyPoints key_points;
+  };
+
   OrbOptions options_;
   std::shared_ptr<const ScalePyramid> pyramid_;
-  ImageView<const uint8_t> image_;
-  std::vector<ImageU8> levels_;  // [0] unused
-  std::vector<Eigen::Vector2f> stretch_;  // image pixels a level's pixel, for each level
-  std::vector<BilinearResizer> resizers_;
+  std::vector<Level> levels_;
   std::vector<int> available_, share_;  // corners found and wanted, for each level
-  std::vector<std::vector<Corner>> corners_, kept_;
-  ImageU8 blurred_;
-  GaussianBlur blur_;
-  FastDetector detector_;
-  Quadtree quadtree_;
   KeyPoints key_points_;
 };
 

@@ -3,53 +3,39 @@
 
 #include <array>
 #include <cmath>
-#include <condition_variable>
-#include <mutex>
 #include <optional>
-#include <thread>
 
 #include "covis/core/time.h"
 #include "covis/features/depth_lookup.h"
 #include "covis/features/extractor.h"
+#include "covis/features/staged_work.h"
 #include "covis/features/stereo_matcher.h"
 
 namespace covis {
 namespace {
 
-// Extracts the right image while the caller extracts the left.
-class RightWorker {
+// Both images of a pair, in two threads.
+class PairExtractor {
  public:
-  explicit RightWorker(OrbExtractor& extractor)
-      : extractor_(extractor), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+  PairExtractor(OrbExtractor& left, OrbExtractor& right)
+      : side_{&left, &right},
+        work_({{2, [this](int k) { side(k).start(images_[static_cast<size_t>(k)]); }},
+               {2 * left.levels(), [this](int k) { side(k).detect(k / 2); }},
+               {2, [this](int k) { side(k).share_budget(); }},
+               {2 * left.levels(), [this](int k) { side(k).describe(k / 2); }},
+               {2, [this](int k) { side(k).finish(); }}}) {}
 
-  void start(ImageView<const uint8_t> image) {
-    const std::lock_guard lock(mutex_);
-    job_ = image;
-    changed_.notify_all();
-  }
-  void wait() {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return !job_; });
+  void extract(ImageView<const uint8_t> left, ImageView<const uint8_t> right) {
+    images_ = {left, right};
+    work_.run();
   }
 
  private:
-  void run(const std::stop_token& stop) {
-    std::unique_lock lock(mutex_);
-    while (changed_.wait(lock, stop, [&] { return job_.has_value(); })) {
-      const ImageView<const uint8_t> image = *job_;
-      lock.unlock();
-      extractor_.extract(image);
-      lock.lock();
-      job_.reset();
-      changed_.notify_all();
-    }
-  }
+  OrbExtractor& side(int k) const { return *side_[static_cast<size_t>(k % 2)]; }
 
-  OrbExtractor& extractor_;
-  std::mutex mutex_;
-  std::condition_variable_any changed_;
-  std::optional<ImageView<const uint8_t>> job_;
-  std::jthread thread_;
+  const std::array<OrbExtractor*, 2> side_;
+  std::array<ImageView<const uint8_t>, 2> images_;
+  StagedWork work_;
 };
 
 // Features come from here and serve again when nobody holds them any more; the tracker holds those of two frames.
@@ -110,7 +96,7 @@ struct Frontend::Impl {
   Impl(const Camera& c, const OrbOptions& options, Sensor sensor) : camera(c), bounds(find_bounds(c)), left(options) {
     if (sensor == Sensor::stereo) {
       right.emplace(options);
-      worker.emplace(*right);
+      pair.emplace(left, *right);
     }
   }
 
@@ -121,7 +107,7 @@ struct Frontend::Impl {
   const ImageBounds bounds;
   OrbExtractor left;
   std::optional<OrbExtractor> right;
-  std::optional<RightWorker> worker;
+  std::optional<PairExtractor> pair;
   StereoMatcher matcher;
   FeaturesRing ring;
   Timing timing;
@@ -192,9 +178,7 @@ FeaturesPtr Frontend::rgbd(ImageView<const uint8_t> image, ImageView<const float
 
 FeaturesPtr Frontend::stereo(ImageView<const uint8_t> left, ImageView<const uint8_t> right) {
   Stopwatch watch;
-  impl_->worker->start(right);
-  impl_->left.extract(left);
-  impl_->worker->wait();
+  impl_->pair->extract(left, right);
   impl_->timing.extract_ms = watch.ms();
   watch.restart();
   std::shared_ptr<Features> features = impl_->finish({});

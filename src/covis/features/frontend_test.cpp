@@ -51,6 +51,21 @@ TEST(Frontend, StereoFindsTheDisparity) {
   }
 }
 
+// Two threads share the levels of both images: it must not show.
+TEST(Frontend, AnImageOfAPairGivesTheFeaturesItGivesAlone) {
+  Frontend pairs(pinhole_camera(500, 50), {}, Sensor::stereo), alone(pinhole_camera(500, 50), {}, Sensor::monocular);
+  for (uint64_t seed = 20; seed < 40; ++seed) {
+    const ImageU8 left = texture(640, 480, seed), right = texture(640, 480, seed + 100);
+    const FeaturesPtr a = pairs.stereo(left.view(), right.view()), b = alone.monocular(left.view());
+    ASSERT_GT(b->size(), 500);
+    EXPECT_EQ(a->x, b->x) << seed;
+    EXPECT_EQ(a->y, b->y) << seed;
+    EXPECT_EQ(a->angle, b->angle) << seed;
+    EXPECT_EQ(a->level, b->level) << seed;
+    EXPECT_EQ(a->descriptor, b->descriptor) << seed;
+  }
+}
+
 TEST(Frontend, DepthIsLookedUpAtTheKeyPoint) {
   const ImageU8 image = texture(640, 480, 12);
   ImageF depth(640, 480);

@@ -19,7 +19,6 @@ void Quadtree::split(const Node& node, std::vector<Node>& out) {
   const int middle_x = static_cast<int>(std::ceil(mx)), middle_y = static_cast<int>(std::ceil(my));
   const auto quarter = [&](const Place& p) { return static_cast<size_t>(2 * (p.y >= middle_y) + (p.x >= middle_x)); };
   std::array<uint32_t, 5> start{};
-  scratch_.resize(std::max<size_t>(scratch_.size(), node.last - node.first));
   for (uint32_t k = node.first; k < node.last; ++k) {
     const Place& p = places_[k];
     scratch_[k - node.first] = p;
@@ -58,6 +57,8 @@ void Quadtree::make_roots(int x0, int y0, int x1, int y1) {
   }
   reserve_ahead(places_, sorted_.size());
   places_.resize(sorted_.size());
+  reserve_ahead(scratch_, sorted_.size());
+  scratch_.resize(sorted_.size());
   for (uint32_t k = 0; k < sorted_.size(); ++k) places_[starts_[root_of_[k]]++] = {sorted_[k].x, sorted_[k].y, k};
 }
 
@@ -82,6 +83,7 @@ void Quadtree::distribute(const std::vector<Corner>& corners, int x0, int y0, in
   for (auto* nodes : {&nodes_, &next_}) reserve_ahead(*nodes, static_cast<size_t>(budget));
   reserve_ahead(keys_, static_cast<size_t>(budget));
   reserve_ahead(best_, static_cast<size_t>(budget));
+  reserve_ahead(kept, static_cast<size_t>(budget) + 3);
   while (static_cast<int>(nodes_.size()) < budget) {
     const auto open = static_cast<int>(std::count_if(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.open(); }));
     if (open == 0) break;

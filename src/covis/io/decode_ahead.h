@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "covis/core/thread_priority.h"
 #include "covis/io/sequence.h"
 
 namespace covis::io {
@@ -51,6 +52,7 @@ class DecodeAhead {
   }
 
   void run(const std::stop_token& stop) {
+    if (when_full_ == WhenFull::wait) lower_thread_priority();  // a live camera's frame is wanted at once
     for (bool end = false; !end && !stop.stop_requested();) {
       Item item = decode_(free_memory());
       end = is_end(item);

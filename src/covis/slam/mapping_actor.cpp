@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/slam/mapping_actor.h"
 
+#include "covis/core/thread_priority.h"
+
 namespace covis {
 
 MappingActor::MappingActor(SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
@@ -34,6 +36,7 @@ void MappingActor::wait_idle() const {
 }
 
 void MappingActor::run() {
+  lower_thread_priority();
   while (std::optional<Request> request = inbox_.pop()) {
     interrupt_ = interruptible_ && waiting_ > 1;
     MappingReport report;
