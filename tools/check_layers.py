@@ -37,9 +37,9 @@ ABOVE_TESTS['slam'] = {'api'}
 ABOVE_TESTS['api'] = set()
 
 CORE_EXTERNAL = re.compile(r'[a-z_]+$|Eigen/|hwy/|tl/expected\.hpp$')  # a name without dot or slash is the standard library's
-# Files that are used where they lie, and written whole or not at all; priorities of threads: the standard library can't.
+# Files that are used where they lie, and written whole or not at all; priorities and cores of threads: the standard library can't.
 POSIX = {('vocabulary', header) for header in ('fcntl.h', 'sys/mman.h', 'sys/stat.h', 'unistd.h')}
-POSIX.add(('core', 'sys/resource.h'))
+POSIX |= {('core', header) for header in ('pthread.h', 'sched.h', 'sys/resource.h')}
 TEST_HELPER_EXTERNAL = re.compile(r'g(test|mock)/')
 OUTER_FORBIDDEN = re.compile(r'spdlog/|fmt/|CLI/|opencv2/(highgui|viz)')  # the command's, and windows
 FORBIDDEN_CALLS = [

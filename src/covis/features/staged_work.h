@@ -9,6 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "covis/core/threads.h"
+
 namespace covis {
 
 class StagedWork {
@@ -22,6 +24,7 @@ class StagedWork {
 
   // All tasks of a stage are done before the next begins, and of the last when it returns.
   void run() {
+    other_cores_.keep(helper_);
     std::unique_lock lock(mutex_);
     at_ = 0;
     next_ = done_ = 0;
@@ -59,7 +62,8 @@ class StagedWork {
   std::condition_variable_any changed_;
   size_t at_;                // stage; guarded by mutex_, as are:
   int next_ = 0, done_ = 0;  // of its tasks
-  std::jthread helper_;      // last: it uses the rest
+  OtherCores other_cores_;
+  std::jthread helper_;  // last: it uses the rest
 };
 
 }  // namespace covis

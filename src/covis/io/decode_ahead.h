@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "covis/core/thread_priority.h"
+#include "covis/core/threads.h"
 #include "covis/io/sequence.h"
 
 namespace covis::io {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/slam/mapping_actor.h"
 
-#include "covis/core/thread_priority.h"
+#include "covis/core/threads.h"
 
 namespace covis {
 
