@@ -37,6 +37,10 @@ Fields fields(TrackerOptions& o) {
        1},
       {"tracker.key_frame_ratio_mono", &o.key_frame_ratio_mono,
        "tracked share below which a key frame is due (monocular)", 0, 1},
+      {"tracker.key_frame_turn", &o.key_frame_turn,
+       "turn away from the reference key frame's view beyond which one is due, share of the wider angle of view "
+       "(stereo, RGB-D)",
+       0.01, 10},
       {"tracker.key_frame_min_inliers", &o.key_frame_min_inliers, "with fewer inliers no key frame is made", 4, 1000},
       {"tracker.key_frame_interval", &o.key_frame_interval,
        "seconds after which a key frame may be made though mapping is busy", 0, 60},

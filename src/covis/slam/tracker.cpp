@@ -2,6 +2,7 @@
 #include "covis/slam/tracker.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "covis/core/log.h"
 #include "covis/core/reserve.h"
@@ -275,6 +276,14 @@ void Tracker::clear_counts() {
   counted_.clear();
 }
 
+bool Tracker::turned_away() const {
+  const ImageBounds& image = current_.features->grid.bounds;
+  const double wider = std::max((image.max_x - image.min_x) / camera_.fx, (image.max_y - image.min_y) / camera_.fy);
+  const double view = 2 * std::atan(wider / 2);  // angle
+  const auto axis = [](const SE3& T_cw) { return T_cw.R().row(2); };
+  return axis(current_.T_cw).dot(axis(local_map_.reference.T_cw)) < std::cos(options_.tracker.key_frame_turn * view);
+}
+
 bool Tracker::key_frame_due(const TrackResult& result, bool mapping_idle) const {
   const TrackerOptions& o = options_.tracker;
   if (options_.localize || result.inliers < o.key_frame_min_inliers) return false;
@@ -293,6 +302,7 @@ bool Tracker::key_frame_due(const TrackResult& result, bool mapping_idle) const 
   }
   const bool waited = current_.stamp - last_key_frame_stamp_ > from_seconds(o.key_frame_interval);
   if (!mapping_idle && !(options_.realtime && (waited || few_close))) return false;
+  if (!monocular() && turned_away()) return true;
   const double ratio = monocular() ? o.key_frame_ratio_mono : o.key_frame_ratio;
   return few_close || result.inliers < ratio * local_map_.reference_points;
 }

@@ -125,6 +125,8 @@ class Tracker {
   int optimize();
   int all_inliers() const;  // of the last optimize(), temporary points among them
 
+  // From the reference key frame's view, so far that places in between would be seen by too few key frames.
+  bool turned_away() const;
   bool key_frame_due(const TrackResult& result, bool mapping_idle) const;
   KeyFrameRequest make_key_frame_request();
   void count_points();

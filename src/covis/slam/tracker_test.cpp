@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <string>
 
 #include "covis/slam/test_tracker.h"
@@ -48,6 +49,33 @@ TEST_F(TrackerTest, TheFirstFrameAfterARefinementIsTrackedByTheRefinedCamera) {
   });
   const double back = (result.T_cw * frames.T_cw(6).inverse()).t().z();
   EXPECT_NEAR(back / (0.05 * depth / points), 1, 0.3);
+}
+
+class TurningTest : public TrackerTest {
+ protected:
+  TurningTest() : TrackerTest(by_turn_alone()) {}
+
+  static SystemOptions by_turn_alone() {
+    SystemOptions options = options_of(Sensor::rgbd);
+    options.tracker.key_frame_ratio = 0;
+    options.tracker.min_close_points = 0;
+    options.tracker.key_frame_turn = 0.05;
+    return options;
+  }
+};
+
+TEST_F(TurningTest, AKeyFrameIsDueWhereTheViewHasTurnedAwayFromItsReference) {
+  const double view = 2 * std::atan(160 / frames.camera().fx);  // images are 320 wide
+  int due = 0;
+  track(0);
+  for (int i = 1; i < frames.count(); ++i) {
+    const TrackResult result = track(i);
+    ASSERT_EQ(result.state, TrackState::tracking) << "frame " << i << ": " << result.reason;
+    const double turned = std::acos(result.T_cr.R()(2, 2));
+    EXPECT_EQ(result.key_frame, turned > 0.05 * view) << "frame " << i << ": " << turned;
+    due += result.key_frame;
+  }
+  EXPECT_GE(due, 2);
 }
 
 TEST_F(TrackerTest, NothingToSeeIsNoFirstKeyFrame) {
