@@ -20,7 +20,7 @@ struct FrameStats {
   Timestamp stamp = 0;
   std::string state;  // tracking, lost, not_initialised, not_localised; late (dropped in real time); unreadable
   std::string reason;
-  TrackResult track;
+  TrackFigures track;
   double decode_ms = 0;  // waiting for the decoded image
   FrameTiming timing;
   double cpu_ms = 0;  // time the tracking thread itself worked: other busy programs do not enter

@@ -46,15 +46,9 @@ constexpr std::string_view name(TrackMethod method) {
   return "";
 }
 
-struct TrackResult {
-  TrackState state = TrackState::not_initialised;
+// What tracking a frame took.
+struct TrackFigures {
   TrackMethod method = TrackMethod::none;
-  std::string_view reason;     // why there is no pose; empty when tracking
-  SE3 T_cw;                    // meaningful when tracking
-  KeyFrameId reference;        // key frame the pose hangs on
-  double reference_scale = 1;  // KeyFrame::scale of it
-  uint32_t part = 0;           // of the map, to which it belongs: poses of different parts have different worlds
-  SE3 T_cr;                    // from its camera to this frame's
   int features = 0;            // key points of the frame
   int predicted_matches = 0;   // matches of the motion model or the reference key frame
   int local_points = 0;        // points of the local map
@@ -65,6 +59,16 @@ struct TrackResult {
   double local_update_ms = 0;  // copying the local map
   double local_search_ms = 0;  // searching it
   double pose_ms = 0;          // last pose optimisation
+};
+
+struct TrackResult : TrackFigures {
+  TrackState state = TrackState::not_initialised;
+  std::string_view reason;     // why there is no pose; empty when tracking
+  SE3 T_cw;                    // meaningful when tracking
+  KeyFrameId reference;        // key frame the pose hangs on
+  double reference_scale = 1;  // KeyFrame::scale of it
+  uint32_t part = 0;           // of the map, to which it belongs: poses of different parts have different worlds
+  SE3 T_cr;                    // from its camera to this frame's
 };
 
 }  // namespace covis
