@@ -230,8 +230,8 @@ std::optional<LoopCloser::Found> LoopCloser::verify(const View& current, KeyFram
   report.inliers = std::max(report.inliers, fine.inliers);
   if (!fine.ok || fine.inliers < o.min_inliers) return std::nullopt;
 
-  // Twice, the second time from a better pose and so in narrower windows. The scale is the similarity's: what is refined
-  // here is the pose in the old place's unit.
+  // Twice, the second time from a better pose and so in narrower windows. The scale is the similarity's: what is
+  // refined here is the pose in the old place's unit.
   const double scale = fine.S_12.scale();
   SE3 T_cw = (fine.S_12 * Sim3(place.T_cw)).as_pose();
   Projection projection;
@@ -245,6 +245,7 @@ std::optional<LoopCloser::Found> LoopCloser::verify(const View& current, KeyFram
   const int least = found.elsewhere ? o.merge_min_found : o.min_found;
   const double least_share = found.elsewhere ? o.merge_min_found_share : o.min_found_share;
   if (count < least || count < least_share * projection.in_view) return std::nullopt;
+  if (tied_already(current, place, projection)) return std::nullopt;
   found.S_cw = Sim3(T_cw.R(), scale * T_cw.t(), scale);
   for (const auto& [feature, p] : projection.matches) found.matches.emplace_back(feature, place.points[p]);
   const auto map = map_.read();
@@ -256,6 +257,14 @@ std::optional<LoopCloser::Found> LoopCloser::verify(const View& current, KeyFram
     return std::nullopt;
   }
   return found;
+}
+
+// Most of what is found again is what the key frame has: the map leads from there to here without a gap.
+bool LoopCloser::tied_already(const View& current, const Place& place, const Projection& projection) const {
+  const auto shared = std::count_if(projection.matches.begin(), projection.matches.end(), [&](const auto& match) {
+    return current.points[match.first] == place.points[match.second];
+  });
+  return 2 * static_cast<size_t>(shared) > projection.matches.size();
 }
 
 // A key frame beside one that is tied may see less of the other place: half as many points will do.

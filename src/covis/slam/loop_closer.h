@@ -6,7 +6,8 @@
 // A false loop is worse than a missed one. A loop is taken only when
 //   1. the words of both places are alike (the database's query; at least as alike as the key frame's worst neighbour),
 //   2. RANSAC finds a similarity that at least 20 matched points agree with, and its refinement keeps 20,
-//   3. the old place's points, projected by it, are found again: 40 at least, and a share of all that are in view,
+//   3. the old place's points, projected by it, are found again: 40 at least, and a share of all that are in view; most
+//      of them not points the key frame has anyway,
 //   4. the neighbours of the key frame, moved along, find the old place's points too,
 //   5. the correction is one that drift can explain: a share of the path travelled since. What looks alike but is
 //      another place (the same poster on two walls, two equal rooms) fails here.
@@ -80,6 +81,7 @@ class LoopCloser {
   Projection project(const Place& place, const View& view, const SE3& T_cw, double window);
   // Refines the pose on the matches and keeps those that agree.
   bool refine(const Place& place, const View& view, SE3& T_cw, Projection& projection) const;
+  bool tied_already(const View& current, const Place& place, const Projection& projection) const;
   bool enough_for_neighbour(const Projection& projection) const;
   bool neighbours_agree(const Map& map, const View& current, const Found& found);
   bool seen_from_there(const Map& map, const View& current, const Found& found);
