@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "common.h"
 #include "resources.h"
@@ -91,6 +92,17 @@ json maps(const std::vector<MapSummary>& maps) {
   return list;
 }
 
+// What a frame's time went to, milliseconds.
+constexpr std::pair<const char*, double (*)(const FrameStats&)> kStages[] = {
+    {"extract", [](const FrameStats& f) { return f.timing.extract_ms; }},
+    {"depth", [](const FrameStats& f) { return f.timing.depth_ms; }},
+    {"motion", [](const FrameStats& f) { return f.track.motion_ms; }},
+    {"local_update", [](const FrameStats& f) { return f.track.local_update_ms; }},
+    {"local_search", [](const FrameStats& f) { return f.track.local_search_ms; }},
+    {"pose", [](const FrameStats& f) { return f.track.pose_ms; }},
+    {"mapping_wait", [](const FrameStats& f) { return f.timing.wait_ms; }},
+    {"decode_wait", [](const FrameStats& f) { return f.decode_ms; }}};
+
 // `map`: the one the frame's pose belongs to, by its place in the summary's list.
 json to_json(const FrameStats& f, std::optional<int> map) {
   json line{{"frame", f.frame}, {"stamp", to_seconds(f.stamp)}, {"state", f.state}, {"reason", f.reason}};
@@ -104,36 +116,17 @@ json to_json(const FrameStats& f, std::optional<int> map) {
                {"inliers", f.track.inliers},
                {"key_frame", f.track.key_frame},
                {"tracking_ms", f.tracking_ms()},
-               {"cpu_ms", f.cpu_ms},
-               {"ms",
-                {{"decode_wait", f.decode_ms},
-                 {"extract", f.timing.extract_ms},
-                 {"depth", f.timing.depth_ms},
-                 {"motion", f.track.motion_ms},
-                 {"local_update", f.track.local_update_ms},
-                 {"local_search", f.track.local_search_ms},
-                 {"pose", f.track.pose_ms},
-                 {"track", f.timing.track_ms},
-                 {"mapping_wait", f.timing.wait_ms},
-                 {"total", f.timing.total_ms}}}});
+               {"cpu_ms", f.cpu_ms}});
+  json& ms = line["ms"] = {{"track", f.timing.track_ms}, {"total", f.timing.total_ms}};
+  for (const auto& [stage, time] : kStages) ms[stage] = time(f);
   if (f.rss_mb > 0) line["rss_mb"] = f.rss_mb;
   return line;
 }
 
-json stage_times(const RunRecord& run) {
-  std::vector<FrameStats> tracked;
-  for (const FrameStats& f : run.frames) {
-    if (processed(f)) tracked.push_back(f);
-  }
-  const auto stage = [&](auto member) { return spread(tracked, member); };
-  return {{"extract", stage([](const FrameStats& f) { return f.timing.extract_ms; })},
-          {"depth", stage([](const FrameStats& f) { return f.timing.depth_ms; })},
-          {"motion", stage([](const FrameStats& f) { return f.track.motion_ms; })},
-          {"local_update", stage([](const FrameStats& f) { return f.track.local_update_ms; })},
-          {"local_search", stage([](const FrameStats& f) { return f.track.local_search_ms; })},
-          {"pose", stage([](const FrameStats& f) { return f.track.pose_ms; })},
-          {"mapping_wait", stage([](const FrameStats& f) { return f.timing.wait_ms; })},
-          {"decode_wait", stage([](const FrameStats& f) { return f.decode_ms; })}};
+json stage_times(const std::vector<FrameStats>& frames) {
+  json times;
+  for (const auto& [stage, time] : kStages) times[stage] = spread(frames, time);
+  return times;
 }
 
 json mapping_times(const RunRecord& run) {
@@ -243,7 +236,7 @@ json summarise(const RunRecord& run, const System& system) {
           {"tracking_ms", spread(done, [](const FrameStats& f) { return f.tracking_ms(); })},
           {"frame_ms", spread(done, [](const FrameStats& f) { return f.timing.total_ms; })},
           {"cpu_ms", spread(done, [](const FrameStats& f) { return f.cpu_ms; })},
-          {"stage_ms", stage_times(run)},
+          {"stage_ms", stage_times(done)},
           {"mapping_ms", mapping_times(run)},
           {"loops", loops(run)},
           {"maps", maps(system.maps())},

@@ -7,6 +7,7 @@
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "covis/core/threads.h"
@@ -16,7 +17,7 @@ namespace covis {
 class StagedWork {
  public:
   struct Stage {
-    int tasks = 0;
+    int tasks = 1;                  // at least one
     std::function<void(int)> task;  // called with 0 … tasks - 1, each once, in any thread
   };
   explicit StagedWork(std::vector<Stage> stages)

@@ -260,7 +260,7 @@ std::optional<LoopCloser::Found> LoopCloser::verify(const View& current, KeyFram
 }
 
 // Most of what is found again is what the key frame has: the map leads from there to here without a gap.
-bool LoopCloser::tied_already(const View& current, const Place& place, const Projection& projection) const {
+bool LoopCloser::tied_already(const View& current, const Place& place, const Projection& projection) {
   const auto shared = std::count_if(projection.matches.begin(), projection.matches.end(), [&](const auto& match) {
     return current.points[match.first] == place.points[match.second];
   });

@@ -48,9 +48,9 @@ class LoopCloser {
   struct Place {
     KeyFrameId key_frame;
     SE3 T_cw;
-    std::vector<KeyFrameId> group;           // the key frame first
-    std::vector<MapPointId> points;          // of the group, sorted
-    std::vector<MapPoint> copies;            // of each point, without observations
+    std::vector<KeyFrameId> group;   // the key frame first
+    std::vector<MapPointId> points;  // of the group, sorted
+    std::vector<MapPoint> copies;    // of each point, without observations
   };
   // The key frame in question, likewise.
   struct View {
@@ -63,8 +63,8 @@ class LoopCloser {
   };
   struct Found {
     Place place;
-    bool elsewhere = false;                  // the place is of another part of the map
-    Sim3 S_cw;                               // the current key frame as the old place's map would have it
+    bool elsewhere = false;                                // the place is of another part of the map
+    Sim3 S_cw;                                             // the current key frame as the old place's map would have it
     std::vector<std::pair<uint32_t, MapPointId>> matches;  // feature of the current key frame, point of the place
   };
   // Which of the place's points were found in a view at a pose.
@@ -81,7 +81,7 @@ class LoopCloser {
   Projection project(const Place& place, const View& view, const SE3& T_cw, double window);
   // Refines the pose on the matches and keeps those that agree.
   bool refine(const Place& place, const View& view, SE3& T_cw, Projection& projection) const;
-  bool tied_already(const View& current, const Place& place, const Projection& projection) const;
+  static bool tied_already(const View& current, const Place& place, const Projection& projection);
   bool enough_for_neighbour(const Projection& projection) const;
   bool neighbours_agree(const Map& map, const View& current, const Found& found);
   bool seen_from_there(const Map& map, const View& current, const Found& found);

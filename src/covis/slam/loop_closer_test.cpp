@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
+#include <iterator>
 
 #include "covis/slam/test_tracker.h"
 
@@ -15,10 +15,7 @@ namespace {
 // off its place a little.
 class LoopCloserTest : public TrackerTest {
  protected:
-  LoopCloserTest()
-      : TrackerTest(
-            many_key_frames(),
-            Vocabulary::load(std::filesystem::path(COVIS_SOURCE_DIR) / "vocabulary/default.covis-voc").value()) {}
+  LoopCloserTest() : TrackerTest(many_key_frames(), vocabulary()) {}
 
   static SystemOptions many_key_frames() {
     SystemOptions options = options_of(Sensor::rgbd);

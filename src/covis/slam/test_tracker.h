@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <memory>
 #include <utility>
 
@@ -11,6 +12,11 @@
 #include "covis/slam/tracker.h"
 
 namespace covis {
+
+// The one that comes along.
+inline std::shared_ptr<const Vocabulary> vocabulary() {
+  return Vocabulary::load(std::filesystem::path(COVIS_SOURCE_DIR) / "vocabulary/default.covis-voc").value();
+}
 
 class TrackerTest : public testing::Test {
  protected:

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "covis/core/log.h"
 #include "covis/core/reserve.h"
@@ -280,8 +281,9 @@ bool Tracker::turned_away() const {
   const ImageBounds& image = current_.features->grid.bounds;
   const double wider = std::max((image.max_x - image.min_x) / camera_.fx, (image.max_y - image.min_y) / camera_.fy);
   const double view = 2 * std::atan(wider / 2);  // angle
+  const double turn = std::min(options_.tracker.key_frame_turn * view, std::numbers::pi);
   const auto axis = [](const SE3& T_cw) { return T_cw.R().row(2); };
-  return axis(current_.T_cw).dot(axis(local_map_.reference.T_cw)) < std::cos(options_.tracker.key_frame_turn * view);
+  return axis(current_.T_cw).dot(axis(local_map_.reference.T_cw)) < std::cos(turn);
 }
 
 bool Tracker::key_frame_due(const TrackResult& result, bool mapping_idle) const {
@@ -302,9 +304,8 @@ bool Tracker::key_frame_due(const TrackResult& result, bool mapping_idle) const 
   }
   const bool waited = current_.stamp - last_key_frame_stamp_ > from_seconds(o.key_frame_interval);
   if (!mapping_idle && !(options_.realtime && (waited || few_close))) return false;
-  if (!monocular() && turned_away()) return true;
   const double ratio = monocular() ? o.key_frame_ratio_mono : o.key_frame_ratio;
-  return few_close || result.inliers < ratio * local_map_.reference_points;
+  return few_close || (!monocular() && turned_away()) || result.inliers < ratio * local_map_.reference_points;
 }
 
 // Features with depth up to the close bound, or the min_close_points nearest (ties: lower index) when those are fewer.

@@ -2,17 +2,12 @@
 // The tracker where the map moves, has several parts, or knows too little.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <numbers>
 
 #include "covis/slam/test_tracker.h"
 
 namespace covis {
 namespace {
-
-std::shared_ptr<const Vocabulary> vocabulary() {
-  return Vocabulary::load(std::filesystem::path(COVIS_SOURCE_DIR) / "vocabulary/default.covis-voc").value();
-}
 
 class SeveralMapsTest : public TrackerTest {
  protected:
