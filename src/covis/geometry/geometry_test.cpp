@@ -284,6 +284,31 @@ TEST(TwoView, RefusesWhatTellsNoDepth) {
   EXPECT_EQ(reconstruct_two_views({}, camera, {}).status, TwoViewStatus::too_few_matches);
 }
 
+// Fifty points with parallax among many far ones tell the motion badly.
+TEST(TwoView, AsksForParallaxOfAQuarterOfThePoints) {
+  const Pinhole camera{500, 500, 320, 240, 0};
+  const SE3 T_21(so3_exp({0.01, -0.02, 0.01}), Vector3d(-0.15, 0.02, 0.05));
+  for (const size_t near : {90, 200}) {
+    int refused = 0, begun = 0;
+    for (uint64_t seed = 1; seed <= 10; ++seed) {
+      Views views = make_views(seed, Scene::general, T_21, 0, camera);
+      views.matches.a.resize(near);
+      views.matches.b.resize(near);
+      Random random(seed);
+      while (views.matches.a.size() < 400) {
+        const Vector3d p(random.uniform(-40, 40), random.uniform(-30, 30), random.uniform(60, 120));
+        views.matches.a.push_back(camera.project(p));
+        views.matches.b.push_back(camera.project(T_21 * p));
+      }
+      const TwoViewStatus status = reconstruct_two_views(views.matches, camera, {.seed = seed}).status;
+      refused += status == TwoViewStatus::low_parallax;
+      begun += status == TwoViewStatus::ok;
+    }
+    EXPECT_EQ(refused, near == 90 ? 10 : 0);
+    EXPECT_GE(begun, near == 90 ? 0 : 9);
+  }
+}
+
 TEST(Camera, WhatDiffersIsNamed) {
   const Camera a{640, 480, {500, 500, 320, 240, 40}, Distortion::brown_conrady, {0.1, 0.01, 0, 0, 0}};
   EXPECT_EQ(difference(a, a), "");

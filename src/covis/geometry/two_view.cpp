@@ -201,7 +201,7 @@ Trial try_motion(const SE3& T_21, const TwoViewMatches& m, const std::vector<uin
   }
   if (cosines.empty()) return trial;
   std::sort(cosines.begin(), cosines.end());
-  const size_t at = std::min<size_t>(50, cosines.size() - 1);
+  const size_t at = std::min(std::max<size_t>(50, cosines.size() / 4), cosines.size() - 1);
   trial.parallax_deg = std::acos(std::clamp(cosines[at], -1.0, 1.0)) * 180 / std::numbers::pi;
   return trial;
 }

@@ -50,7 +50,7 @@ struct TwoViewResult {
   std::vector<uint8_t> triangulated;       // for each match
   bool homography = false;                 // the model taken
   double score_h = 0, score_f = 0;
-  double parallax_deg = 0;                 // that all but 50 of the points exceed
+  double parallax_deg = 0;                 // that a quarter of the points exceed, and 50 at least
 };
 
 TwoViewResult reconstruct_two_views(const TwoViewMatches& matches, const Pinhole& camera, const TwoViewOptions& options);

@@ -16,27 +16,40 @@ std::optional<int> FocalSchedule::ask(const Map& map) {
   return kLeastAge + static_cast<int>(map.key_frame_count()) / kAgeShare;
 }
 
-bool refine_focal(BundleProblem& problem, BundleAdjuster& adjuster, double given_fx,
-                  const std::atomic<bool>* interrupt) {
+namespace {
+
+// One step; false: the problem stays as it was.
+bool step(BundleProblem& problem, BundleAdjuster& adjuster, double given_fx, const std::atomic<bool>* interrupt) {
   constexpr double kMaxSigma = 0.005;   // of the factor: it is known well
-  constexpr double kSignificant = 4;    // sigmas from 1: it is surely another one …
-  constexpr double kMinChange = 0.006;  // … and worth it
-  constexpr double kMaxStep = 0.02;     // twice as far as the estimate looks: the next one goes on from there
+  constexpr size_t kFew = 30;           // key frames: their errors are alike, the estimate is worse than its sigma says
+  constexpr double kMinChange = 0.006;  // worth it …
+  const double significant = problem.poses.size() < kFew ? 6 : 4;  // … and so many sigmas: it is surely another one
+  constexpr double kMaxStep = 0.02;     // twice as far as the estimate looks: the next step goes on from there
   constexpr double kMaxChange = 0.05;   // from the one given
   const FocalEstimate estimate = estimate_focal(problem, adjuster, interrupt);
   if (!estimate.ok || estimate.sigma > kMaxSigma) return false;
-  if (std::abs(estimate.factor - 1) < std::max(kMinChange, kSignificant * estimate.sigma)) return false;
-  if (std::abs(problem.camera.fx * estimate.factor / given_fx - 1) > kMaxChange) return false;
+  if (std::abs(estimate.factor - 1) < std::max(kMinChange, significant * estimate.sigma)) return false;
 
   BundleProblem moved = problem;
   moved.camera = with_focal(problem.camera, std::clamp(estimate.factor, 1 - kMaxStep, 1 + kMaxStep));
+  if (std::abs(moved.camera.fx / given_fx - 1) > kMaxChange) return false;
   const std::optional<double> cost = adjusted_cost(moved, adjuster, interrupt);
-  if (!cost || estimate.cost - *cost < kSignificant * kSignificant * estimate.variance) return false;
+  if (!cost || estimate.cost - *cost < significant * significant * estimate.variance) return false;
   const BundleSummary summary = adjuster.solve(moved, {.iterations = 20, .interrupt = interrupt});
   if (!summary.ok || summary.interrupted) return false;
   classify_observations(moved);
   problem = std::move(moved);
   return true;
+}
+
+}  // namespace
+
+bool refine_focal(BundleProblem& problem, BundleAdjuster& adjuster, double given_fx,
+                  const std::atomic<bool>* interrupt) {
+  constexpr int kSteps = 3;
+  int steps = 0;
+  while (steps < kSteps && step(problem, adjuster, given_fx, interrupt)) ++steps;
+  return steps > 0;
 }
 
 }  // namespace covis
