@@ -44,8 +44,6 @@ class Mapper {
   void finish();
   // A part of the map is forgotten (a monocular one that failed in its first moments).
   void discard(uint32_t part);
-  // Bundle adjustment of the whole map; the roots stay. Returns its summary.
-  BundleSummary full_bundle_adjustment(int iterations);
 
  private:
   struct Recent {

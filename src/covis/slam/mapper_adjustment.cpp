@@ -67,22 +67,6 @@ void Mapper::local_bundle_adjustment(KeyFrameId current, const std::atomic<bool>
   local.commit(*map_.write());
 }
 
-BundleSummary Mapper::full_bundle_adjustment(int iterations) {
-  MapProblem all;
-  {
-    const auto map = map_.read();
-    const std::vector<KeyFrameId> frames = map->key_frames();
-    if (frames.size() < 2) return {};
-    all.gather(*map, frames, frames.size());
-  }
-  const BundleSummary summary = adjuster_.solve(all.problem, {.iterations = iterations});
-  if (summary.ok) {
-    classify_observations(all.problem);
-    all.commit(*map_.write());
-  }
-  return summary;
-}
-
 MappingReport Mapper::initialise(const InitialMapRequest& request) {
   constexpr int kIterations = 20;
   constexpr int kMinPoints = 100;

@@ -196,11 +196,6 @@ std::vector<MappingReport> System::finish() {
   return std::move(report.mapping);
 }
 
-BundleSummary System::full_bundle_adjustment(int iterations) {
-  finish();
-  return mapping_.mapper().full_bundle_adjustment(iterations);
-}
-
 // Calls visit(record, T_wc, part) for each frame that has a pose.
 template <class Visit>
 void System::for_each_pose(const Map& map, Visit&& visit) const {

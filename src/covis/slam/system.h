@@ -98,8 +98,6 @@ class System {
 
   // Waits for mapping to end. process() may go on afterwards.
   std::vector<MappingReport> finish();
-  // Bundle adjustment of all key frames and points; call after finish().
-  BundleSummary full_bundle_adjustment(int iterations);
 
   // The maps there are: loaded ones first, then those with more frames, then the older ones. More than one: the camera
   // was lost and the maps made before and after were not joined (yet).
