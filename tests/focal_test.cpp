@@ -90,6 +90,27 @@ TEST_F(FocalLength, IsRefinedInRealTime) {
   EXPECT_LT(off(system), kHalf);
 }
 
+TEST(FocalLengthWithDepth, IsRefinedForRgbdNotForStereo) {
+  for (const Sensor sensor : {Sensor::rgbd, Sensor::stereo}) {
+    SCOPED_TRACE(sensor_name(sensor));
+    Recording recording(sensor, kFrames, 10, "posters");
+    Camera claimed = recording.synth.camera();
+    claimed.pinhole.fx *= kClaimed;
+    claimed.pinhole.fy *= kClaimed;
+    System system(claimed, options_for(sensor), vocabulary());
+    for (int i = 0; i < kFrames; ++i)
+      EXPECT_EQ(system.process(recording.frame(i)).track.state, TrackState::tracking) << i;
+    system.finish();
+    ASSERT_EQ(system.map().read()->check(), "");
+    EXPECT_EQ(system.camera().bf, claimed.pinhole.bf);
+    if (sensor == Sensor::stereo) {
+      EXPECT_EQ(system.camera(), claimed.pinhole);
+    } else {
+      EXPECT_LT(std::abs(system.camera().fx / recording.synth.camera().pinhole.fx - 1), kLeft);
+    }
+  }
+}
+
 TEST_F(FocalLength, StaysAsGivenWhenToldTo) {
   SystemOptions fixed = options();
   fixed.mapper.refine_focal = false;

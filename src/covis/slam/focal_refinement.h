@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The focal length of a monocular map: when the map is asked for it, and what is believed. A camera that turns and
-// moves tells its focal length; a wrong one makes the scale drift at every turn. What was measured: docs/results.md,
-// "The focal length".
+// The focal length of a monocular or RGB-D map: when the map is asked for it, and what is believed. A camera that turns
+// and moves tells its focal length; a wrong one makes a monocular scale drift at every turn, and motion by depth too
+// long or too short. What was measured: docs/results.md, "The focal length".
 #pragma once
 
 #include <atomic>

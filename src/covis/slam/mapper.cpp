@@ -167,7 +167,8 @@ void Mapper::take_over_adjustment(MappingReport& report) {
 }
 
 void Mapper::adjust_focal(KeyFrameId current) {
-  if (!monocular() || !options_.mapper.refine_focal || global_.running()) return;
+  // Stereo's base line times focal length would have to follow.
+  if (options_.sensor == Sensor::stereo || !options_.mapper.refine_focal || global_.running()) return;
   const std::optional<int> age = focal_.ask(*map_.read());
   if (!age) return;
   global_.start(map_, current, FocalSchedule::kIterations, given_fx_);

@@ -70,7 +70,7 @@ Fields fields(MapperOptions& o) {
       {"mapper.ba_fixed_key_frames", &o.ba_fixed_key_frames, "key frames that hold it, at most", 1, 1000},
       {"mapper.ba_iterations_first", &o.ba_iterations_first, "iterations before outliers are dropped", 1, 100},
       {"mapper.ba_iterations_second", &o.ba_iterations_second, "iterations after", 0, 100},
-      {"mapper.refine_focal", &o.refine_focal, "monocular: adjust the focal length too, when the map tells it"},
+      {"mapper.refine_focal", &o.refine_focal, "monocular, RGB-D: adjust the focal length too, when the map tells it"},
       {"mapper.cull_redundancy", &o.cull_redundancy,
        "share of points seen by three others that makes a key frame redundant", 0, 1},
   };

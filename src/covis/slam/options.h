@@ -56,7 +56,7 @@ struct MapperOptions {
   int ba_fixed_key_frames = 40;     // key frames that hold it, at most
   int ba_iterations_first = 5;      // before outliers are dropped
   int ba_iterations_second = 10;    // after
-  bool refine_focal = true;         // monocular: adjust the focal length too, when the map tells it (docs/results.md)
+  bool refine_focal = true;         // monocular, RGB-D: the focal length too, when the map tells it (docs/results.md)
   double cull_redundancy = 0.9;     // share of points seen by three others that makes a key frame redundant
 };
 Fields fields(MapperOptions& options);

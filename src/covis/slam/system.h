@@ -81,7 +81,7 @@ class System {
   FrameReport process(const Input& input);
 
   // The intrinsics in use: those of the map, which are those given, or with the focal length refined (monocular,
-  // mapper.refine_focal).
+  // RGB-D: mapper.refine_focal).
   Pinhole camera() const { return own_camera_.value_or(map_.read()->camera()); }
 
   // Puts a map in place, for example a saved one: before the first frame. The camera is looked for in it. `made_by`:
