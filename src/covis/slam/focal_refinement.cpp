@@ -21,7 +21,7 @@ namespace {
 // One step; false: the problem stays as it was.
 bool step(BundleProblem& problem, BundleAdjuster& adjuster, double given_fx, const std::atomic<bool>* interrupt) {
   constexpr double kMaxSigma = 0.005;   // of the factor: it is known well
-  constexpr size_t kFew = 30;           // key frames: their errors are alike, the estimate is worse than its sigma says
+  constexpr size_t kFew = 35;           // key frames: their errors are alike, the estimate is worse than its sigma says
   constexpr double kMinChange = 0.006;  // worth it …
   const double significant = problem.poses.size() < kFew ? 6 : 4;  // … and so many sigmas: it is surely another one
   constexpr double kMaxStep = 0.02;     // twice as far as the estimate looks: the next step goes on from there
