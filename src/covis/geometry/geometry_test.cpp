@@ -284,7 +284,7 @@ TEST(TwoView, RefusesWhatTellsNoDepth) {
   EXPECT_EQ(reconstruct_two_views({}, camera, {}).status, TwoViewStatus::too_few_matches);
 }
 
-// Fifty points with parallax among many far ones tell the motion badly.
+// The published fifty points with parallax, among hundreds of far ones, tell the motion badly.
 TEST(TwoView, AsksForParallaxOfAQuarterOfThePoints) {
   const Pinhole camera{500, 500, 320, 240, 0};
   const SE3 T_21(so3_exp({0.01, -0.02, 0.01}), Vector3d(-0.15, 0.02, 0.05));
