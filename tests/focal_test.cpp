@@ -16,18 +16,21 @@ constexpr double kClaimed = 1.02;  // times the true focal length
 constexpr double kLeft = 0.008;    // of it, that may be left; half way would be 0.01
 constexpr int kFrames = 320;
 
+// The recording's camera, said to have `factor` times its focal length.
+Camera camera_of(const Recording& recording, double factor) {
+  Camera made = recording.synth.camera();
+  made.pinhole.fx *= factor;
+  made.pinhole.fy *= factor;
+  return made;
+}
+
 class FocalLength : public testing::Test {
  protected:
   static Recording& recording() {
     static Recording made(Sensor::monocular, kFrames, 10, "posters");
     return made;
   }
-  static Camera camera(double factor) {
-    Camera made = recording().synth.camera();
-    made.pinhole.fx *= factor;
-    made.pinhole.fy *= factor;
-    return made;
-  }
+  static Camera camera(double factor) { return camera_of(recording(), factor); }
   static Camera claimed() { return camera(kClaimed); }
   static SystemOptions options() { return options_for(Sensor::monocular); }
   // Of the present camera, relative to the truth.
@@ -95,9 +98,7 @@ TEST(FocalLengthWithDepth, IsRefinedForRgbdNotForStereo) {
   for (const Sensor sensor : {Sensor::rgbd, Sensor::stereo}) {
     SCOPED_TRACE(sensor_name(sensor));
     Recording recording(sensor, kShort, 10, "posters");
-    Camera claimed = recording.synth.camera();
-    claimed.pinhole.fx *= kClaimed;
-    claimed.pinhole.fy *= kClaimed;
+    const Camera claimed = camera_of(recording, kClaimed);
     System system(claimed, options_for(sensor), vocabulary());
     for (int i = 0; i < kShort; ++i)
       EXPECT_EQ(system.process(recording.frame(i)).track.state, TrackState::tracking) << i;
@@ -108,7 +109,7 @@ TEST(FocalLengthWithDepth, IsRefinedForRgbdNotForStereo) {
     if (sensor == Sensor::stereo) {
       EXPECT_EQ(system.camera(), claimed.pinhole);
     } else {
-      EXPECT_LT(std::abs(system.camera().fx / recording.synth.camera().pinhole.fx - 1), kLeft);
+      EXPECT_LT(std::abs(system.camera().fx / camera_of(recording, 1).pinhole.fx - 1), kLeft);
     }
   }
 }

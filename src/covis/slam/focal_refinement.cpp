@@ -29,10 +29,11 @@ bool step(BundleProblem& problem, BundleAdjuster& adjuster, double given_fx, con
   const FocalEstimate estimate = estimate_focal(problem, adjuster, interrupt);
   if (!estimate.ok || estimate.sigma > kMaxSigma) return false;
   if (std::abs(estimate.factor - 1) < std::max(kMinChange, significant * estimate.sigma)) return false;
+  const Pinhole camera = with_focal(problem.camera, std::clamp(estimate.factor, 1 - kMaxStep, 1 + kMaxStep));
+  if (std::abs(camera.fx / given_fx - 1) > kMaxChange) return false;
 
   BundleProblem moved = problem;
-  moved.camera = with_focal(problem.camera, std::clamp(estimate.factor, 1 - kMaxStep, 1 + kMaxStep));
-  if (std::abs(moved.camera.fx / given_fx - 1) > kMaxChange) return false;
+  moved.camera = camera;
   const std::optional<double> cost = adjusted_cost(moved, adjuster, interrupt);
   if (!cost || estimate.cost - *cost < significant * significant * estimate.variance) return false;
   const BundleSummary summary = adjuster.solve(moved, {.iterations = 20, .interrupt = interrupt});

@@ -32,8 +32,8 @@ class FocalSchedule {
   uint32_t next_ = kFirst;
 };
 
-// Moves an adjusted problem to its best focal length, in a few steps of at most 2 % as an estimate is good only near: each
-// when it is known well, surely another one, within bounds of the given one, and the cost really falls. False: the
+// Moves an adjusted problem to its best focal length, in a few steps of at most 2 % as an estimate is good only near:
+// each when it is known well, surely another one, within bounds of the given one, and the cost really falls. False: the
 // problem stays as it was.
 bool refine_focal(BundleProblem& problem, BundleAdjuster& adjuster, double given_fx,
                   const std::atomic<bool>* interrupt = nullptr);
