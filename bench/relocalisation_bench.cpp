@@ -6,7 +6,8 @@
 // Seen: of the frame's depth, put where the truth says, the largest share that one mapping frame sees too: in its
 // image, not hidden (by 5 % of the depth), and along rays at most 20 degrees apart. The map is put into the truth's
 // world by the mean over the mapping frames' poses; a frame found in another map, begun after a loss, counts as not
-// found.
+// found. As truths have errors too, each is compared with a run of all frames as well, and the frames of that run and
+// of the mapping one, as they were tracked, with the truth.
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
@@ -55,11 +56,17 @@ Result<Settings> parse(const std::vector<std::string>& arguments) {
   return settings;
 }
 
-// True poses by their stamps.
-class Truth {
+// Poses by their stamps: the true ones, or those of a run.
+class Poses {
  public:
-  explicit Truth(const Trajectory& poses) {
+  explicit Poses(const Trajectory& poses) {
     for (const auto& pose : poses) T_wc_.emplace(pose.stamp, pose.T_wc);
+  }
+  // Of its first map.
+  explicit Poses(const System& run) {
+    for (const PoseOfFrame& pose : run.trajectory()) {
+      if (pose.map == 0) T_wc_.emplace(pose.stamp, pose.T_wc);
+    }
   }
   // Within 5 ms; nullptr: there is none.
   const SE3* at(Timestamp stamp) const {
@@ -67,6 +74,8 @@ class Truth {
     const auto found = T_wc_.lower_bound(stamp - kNear);
     return found != T_wc_.end() && found->first < stamp + kNear ? &found->second : nullptr;
   }
+  auto begin() const { return T_wc_.begin(); }
+  auto end() const { return T_wc_.end(); }
 
  private:
   std::map<Timestamp, SE3> T_wc_;
@@ -122,26 +131,51 @@ SE3 mean_motion(const std::vector<std::pair<SE3, SE3>>& poses) {
   return SE3(R, Eigen::Vector3d((truth - R * estimate) / static_cast<double>(poses.size())));
 }
 
+struct PoseError {
+  double metres = 0, degrees = 0;
+  bool small() const { return metres < 0.05 && degrees < 2; }
+};
+
+PoseError pose_error(const SE3& T_wc, const SE3& right_T_wc) {
+  const SE3 difference = right_T_wc.inverse() * T_wc;
+  return {difference.t().norm(), so3_log(difference.R()).norm() * 180 / std::numbers::pi};
+}
+
+double quantile(std::vector<PoseError>& errors, double PoseError::*of, double q) {
+  if (errors.empty()) return 0;
+  const auto nth = errors.begin() + static_cast<ptrdiff_t>(q * static_cast<double>(errors.size() - 1));
+  std::nth_element(errors.begin(), nth, errors.end(),
+                   [&](const PoseError& a, const PoseError& b) { return a.*of < b.*of; });
+  return (*nth).*of;
+}
+
+void print(std::vector<PoseError> errors) {
+  const auto good = std::count_if(errors.begin(), errors.end(), [](const PoseError& e) { return e.small(); });
+  std::printf(" %5ld | %.3f / %.3f / %.3f m, %.2f / %.2f deg |", static_cast<long>(good),
+              quantile(errors, &PoseError::metres, 0.5), quantile(errors, &PoseError::metres, 0.95),
+              quantile(errors, &PoseError::metres, 1), quantile(errors, &PoseError::degrees, 0.5),
+              quantile(errors, &PoseError::degrees, 0.95));
+}
+
 struct Placed {
   double seen = 0;
   bool found = false;
-  double metres = 0, degrees = 0;
+  PoseError of_truth, of_run;  // of what was found
 };
 
-void print(const char* name, std::vector<Placed> frames) {
-  const size_t all = frames.size();
-  std::erase_if(frames, [](const Placed& p) { return !p.found; });
-  const auto good =
-      std::count_if(frames.begin(), frames.end(), [](const Placed& p) { return p.metres < 0.05 && p.degrees < 2; });
-  const auto quantile = [&](double Placed::*of, double q) {
-    if (frames.empty()) return 0.0;
-    std::sort(frames.begin(), frames.end(), [&](const Placed& a, const Placed& b) { return a.*of < b.*of; });
-    return frames[static_cast<size_t>(q * static_cast<double>(frames.size() - 1))].*of;
-  };
-  std::printf("| %-14s | %5zu | %5zu | %5.1f %% | %5ld | %.3f / %.3f / %.3f m | %.2f / %.2f deg |\n", name, all,
-              frames.size(), all ? 100.0 * static_cast<double>(frames.size()) / static_cast<double>(all) : 0.0,
-              static_cast<long>(good), quantile(&Placed::metres, 0.5), quantile(&Placed::metres, 0.95),
-              quantile(&Placed::metres, 1), quantile(&Placed::degrees, 0.5), quantile(&Placed::degrees, 0.95));
+void print(const char* name, const std::vector<Placed>& frames) {
+  std::vector<PoseError> of_truth, of_run;
+  for (const Placed& frame : frames) {
+    if (!frame.found) continue;
+    of_truth.push_back(frame.of_truth);
+    of_run.push_back(frame.of_run);
+  }
+  const size_t all = frames.size(), found = of_truth.size();
+  std::printf("| %-14s | %5zu | %5zu | %5.1f %% |", name, all, found,
+              all ? 100.0 * static_cast<double>(found) / static_cast<double>(all) : 0.0);
+  print(std::move(of_truth));
+  print(std::move(of_run));
+  std::puts("");
 }
 
 // Calls visit(frame) for each frame that can be read.
@@ -156,7 +190,7 @@ void for_each_frame(io::Sequence& sequence, Visit&& visit) {
 }
 
 // Maps them all; returns what some of them saw, from where they truly were.
-std::vector<View> map_frames(io::Sequence& sequence, const Truth& truth, System& system) {
+std::vector<View> map_frames(io::Sequence& sequence, const Poses& truth, System& system) {
   std::vector<View> views;
   for_each_frame(sequence, [&](io::Frame& frame) {
     system.process(input(frame));
@@ -167,30 +201,47 @@ std::vector<View> map_frames(io::Sequence& sequence, const Truth& truth, System&
   return views;
 }
 
-// From the first map's world to the truth's.
-Result<SE3> to_truth(const System& system, const Truth& truth) {
-  std::vector<std::pair<SE3, SE3>> poses;  // estimate and truth
-  for (const PoseOfFrame& pose : system.trajectory()) {
-    const SE3* T_wc = truth.at(pose.stamp);
-    if (T_wc && pose.map == 0) poses.emplace_back(pose.T_wc, *T_wc);
+// From a run's world to that of other poses of its frames.
+Result<SE3> to_world_of(const Poses& poses, const Poses& run) {
+  std::vector<std::pair<SE3, SE3>> pairs;
+  for (const auto& [stamp, T_wc] : run) {
+    if (const SE3* other = poses.at(stamp)) pairs.emplace_back(T_wc, *other);
   }
-  if (poses.empty()) return fail("nothing was mapped that has a truth");
-  return mean_motion(poses);
+  if (pairs.empty()) return fail("nothing was mapped that has a pose to compare with");
+  return mean_motion(pairs);
 }
+
+// Of a run's frames as they were tracked, once its world is put onto the truth's.
+Result<std::vector<PoseError>> tracked_errors(const Poses& truth, const Poses& run) {
+  const auto T_truth_run = to_world_of(truth, run);
+  if (!T_truth_run) return tl::unexpected(T_truth_run.error());
+  std::vector<PoseError> errors;
+  for (const auto& [stamp, T_wc] : run) {
+    if (const SE3* right = truth.at(stamp)) errors.push_back(pose_error(*T_truth_run * T_wc, *right));
+  }
+  return errors;
+}
+
+// Poses to compare with, and the way to their world.
+struct Reference {
+  const Poses* poses;
+  SE3 T_reference_map;
+};
 
 struct Placing {
   std::vector<Placed> frames;
-  std::vector<double> times;  // ms
+  std::vector<double> times;                  // ms
+  std::vector<PoseError> mapped, run_of_all;  // their frames, as tracked, against the truth
 };
 
-Placing place(io::Sequence& sequence, const Truth& truth, const std::vector<View>& mapped, const SE3& T_truth_map,
+Placing place(io::Sequence& sequence, const std::vector<View>& mapped, const Reference& truth, const Reference& run,
               System& system) {
   Placing placing;
   const Camera camera = sequence.camera();
   const uint32_t part = system.maps().front().part;
   for_each_frame(sequence, [&](const io::Frame& frame) {
-    const SE3* T_wc = truth.at(frame.stamp);
-    if (!T_wc) return;
+    const SE3 *T_wc = truth.poses->at(frame.stamp), *run_T_wc = run.poses->at(frame.stamp);
+    if (!T_wc || !run_T_wc) return;
     Placed& p = placing.frames.emplace_back();
     for (const View& view : mapped) p.seen = std::max(p.seen, share_seen(camera, *T_wc, frame.depth, view));
     const Stopwatch watch;
@@ -198,17 +249,22 @@ Placing place(io::Sequence& sequence, const Truth& truth, const std::vector<View
     placing.times.push_back(watch.ms());
     p.found = found && found->part == part;
     if (!p.found) return;
-    const SE3 difference = T_wc->inverse() * T_truth_map * found->T_wc;
-    p.metres = difference.t().norm();
-    p.degrees = so3_log(difference.R()).norm() * 180 / std::numbers::pi;
+    p.of_truth = pose_error(truth.T_reference_map * found->T_wc, *T_wc);
+    p.of_run = pose_error(run.T_reference_map * found->T_wc, *run_T_wc);
   });
   return placing;
 }
 
+void print_tracked(const char* name, const std::vector<PoseError>& errors) {
+  std::printf("%s, as tracked, against the truth: of %zu", name, errors.size());
+  print(errors);
+  std::puts("");
+}
+
 void print(Placing placing) {
-  std::puts(
-      "| seen before    | frames | found | recall | < 5 cm, 2 deg | error median / 95 % / most | median / 95 % |");
-  std::puts("| --- | --- | --- | --- | --- | --- | --- |");
+  std::puts("Errors: frames within 5 cm and 2 degrees; median / 95 % / most, median / 95 %.");
+  std::puts("| seen before    | frames | found | recall | of truth | | of a run of all frames | |");
+  std::puts("| --- | --- | --- | --- | --- | --- | --- | --- |");
   constexpr std::array<int, 6> kBounds{0, 20, 40, 60, 80, 100};  // percent
   for (size_t k = 0; k + 1 < kBounds.size(); ++k) {
     const double from = kBounds[k] / 100.0, to = kBounds[k + 1] / 100.0;
@@ -218,39 +274,55 @@ void print(Placing placing) {
     print((std::to_string(kBounds[k]) + " to " + std::to_string(kBounds[k + 1]) + " %").c_str(), part);
   }
   print("all", placing.frames);
+  print_tracked("mapping frames", placing.mapped);
+  print_tracked("run of all frames", placing.run_of_all);
   const auto middle = placing.times.begin() + static_cast<ptrdiff_t>(placing.times.size() / 2);
   std::nth_element(placing.times.begin(), middle, placing.times.end());
   std::printf("%.1f ms an image (median)\n", *middle);
 }
 
 Result<Placing> run(const Settings& settings) {
-  io::SequenceOptions reading{.sensor = Sensor::rgbd, .camera_file = settings.camera_file};
-  reading.count = settings.frames_to_map;
-  const auto first = io::open_sequence(settings.path, reading);
+  const auto open = [&](int64_t from, int64_t count) {
+    io::SequenceOptions reading{.sensor = Sensor::rgbd, .camera_file = settings.camera_file};
+    reading.first = from;
+    reading.count = count;
+    return io::open_sequence(settings.path, reading);
+  };
+  const auto first = open(0, settings.frames_to_map);
   if (!first) return tl::unexpected(first.error());
-  reading.first = settings.frames_to_map;
-  reading.count = -1;
-  const auto rest = io::open_sequence(settings.path, reading);
+  const auto rest = open(settings.frames_to_map, -1);
   if (!rest) return tl::unexpected(rest.error());
+  const auto all = open(0, -1);
+  if (!all) return tl::unexpected(all.error());
   const auto vocabulary = Vocabulary::load(COVIS_SOURCE_DIR "/vocabulary/default.covis-voc");
   if (!vocabulary) return tl::unexpected(vocabulary.error());
-  const auto poses = io::load_truth(**first);
-  if (!poses) return tl::unexpected(poses.error());
-  const Truth truth(*poses);
+  const auto true_poses = io::load_truth(**first);
+  if (!true_poses) return tl::unexpected(true_poses.error());
+  const Poses truth(*true_poses);
 
   const Camera camera = (*first)->camera();
-  System mapping(camera, settings.options, *vocabulary);
+  System mapping(camera, settings.options, *vocabulary), mapping_all(camera, settings.options, *vocabulary);
   const std::vector<View> mapped = map_frames(**first, truth, mapping);
-  const auto T_truth_map = to_truth(mapping, truth);
-  if (!T_truth_map) return tl::unexpected(T_truth_map.error());
+  map_frames(**all, truth, mapping_all);
+  const Poses mapping_poses(mapping), run_poses(mapping_all);
+  const auto T_truth_map = to_world_of(truth, mapping_poses), T_run_map = to_world_of(run_poses, mapping_poses);
+  auto mapping_errors = tracked_errors(truth, mapping_poses), run_errors = tracked_errors(truth, run_poses);
+  for (const auto* world : {&T_truth_map, &T_run_map}) {
+    if (!*world) return tl::unexpected(world->error());
+  }
+  for (const auto* errors : {&mapping_errors, &run_errors}) {
+    if (!*errors) return tl::unexpected(errors->error());
+  }
   auto map = Map::from_state(mapping.map().read()->state());
   if (!map) return tl::unexpected(map.error());
   SystemOptions options = settings.options;
   options.localize = true;
   System system(camera, options, *vocabulary);
   if (const auto set = system.set_map(std::move(*map), camera); !set) return tl::unexpected(set.error());
-  Placing placing = place(**rest, truth, mapped, *T_truth_map, system);
+  Placing placing = place(**rest, mapped, {&truth, *T_truth_map}, {&run_poses, *T_run_map}, system);
   if (placing.frames.empty()) return fail(settings.path + ": no frame with a truth is left to be placed");
+  placing.mapped = std::move(*mapping_errors);
+  placing.run_of_all = std::move(*run_errors);
   return placing;
 }
 
