@@ -90,8 +90,8 @@ class COVIS_API Slam {
   // Settings by name, as `covis run --dump-config` lists them, for example {"orb.features", "2000"}. Errors: an
   // impossible camera, an unknown setting, a value out of range.
   using Settings = std::vector<std::pair<std::string, std::string>>;
-  // `vocabulary`: the file to recognise places by (share/covis/default.covis-voc of the installation); empty: places are
-  // not recognised, so that loops stay open and a lost camera is looked for near where it was only.
+  // `vocabulary`: the file to recognise places by (share/covis/default.covis-voc of the installation); empty: places
+  // are not recognised, so that loops stay open and a lost camera is looked for near where it was only.
   static tl::expected<std::unique_ptr<Slam>, std::string> create(const CameraParameters& camera, SensorType sensor,
                                                                  const Settings& settings = {},
                                                                  const std::string& vocabulary = {});

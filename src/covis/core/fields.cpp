@@ -48,7 +48,8 @@ std::string range(const Field& field, std::string_view kind) { return std::strin
 }  // namespace
 
 std::string field_range(const Field& field) {
-  const bool low = field.min > std::numeric_limits<double>::lowest(), high = field.max < std::numeric_limits<double>::max();
+  const bool low = field.min > std::numeric_limits<double>::lowest(),
+             high = field.max < std::numeric_limits<double>::max();
   std::string text;
   if (low) text = "from " + number(field.min);
   if (high) text += (low ? " to " : "up to ") + number(field.max);

@@ -51,14 +51,14 @@ TEST(Fields, TextRoundTrips) {
 
 TEST(Fields, RefusesWhatIsNotRightAndChangesNothing) {
   for (const auto& [name, text] : std::vector<std::pair<std::string, std::string>>{{"test.count", "0"},
-                                                                                  {"test.count", "11"},
-                                                                                  {"test.count", "2.5"},
-                                                                                  {"test.count", "two"},
-                                                                                  {"test.count", ""},
-                                                                                  {"test.ratio", "nan"},
-                                                                                  {"test.ratio", "1.5"},
-                                                                                  {"test.ratio", "inf"},
-                                                                                  {"test.fast", "yes"}}) {
+                                                                                   {"test.count", "11"},
+                                                                                   {"test.count", "2.5"},
+                                                                                   {"test.count", "two"},
+                                                                                   {"test.count", ""},
+                                                                                   {"test.ratio", "nan"},
+                                                                                   {"test.ratio", "1.5"},
+                                                                                   {"test.ratio", "inf"},
+                                                                                   {"test.fast", "yes"}}) {
     Options o;
     const auto result = set_field(fields(o), name, text);
     ASSERT_FALSE(result) << name << "=" << text;

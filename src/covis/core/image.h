@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Images: a view (pointer, size, stride in elements; owns nothing) and an owner. Row-major; pixel centres at whole numbers.
+// Images: a view (pointer, size, stride in elements; owns nothing) and an owner. Row-major; pixel centres at whole
+// numbers.
 #pragma once
 
 #include <cstddef>
@@ -44,7 +45,7 @@ class Image {
                              static_cast<ptrdiff_t>(sizeof(T));
     const size_t need = static_cast<size_t>(stride) * static_cast<size_t>(height) + 64 / sizeof(T);
     if (need > capacity_) {
-      memory_.reset(static_cast<T*>(::operator new(need * sizeof(T), std::align_val_t{64})));
+      memory_.reset(static_cast<T*>(::operator new (need * sizeof(T), std::align_val_t{64})));
       capacity_ = need;
     }
     width_ = width;
@@ -72,7 +73,7 @@ class Image {
 
  private:
   struct Free {
-    void operator()(T* p) const { ::operator delete(p, std::align_val_t{64}); }
+    void operator()(T* p) const { ::operator delete (p, std::align_val_t{64}); }
   };
   std::unique_ptr<T, Free> memory_;
   size_t capacity_ = 0;

@@ -10,11 +10,27 @@
 namespace covis {
 namespace {
 
-constexpr std::array<std::array<int, 2>, 16> kCircle = {{{0, 3}, {1, 3}, {2, 2}, {3, 1}, {3, 0}, {3, -1}, {2, -2}, {1, -3},
-                                                         {0, -3}, {-1, -3}, {-2, -2}, {-3, -1}, {-3, 0}, {-3, 1}, {-2, 2}, {-1, 3}}};
+constexpr std::array<std::array<int, 2>, 16> kCircle = {{{0, 3},
+                                                         {1, 3},
+                                                         {2, 2},
+                                                         {3, 1},
+                                                         {3, 0},
+                                                         {3, -1},
+                                                         {2, -2},
+                                                         {1, -3},
+                                                         {0, -3},
+                                                         {-1, -3},
+                                                         {-2, -2},
+                                                         {-3, -1},
+                                                         {-3, 0},
+                                                         {-3, 1},
+                                                         {-2, 2},
+                                                         {-1, 3}}};
 
 // Where the parabola through three scores has its top, relative to the middle one, which is the greatest.
-float peak(int before, int at, int after) { return 0.5f * static_cast<float>(after - before) / static_cast<float>(2 * at - before - after); }
+float peak(int before, int at, int after) {
+  return 0.5f * static_cast<float>(after - before) / static_cast<float>(2 * at - before - after);
+}
 
 }  // namespace
 
@@ -63,7 +79,8 @@ void FastDetector::detect(ImageView<const uint8_t> image, int border, int cell_s
   };
   const int columns = std::max(1, (x1 - x0) / cell_size), rows = std::max(1, (y1 - y0) / cell_size);
   cell_column_.resize(static_cast<size_t>(image.width));
-  for (int x = x0; x < x1; ++x) cell_column_[static_cast<size_t>(x)] = static_cast<uint16_t>((x - x0) * columns / (x1 - x0));
+  for (int x = x0; x < x1; ++x)
+    cell_column_[static_cast<size_t>(x)] = static_cast<uint16_t>((x - x0) * columns / (x1 - x0));
   const auto cell_row = [&](int y) { return static_cast<size_t>((y - y0) * rows / (y1 - y0) * columns); };
   cell_has_.assign(static_cast<size_t>(columns * rows), 0);
   maxima_.resize(static_cast<size_t>(x1 - x0));
@@ -79,12 +96,14 @@ void FastDetector::detect(ImageView<const uint8_t> image, int border, int cell_s
     for (int k = 0; k < found; ++k) {
       const int x = x0 + maxima_[static_cast<size_t>(k)];
       const uint8_t s = row[x];
-      all_.push_back({static_cast<int16_t>(x), static_cast<int16_t>(y), s, peak(row[x - 1], s, row[x + 1]), peak(up[x], s, down[x])});
+      all_.push_back({static_cast<int16_t>(x), static_cast<int16_t>(y), s, peak(row[x - 1], s, row[x + 1]),
+                      peak(up[x], s, down[x])});
       if (s >= threshold) cell_has_[cells + cell_column_[static_cast<size_t>(x)]] = 1;
     }
   }
   for (const Corner& c : all_) {
-    if (c.score >= threshold || !cell_has_[cell_row(c.y) + cell_column_[static_cast<size_t>(c.x)]]) corners.push_back(c);
+    if (c.score >= threshold || !cell_has_[cell_row(c.y) + cell_column_[static_cast<size_t>(c.x)]])
+      corners.push_back(c);
   }
 }
 

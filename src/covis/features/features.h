@@ -30,7 +30,8 @@ inline int hamming(const Descriptor& a, const Descriptor& b) {
 inline constexpr int kHammingHigh = 100;  // greatest distance of a plausible match
 inline constexpr int kHammingLow = 50;    // greatest distance of a safe match
 
-// The scale pyramid's figures. scale[l] = factor^l; sigma2[l] = scale[l]^2, the variance (pixels^2) of a level-l key point.
+// The scale pyramid's figures. scale[l] = factor^l; sigma2[l] = scale[l]^2, the variance (pixels^2) of a level-l key
+// point.
 struct ScalePyramid {
   int levels = 0;
   float factor = 1.2f;
@@ -86,16 +87,16 @@ struct Features {
   const AlignedVector<float>& image_y() const { return raw_y.empty() ? y : raw_y; }
   bool has_depth(int i) const { return depth[static_cast<size_t>(i)] > 0; }
 
-  // Calls visit(index) for each key point with |x - px| <= radius, |y - py| <= radius and min_level <= level <= max_level,
-  // in a fixed order. Touches only the grid cells under the window.
+  // Calls visit(index) for each key point with |x - px| <= radius, |y - py| <= radius and min_level <= level <=
+  // max_level, in a fixed order. Touches only the grid cells under the window.
   template <class Visit>
   void for_each_in_window(float px, float py, float radius, int min_level, int max_level, Visit&& visit) const {
     const int c0 = std::max(0, static_cast<int>((px - radius - grid.bounds.min_x) * grid.inv_cell_width));
-    const int c1 = std::min(FeatureGrid::kColumns - 1,
-                            static_cast<int>((px + radius - grid.bounds.min_x) * grid.inv_cell_width));
+    const int c1 =
+        std::min(FeatureGrid::kColumns - 1, static_cast<int>((px + radius - grid.bounds.min_x) * grid.inv_cell_width));
     const int r0 = std::max(0, static_cast<int>((py - radius - grid.bounds.min_y) * grid.inv_cell_height));
-    const int r1 = std::min(FeatureGrid::kRows - 1,
-                            static_cast<int>((py + radius - grid.bounds.min_y) * grid.inv_cell_height));
+    const int r1 =
+        std::min(FeatureGrid::kRows - 1, static_cast<int>((py + radius - grid.bounds.min_y) * grid.inv_cell_height));
     if (c1 < c0) return;
     const uint64_t left_of = (uint64_t{1} << c0) - 1, up_to_last = ~uint64_t{0} >> (FeatureGrid::kColumns - 1 - c1);
     for (int r = r0; r <= r1; ++r) {

@@ -14,10 +14,10 @@
 namespace covis {
 
 struct OrbOptions {
-  int features = 1000;       // key points wanted in an image
-  int levels = 8;            // pyramid levels
-  double scale_factor = 1.2; // between levels
-  int fast_threshold = 20;   // FAST contrast, first try in a cell
+  int features = 1000;         // key points wanted in an image
+  int levels = 8;              // pyramid levels
+  double scale_factor = 1.2;   // between levels
+  int fast_threshold = 20;     // FAST contrast, first try in a cell
   int fast_threshold_low = 7;  // second try where the first found nothing
   bool subpixel = true;        // place key points at the top of the corner score's parabola, not at the pixel
 };

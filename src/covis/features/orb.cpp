@@ -62,7 +62,8 @@ Descriptor describe(const uint8_t* pixel, ptrdiff_t stride, float angle) {
     turn_points(kPoints.x.data(), kPoints.y.data(), 512, c, s, pitch, offset.data());
   } else {
     for (size_t i = 0; i < 512; ++i) {
-      const float column = std::nearbyint(kPoints.x[i] * c - kPoints.y[i] * s), row = std::nearbyint(kPoints.x[i] * s + kPoints.y[i] * c);
+      const float column = std::nearbyint(kPoints.x[i] * c - kPoints.y[i] * s),
+                  row = std::nearbyint(kPoints.x[i] * s + kPoints.y[i] * c);
       offset[i] = static_cast<int32_t>(row) * pitch + static_cast<int32_t>(column);
     }
   }

@@ -17,7 +17,8 @@ std::vector<BilinearResizer::Tap> make_taps(int from, int to) {
   for (int i = 0; i < to; ++i) {
     const double at = std::clamp((i + 0.5) * factor - 0.5, 0.0, static_cast<double>(from - 1));
     const int index = std::min(static_cast<int>(at), from - 1);
-    taps[static_cast<size_t>(i)] = {index, std::min(index + 1, from - 1), static_cast<int>(std::lround((at - index) * kOne))};
+    taps[static_cast<size_t>(i)] = {index, std::min(index + 1, from - 1),
+                                    static_cast<int>(std::lround((at - index) * kOne))};
   }
   return taps;
 }
@@ -127,7 +128,8 @@ void GaussianBlur::apply_scalar(ImageView<const uint8_t> from, ImageU8& to) {
     for (int k = 0; k < 7; ++k) r[k] = ring(y + k - 3);
     uint8_t* out = to.row(y);
     for (int x = 0; x < from.width; ++x) {
-      const uint32_t sum = 18u * (r[0][x] + r[6][x]) + 33u * (r[1][x] + r[5][x]) + 49u * (r[2][x] + r[4][x]) + 56u * r[3][x];
+      const uint32_t sum =
+          18u * (r[0][x] + r[6][x]) + 33u * (r[1][x] + r[5][x]) + 49u * (r[2][x] + r[4][x]) + 56u * r[3][x];
       out[x] = static_cast<uint8_t>((sum + 32768u) >> 16);
     }
   }

@@ -11,8 +11,8 @@
 
 namespace covis {
 
-// Bilinear, in fixed point: weights of 11 bits, pixel centres mapped as (x + 0.5) * factor - 0.5, borders clamped. For making images
-// smaller by less than 2. Keeps its tables for the next image of the same sizes.
+// Bilinear, in fixed point: weights of 11 bits, pixel centres mapped as (x + 0.5) * factor - 0.5, borders clamped. For
+// making images smaller by less than 2. Keeps its tables for the next image of the same sizes.
 class BilinearResizer {
  public:
   struct Tap {
@@ -28,12 +28,13 @@ class BilinearResizer {
 
   int from_width_ = 0, from_height_ = 0, to_width_ = 0, to_height_ = 0;
   std::vector<Tap> columns_, rows_;
-  std::vector<ResizeGroup> groups_;  // the columns for SIMD; empty where 16 bytes do not span eight
+  std::vector<ResizeGroup> groups_;             // the columns for SIMD; empty where 16 bytes do not span eight
   std::array<std::vector<uint32_t>, 2> lines_;  // the two source rows in use, resized along x
   std::array<int, 2> held_{};
 };
 
-// Gaussian 7x7, sigma 2, borders reflected without repeating the edge; separable, 8-bit weights, rounded once at the end.
+// Gaussian 7x7, sigma 2, borders reflected without repeating the edge; separable, 8-bit weights, rounded once at the
+// end.
 class GaussianBlur {
  public:
   void apply(ImageView<const uint8_t> from, ImageU8& to);

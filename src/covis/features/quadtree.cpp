@@ -30,7 +30,8 @@ void Quadtree::split(const Node& node, std::vector<Node>& out) {
   for (uint32_t k = 0; k < node.last - node.first; ++k) places_[next[quarter(scratch_[k])]++] = scratch_[k];
   for (size_t q = 0; q < 4; ++q) {
     if (start[q] == start[q + 1]) continue;
-    out.push_back({q & 1 ? mx : node.x0, q & 2 ? my : node.y0, q & 1 ? node.x1 : mx, q & 2 ? node.y1 : my, start[q], start[q + 1]});
+    out.push_back({q & 1 ? mx : node.x0, q & 2 ? my : node.y0, q & 1 ? node.x1 : mx, q & 2 ? node.y1 : my, start[q],
+                   start[q + 1]});
   }
 }
 
@@ -53,7 +54,8 @@ void Quadtree::make_roots(int x0, int y0, int x1, int y1) {
     starts_[root + 1] += starts_[root];
     if (starts_[root] == starts_[root + 1]) continue;
     const float left = static_cast<float>(x0) + static_cast<float>(root) * root_width;
-    nodes_.push_back({left, static_cast<float>(y0), left + root_width, static_cast<float>(y1), starts_[root], starts_[root + 1]});
+    nodes_.push_back(
+        {left, static_cast<float>(y0), left + root_width, static_cast<float>(y1), starts_[root], starts_[root + 1]});
   }
   reserve_ahead(places_, sorted_.size());
   places_.resize(sorted_.size());
@@ -64,7 +66,8 @@ void Quadtree::make_roots(int x0, int y0, int x1, int y1) {
 
 void Quadtree::sort_by_size() {
   keys_.clear();
-  for (size_t k = 0; k < nodes_.size(); ++k) keys_.push_back(static_cast<uint64_t>(~(nodes_[k].last - nodes_[k].first)) << 32 | k);
+  for (size_t k = 0; k < nodes_.size(); ++k)
+    keys_.push_back(static_cast<uint64_t>(~(nodes_[k].last - nodes_[k].first)) << 32 | k);
   std::sort(keys_.begin(), keys_.end());
   next_.clear();
   for (const uint64_t key : keys_) next_.push_back(nodes_[key & 0xFFFFFFFF]);
@@ -85,7 +88,8 @@ void Quadtree::distribute(const std::vector<Corner>& corners, int x0, int y0, in
   reserve_ahead(best_, static_cast<size_t>(budget));
   reserve_ahead(kept, static_cast<size_t>(budget) + 3);
   while (static_cast<int>(nodes_.size()) < budget) {
-    const auto open = static_cast<int>(std::count_if(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.open(); }));
+    const auto open =
+        static_cast<int>(std::count_if(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.open(); }));
     if (open == 0) break;
     if (static_cast<int>(nodes_.size()) + 3 * open <= budget) {
       next_.clear();

@@ -11,9 +11,11 @@ namespace covis {
 
 class Quadtree {
  public:
-  // Keeps at most budget + 3 of the corners, which lie in [x0, x1) x [y0, y1): of each final node the one of highest score (ties:
-  // least y, then least x). kept is sorted by y, then x. Order of input does not matter; positions must be distinct.
-  void distribute(const std::vector<Corner>& corners, int x0, int y0, int x1, int y1, int budget, std::vector<Corner>& kept);
+  // Keeps at most budget + 3 of the corners, which lie in [x0, x1) x [y0, y1): of each final node the one of highest
+  // score (ties: least y, then least x). kept is sorted by y, then x. Order of input does not matter; positions must be
+  // distinct.
+  void distribute(const std::vector<Corner>& corners, int x0, int y0, int x1, int y1, int budget,
+                  std::vector<Corner>& kept);
 
  private:
   struct Place {

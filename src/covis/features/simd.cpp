@@ -18,8 +18,9 @@ namespace covis::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Sixteen differences to the circle, all one sign; the greatest of the least of nine in a row, by doubling: runs of 2, 4, 8, then 9.
-// Plain arrays: the standard's are not compiled for the instruction set of this part, and vectors then not made in them.
+// Sixteen differences to the circle, all one sign; the greatest of the least of nine in a row, by doubling: runs of 2,
+// 4, 8, then 9. Plain arrays: the standard's are not compiled for the instruction set of this part, and vectors then
+// not made in them.
 template <class V>
 HWY_INLINE V best_run(const V* d) {
   V two[16], four[16];
@@ -36,8 +37,9 @@ void FastScoreRow(const uint8_t* pixel, ptrdiff_t stride, int count, int thresho
   const auto step = static_cast<int>(hn::Lanes(tag));
   const V t = hn::Set(tag, static_cast<uint8_t>(threshold));
   const V one = hn::Set(tag, 1);
-  const std::array<ptrdiff_t, 16> circle = {3 * stride,      3 * stride + 1,  2 * stride + 2,  stride + 3,  3,  -stride + 3, -2 * stride + 2, -3 * stride + 1,
-                                            -3 * stride,     -3 * stride - 1, -2 * stride - 2, -stride - 3, -3, stride - 3,  2 * stride - 2,  3 * stride - 1};
+  const std::array<ptrdiff_t, 16> circle = {
+      3 * stride,  3 * stride + 1,  2 * stride + 2,  stride + 3,  3,  -stride + 3, -2 * stride + 2, -3 * stride + 1,
+      -3 * stride, -3 * stride - 1, -2 * stride - 2, -stride - 3, -3, stride - 3,  2 * stride - 2,  3 * stride - 1};
   for (int x = 0; x < count; x += step) {
     const uint8_t* p = pixel + x;
     const V c = hn::LoadU(tag, p);
@@ -167,7 +169,8 @@ int local_maxima_row(const uint8_t* above, const uint8_t* row, const uint8_t* be
   for (int x = 0; x < count; ++x) {
     const uint8_t s = row[x];
     const auto below_s = [&](const uint8_t* p) { return p[x - 1] < s && p[x] < s && p[x + 1] < s; };
-    if (row[x - 1] < s && row[x + 1] < s && below_s(above) && below_s(below)) columns[found++] = static_cast<uint16_t>(x);
+    if (row[x - 1] < s && row[x + 1] < s && below_s(above) && below_s(below))
+      columns[found++] = static_cast<uint16_t>(x);
   }
   return found;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels that pay for SIMD. Each exists for every instruction set Highway knows on this machine, chosen at run time, and as a
-// scalar twin that gives the same bits; the tests compare them all.
+// The kernels that pay for SIMD. Each exists for every instruction set Highway knows on this machine, chosen at run
+// time, and as a scalar twin that gives the same bits; the tests compare them all.
 #pragma once
 
 #include <array>
@@ -14,19 +14,19 @@
 
 namespace covis {
 
-// The instruction sets that this machine and this build have, best first, by their Highway names in small letters, and at
-// last "scalar", the twins. All give the same results.
+// The instruction sets that this machine and this build have, best first, by their Highway names in small letters, and
+// at last "scalar", the twins. All give the same results.
 std::vector<std::string> simd_targets();
 // From now on one of those; "best": as at the start. False when there is none of that name. Not thread-safe.
 bool use_simd_target(std::string_view name);
 bool simd_enabled();  // not the scalar twins
 
-// FAST-9/16 scores of `count` neighbouring pixels (fast_score() in fast.h) at a threshold; 3 rows must be there above and below,
-// 3 pixels left and right, and 64 readable bytes behind.
+// FAST-9/16 scores of `count` neighbouring pixels (fast_score() in fast.h) at a threshold; 3 rows must be there above
+// and below, 3 pixels left and right, and 64 readable bytes behind.
 void fast_score_row(const uint8_t* pixel, ptrdiff_t stride, int count, int threshold, uint8_t* out);
 
-// Columns of `row` in [0, count) that are greater than all eight neighbours, in rising order; returns how many. One byte must be
-// there to the left, 64 readable ones behind. `columns`: room for count.
+// Columns of `row` in [0, count) that are greater than all eight neighbours, in rising order; returns how many. One
+// byte must be there to the left, 64 readable ones behind. `columns`: room for count.
 int local_maxima_row(const uint8_t* above, const uint8_t* row, const uint8_t* below, int count, uint16_t* columns);
 
 // --- The pyramid (pyramid.cpp has the scalar twins and chooses) ---
@@ -62,10 +62,12 @@ struct Moments {
 // 15 rows must be there above and below, 15 pixels left and 16 right.
 Moments patch_moments(const uint8_t* pixel, ptrdiff_t stride);
 
-// offsets[i] = round(x s + y c) * stride + round(x c - y s), for count points (a multiple of 16; arrays 64-byte aligned).
+// offsets[i] = round(x s + y c) * stride + round(x c - y s), for count points (a multiple of 16; arrays 64-byte
+// aligned).
 void turn_points(const float* x, const float* y, size_t count, float c, float s, int32_t stride, int32_t* offsets);
 
-// sad[k], k in [0, 11): of the 11x11 patch with top left `a` and the one at b + k. 16 bytes are read from a and from each place.
+// sad[k], k in [0, 11): of the 11x11 patch with top left `a` and the one at b + k. 16 bytes are read from a and from
+// each place.
 void slide_sad(const uint8_t* a, ptrdiff_t stride_a, const uint8_t* b, ptrdiff_t stride_b, int* sad);
 
 }  // namespace covis

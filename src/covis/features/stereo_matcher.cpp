@@ -25,7 +25,8 @@ void slide(const uint8_t* a, ptrdiff_t stride_a, const uint8_t* b, ptrdiff_t str
   sad.fill(0);
   for (int s = 0; s <= 2 * kSlide; ++s) {
     for (int y = 0; y <= 2 * kHalfPatch; ++y) {
-      for (int x = 0; x <= 2 * kHalfPatch; ++x) sad[static_cast<size_t>(s)] += std::abs(a[y * stride_a + x] - b[y * stride_b + x + s]);
+      for (int x = 0; x <= 2 * kHalfPatch; ++x)
+        sad[static_cast<size_t>(s)] += std::abs(a[y * stride_a + x] - b[y * stride_b + x + s]);
     }
   }
 }
@@ -89,11 +90,13 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     if (xr - kSlide - kHalfPatch < 0 || xr + kSlide + kHalfPatch >= b.width) continue;
     Sads sad;
     // Of a row of 11 bytes 16 are read: key points keep clear of the last rows.
-    slide(a.row(y - kHalfPatch) + xl - kHalfPatch, a.stride, b.row(y - kHalfPatch) + xr - kSlide - kHalfPatch, b.stride, sad);
+    slide(a.row(y - kHalfPatch) + xl - kHalfPatch, a.stride, b.row(y - kHalfPatch) + xr - kSlide - kHalfPatch, b.stride,
+          sad);
     const int at = static_cast<int>(std::min_element(sad.begin(), sad.end()) - sad.begin()) - kSlide;
     if (at == -kSlide || at == kSlide) continue;
     const auto m = static_cast<size_t>(at + kSlide);
-    const float s0 = static_cast<float>(sad[m - 1]), s1 = static_cast<float>(sad[m]), s2 = static_cast<float>(sad[m + 1]);
+    const float s0 = static_cast<float>(sad[m - 1]), s1 = static_cast<float>(sad[m]),
+                s2 = static_cast<float>(sad[m + 1]);
     const float curvature = s0 + s2 - 2 * s1;
     if (!(curvature > 0)) continue;
     const float offset = (s0 - s2) / (2 * curvature);

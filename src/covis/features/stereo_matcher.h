@@ -10,7 +10,8 @@ namespace covis {
 
 class StereoMatcher {
  public:
-  // For each left key point its column in the right image (sub-pixel), or -1, and its depth in metres, or 0. bf: pixels x metres.
+  // For each left key point its column in the right image (sub-pixel), or -1, and its depth in metres, or 0. bf: pixels
+  // x metres.
   void match(const OrbExtractor& left, const OrbExtractor& right, double fx, double bf, AlignedVector<float>& u_right,
              AlignedVector<float>& depth);
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/geometry/alignment.h"
 
-#include <cmath>
-
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <cmath>
 
 namespace covis {
 
-std::optional<Alignment> align(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b, bool with_scale) {
+std::optional<Alignment> align(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b,
+                               bool with_scale) {
   const size_t n = a.size();
   if (n < 3 || b.size() != n) return std::nullopt;
   Eigen::Vector3d mean_a = Eigen::Vector3d::Zero(), mean_b = Eigen::Vector3d::Zero();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The similarity or rigid motion that best takes one set of points to another. Source: Horn, JOSA A 1987; Umeyama, "Least-squares
-// estimation of transformation parameters between two point patterns", PAMI 1991, eq. 40 to 43.
+// The similarity or rigid motion that best takes one set of points to another. Source: Horn, JOSA A 1987; Umeyama,
+// "Least-squares estimation of transformation parameters between two point patterns", PAMI 1991, eq. 40 to 43.
 #pragma once
 
 #include <optional>
@@ -11,9 +11,9 @@
 namespace covis {
 
 struct Alignment {
-  SE3 T_ba;          // with `scale`: b ~ scale * R * a + t
+  SE3 T_ba;  // with `scale`: b ~ scale * R * a + t
   double scale = 1;
-  double rmse = 0;   // of the distances left
+  double rmse = 0;     // of the distances left
   bool unique = true;  // false: the points lie on a line, the rotation about it is arbitrary
 
   Eigen::Vector3d operator*(const Eigen::Vector3d& a) const { return scale * (T_ba.R() * a) + T_ba.t(); }

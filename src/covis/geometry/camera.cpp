@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/geometry/camera.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 
 namespace covis {
 namespace {
@@ -82,7 +81,8 @@ std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& p, Eigen::
     if (J) {
       // d theta = (z dr - r dz) / n2;  d direction = (I - d d') / r.
       Eigen::Matrix<double, 2, 3> m;
-      m.leftCols<2>() = d * d.transpose() * (slope * p.z() / n2) + (Eigen::Matrix2d::Identity() - d * d.transpose()) * (theta_d / r);
+      m.leftCols<2>() =
+          d * d.transpose() * (slope * p.z() / n2) + (Eigen::Matrix2d::Identity() - d * d.transpose()) * (theta_d / r);
       m.col(2) = d * (-slope * r / n2);
       *J = f.asDiagonal() * m;
     }
@@ -107,7 +107,8 @@ std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& p, Eigen::
 std::optional<Eigen::Vector3d> Camera::unproject(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d m((pixel.x() - pinhole.cx) / pinhole.fx, (pixel.y() - pinhole.cy) / pinhole.fy);
   switch (distortion) {
-    case Distortion::none: return m.homogeneous().normalized();
+    case Distortion::none:
+      return m.homogeneous().normalized();
     case Distortion::brown_conrady: {
       const auto ideal = undo_brown_conrady(coefficients, m);
       if (!ideal) return std::nullopt;

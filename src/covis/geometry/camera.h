@@ -5,11 +5,10 @@
 // method for conventional, wide-angle, and fish-eye lenses", PAMI 2006, eq. 6 with odd powers to theta^9.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <optional>
 #include <string>
-
-#include <Eigen/Core>
 
 namespace covis {
 

@@ -17,7 +17,9 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-Vector3d random_vector(Random& random, double size) { return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)}; }
+Vector3d random_vector(Random& random, double size) {
+  return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
+}
 
 double distance(const SE3& a, const SE3& b) { return (a.R() - b.R()).norm() + (a.t() - b.t()).norm(); }
 
@@ -37,7 +39,8 @@ std::vector<Vector6d> tangents() {
 TEST(Se3, GroupLaws) {
   const auto list = tangents();
   for (size_t i = 0; i < list.size(); ++i) {
-    const SE3 a = SE3::exp(list[i]), b = SE3::exp(list[(i + 7) % list.size()]), c = SE3::exp(list[(i + 13) % list.size()]);
+    const SE3 a = SE3::exp(list[i]), b = SE3::exp(list[(i + 7) % list.size()]),
+              c = SE3::exp(list[(i + 13) % list.size()]);
     EXPECT_LT(distance(a * a.inverse(), SE3()), 1e-12);
     EXPECT_LT(distance((a * b) * c, a * (b * c)), 1e-12);
     EXPECT_LT(distance(SE3::exp(a.log()), a), 1e-9);
@@ -115,7 +118,7 @@ TEST(Camera, BehindOrBeyondTheLensIsNothing) {
     }
   }
   Camera folding = cameras()[1];
-  folding.coefficients = {-0.3, 0, 0, 0, 0};        // turns back at r = 1.05, where it reaches 0.70
+  folding.coefficients = {-0.3, 0, 0, 0, 0};  // turns back at r = 1.05, where it reaches 0.70
   EXPECT_TRUE(folding.project({0.9, 0, 1}));
   EXPECT_FALSE(folding.project({1.2, 0, 1}));
   EXPECT_FALSE(folding.unproject({367.215 + 0.75 * 458.654, 248.375}));  // no ray ends there
@@ -159,7 +162,8 @@ TEST(Alignment, FindsMotionAndScale) {
   }
   EXPECT_NEAR(align(a, b, false)->T_ba.R().determinant(), 1, 1e-9);
   // A straight line can be aligned, not uniquely.
-  for (int i = 0; i < 20; ++i) b[static_cast<size_t>(i)] = Vector3d(i, 0, 0), a[static_cast<size_t>(i)] = Vector3d(0, i, 0);
+  for (int i = 0; i < 20; ++i)
+    b[static_cast<size_t>(i)] = Vector3d(i, 0, 0), a[static_cast<size_t>(i)] = Vector3d(0, i, 0);
   const auto line = align(a, b, false);
   ASSERT_TRUE(line);
   EXPECT_LT(line->rmse, 1e-9);
@@ -187,7 +191,9 @@ TEST(Pnp, MinimalSolverFindsTheTruth) {
   }
   EXPECT_GE(found, 294);
   std::array<SE3, 4> poses;
-  EXPECT_EQ(solve_p3p({Vector3d(0, 0, 1), Vector3d(0, 0, 2), Vector3d(0, 0, 3)}, {Vector3d(0, 0, 1), Vector3d(0.1, 0, 1), Vector3d(0.2, 0, 1)}, poses), 0);
+  EXPECT_EQ(solve_p3p({Vector3d(0, 0, 1), Vector3d(0, 0, 2), Vector3d(0, 0, 3)},
+                      {Vector3d(0, 0, 1), Vector3d(0.1, 0, 1), Vector3d(0.2, 0, 1)}, poses),
+            0);
 }
 
 TEST(Pnp, RansacStandsOutliers) {
@@ -200,7 +206,9 @@ TEST(Pnp, RansacStandsOutliers) {
     for (int i = 0; i < 100; ++i) {
       const Vector3d p_c(random.uniform(-2, 2), random.uniform(-1.5, 1.5), planar ? 4 : random.uniform(2, 8));
       const bool wrong = i % 2 == 0;
-      const Vector2d pixel = camera.project(p_c) + (wrong ? Vector2d(random.uniform(-200, 200), random.uniform(-200, 200)) : Vector2d(0.5 * random.normal(), 0.5 * random.normal()));
+      const Vector2d pixel =
+          camera.project(p_c) + (wrong ? Vector2d(random.uniform(-200, 200), random.uniform(-200, 200))
+                                       : Vector2d(0.5 * random.normal(), 0.5 * random.normal()));
       problem.add(T_cw.inverse() * p_c, camera.unproject(pixel.x(), pixel.y()), 1);
     }
     const auto result = ransac_pnp(problem, camera, 17);
@@ -248,7 +256,8 @@ TEST(TwoView, RecoversMotionOrRefuses) {
       EXPECT_EQ(result.homography, scene == Scene::planar);
       if (result.status != TwoViewStatus::ok) continue;
       const double rotation = so3_log(result.T_21.R() * T_21.R().transpose()).norm();
-      const double direction = std::acos(std::clamp(result.T_21.t().normalized().dot(T_21.t().normalized()), -1.0, 1.0));
+      const double direction =
+          std::acos(std::clamp(result.T_21.t().normalized().dot(T_21.t().normalized()), -1.0, 1.0));
       ++(rotation < 0.02 && direction < 0.1 ? good : wrong);
     }
     EXPECT_EQ(wrong, 0);
@@ -277,9 +286,14 @@ TEST(TwoView, RecoversMotionTowardsAPlane) {
 TEST(TwoView, RefusesWhatTellsNoDepth) {
   const Pinhole camera{500, 500, 320, 240, 0};
   for (uint64_t seed = 1; seed <= 10; ++seed) {
-    const SE3 turn(so3_exp({0.02, -0.08, 0.03}), Vector3d::Zero()), hardly(so3_exp({0.01, 0.01, 0}), Vector3d(0.01, 0, 0));
-    EXPECT_NE(reconstruct_two_views(make_views(seed, Scene::general, turn, 0, camera).matches, camera, {.seed = seed}).status, TwoViewStatus::ok);
-    EXPECT_NE(reconstruct_two_views(make_views(seed, Scene::general, hardly, 0, camera).matches, camera, {.seed = seed}).status, TwoViewStatus::ok);
+    const SE3 turn(so3_exp({0.02, -0.08, 0.03}), Vector3d::Zero()),
+        hardly(so3_exp({0.01, 0.01, 0}), Vector3d(0.01, 0, 0));
+    EXPECT_NE(
+        reconstruct_two_views(make_views(seed, Scene::general, turn, 0, camera).matches, camera, {.seed = seed}).status,
+        TwoViewStatus::ok);
+    EXPECT_NE(reconstruct_two_views(make_views(seed, Scene::general, hardly, 0, camera).matches, camera, {.seed = seed})
+                  .status,
+              TwoViewStatus::ok);
   }
   EXPECT_EQ(reconstruct_two_views({}, camera, {}).status, TwoViewStatus::too_few_matches);
 }

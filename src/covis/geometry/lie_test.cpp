@@ -89,7 +89,8 @@ TEST(Lie, LeftJacobiansAgreeWithDifferences) {
     for (int k = 0; k < 3; ++k) {
       const Vector3d d = 1e-6 * Vector3d::Unit(k);
       const Vector3d difference = (so3_log(so3_exp(phi + d) * so3_exp(phi).transpose()) -
-                                   so3_log(so3_exp(phi - d) * so3_exp(phi).transpose())) / 2e-6;
+                                   so3_log(so3_exp(phi - d) * so3_exp(phi).transpose())) /
+                                  2e-6;
       EXPECT_LT((difference - J.col(k)).norm(), 1e-7);
     }
   }

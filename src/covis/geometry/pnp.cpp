@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/geometry/pnp.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Eigenvalues>
 
 #include "covis/core/random.h"
 #include "covis/geometry/alignment.h"
@@ -46,12 +45,12 @@ int solve_p3p(const std::array<Eigen::Vector3d, 3>& points, const std::array<Eig
   if (!((points[1] - points[0]).cross(points[2] - points[0]).squaredNorm() > 1e-12 * b2 * c2) || !(b2 > 0)) return 0;
   const double ca = f2.dot(f3), cb = f1.dot(f3), cg = f1.dot(f2);
   const double p = (a2 - c2) / b2, q = (a2 + c2) / b2;
-  const std::array<double, 5> c = {
-      (1 + p) * (1 + p) - 4 * a2 / b2 * cg * cg,
-      4 * (-p * (1 + p) * cb + 2 * a2 / b2 * cg * cg * cb - (1 - q) * ca * cg),
-      2 * (p * p - 1 + 2 * p * p * cb * cb + 2 * (b2 - c2) / b2 * ca * ca - 4 * q * ca * cb * cg + 2 * (b2 - a2) / b2 * cg * cg),
-      4 * (p * (1 - p) * cb - (1 - q) * ca * cg + 2 * c2 / b2 * ca * ca * cb),
-      (p - 1) * (p - 1) - 4 * c2 / b2 * ca * ca};
+  const std::array<double, 5> c = {(1 + p) * (1 + p) - 4 * a2 / b2 * cg * cg,
+                                   4 * (-p * (1 + p) * cb + 2 * a2 / b2 * cg * cg * cb - (1 - q) * ca * cg),
+                                   2 * (p * p - 1 + 2 * p * p * cb * cb + 2 * (b2 - c2) / b2 * ca * ca -
+                                        4 * q * ca * cb * cg + 2 * (b2 - a2) / b2 * cg * cg),
+                                   4 * (p * (1 - p) * cb - (1 - q) * ca * cg + 2 * c2 / b2 * ca * ca * cb),
+                                   (p - 1) * (p - 1) - 4 * c2 / b2 * ca * ca};
   std::array<double, 4> roots{};
   const int count = real_roots(c, roots);
   int solutions = 0;

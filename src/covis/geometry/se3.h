@@ -30,7 +30,7 @@ class SE3 {
   const Eigen::Matrix3d& R() const { return R_; }
   const Eigen::Vector3d& t() const { return t_; }
   Eigen::Quaterniond q() const { return Eigen::Quaterniond(R_).normalized(); }  // w >= 0 is not promised
-  Eigen::Vector3d centre() const { return -(R_.transpose() * t_); }              // O_w of a T_cw
+  Eigen::Vector3d centre() const { return -(R_.transpose() * t_); }             // O_w of a T_cw
 
   SE3 operator*(const SE3& other) const { return {R_ * other.R_, R_ * other.t_ + t_}; }
   Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return R_ * p + t_; }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/geometry/sim3.h"
 
-#include <cmath>
-
 #include <Eigen/LU>
+#include <cmath>
 
 #include "covis/geometry/lie.h"
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Similarities Sim(3): p_a = scale * R * p_b + t, written S_ab. Tangent vectors are [rho; phi; sigma], translation
 // first, the logarithm of the scale last, and perturb on the left: S <- exp(xi) * S.
-// Source: Strasdat, "Local accuracy and global consistency for efficient visual SLAM", 2012, section 2.4 and appendix A.
+// Source: Strasdat, "Local accuracy and global consistency for efficient visual SLAM", 2012, section 2.4 and appendix
+// A.
 #pragma once
 
 #include <cmath>

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/geometry/triangulation.h"
 
-#include <cmath>
-
 #include <Eigen/Eigenvalues>
+#include <cmath>
 
 namespace covis {
 

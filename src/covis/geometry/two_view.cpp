@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/geometry/two_view.h"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 
 #include "covis/core/random.h"
 #include "covis/geometry/triangulation.h"
@@ -16,9 +15,9 @@
 namespace covis {
 namespace {
 
-constexpr double kChi2Homography = 5.991;  // 2 degrees of freedom, 95 %
-constexpr double kChi2Fundamental = 3.841; // 1 degree of freedom
-constexpr double kScoreCap = 5.991;        // both, so that scores compare
+constexpr double kChi2Homography = 5.991;   // 2 degrees of freedom, 95 %
+constexpr double kChi2Fundamental = 3.841;  // 1 degree of freedom
+constexpr double kScoreCap = 5.991;         // both, so that scores compare
 
 using Points = std::vector<Eigen::Vector2d>;
 
@@ -95,7 +94,8 @@ Score score_homography(const Eigen::Matrix3d& H, const TwoViewMatches& m) {
   score.inlier.resize(m.a.size());
   const Eigen::Matrix3d inverse = H.inverse();
   for (size_t i = 0; i < m.a.size(); ++i) {
-    const Eigen::Vector2d in_b = (H * m.a[i].homogeneous()).hnormalized(), in_a = (inverse * m.b[i].homogeneous()).hnormalized();
+    const Eigen::Vector2d in_b = (H * m.a[i].homogeneous()).hnormalized(),
+                          in_a = (inverse * m.b[i].homogeneous()).hnormalized();
     const double sigma2 = sigma2_of(m, i);
     score.add(i, (in_a - m.a[i]).squaredNorm() / sigma2, (in_b - m.b[i]).squaredNorm() / sigma2, kChi2Homography);
   }
@@ -122,7 +122,8 @@ std::vector<size_t> indices_of(const std::vector<uint8_t>& flags) {
   return indices;
 }
 
-// The 8 motions of a homography of calibrated coordinates (Faugeras and Lustman), |t| = 1; none when its singular values are not distinct.
+// The 8 motions of a homography of calibrated coordinates (Faugeras and Lustman), |t| = 1; none when its singular
+// values are not distinct.
 std::vector<SE3> motions_of_homography(const Eigen::Matrix3d& H, const Eigen::Matrix3d& K) {
   const Eigen::Matrix3d A = K.inverse() * H * K;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -131,7 +132,8 @@ std::vector<SE3> motions_of_homography(const Eigen::Matrix3d& H, const Eigen::Ma
   const double d1 = svd.singularValues()(0), d2 = svd.singularValues()(1), d3 = svd.singularValues()(2);
   std::vector<SE3> motions;
   if (d1 / d2 < 1.00001 || d2 / d3 < 1.00001) return motions;
-  const double x1 = std::sqrt((d1 * d1 - d2 * d2) / (d1 * d1 - d3 * d3)), x3 = std::sqrt((d2 * d2 - d3 * d3) / (d1 * d1 - d3 * d3));
+  const double x1 = std::sqrt((d1 * d1 - d2 * d2) / (d1 * d1 - d3 * d3)),
+               x3 = std::sqrt((d2 * d2 - d3 * d3) / (d1 * d1 - d3 * d3));
   for (const double e1 : {1.0, -1.0}) {
     for (const double e3 : {1.0, -1.0}) {
       // d' = d2
@@ -158,7 +160,8 @@ std::vector<SE3> motions_of_fundamental(const Eigen::Matrix3d& F, const Eigen::M
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(E, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d W;
   W << 0, -1, 0, 1, 0, 0, 0, 0, 1;
-  Eigen::Matrix3d Ra = svd.matrixU() * W * svd.matrixV().transpose(), Rb = svd.matrixU() * W.transpose() * svd.matrixV().transpose();
+  Eigen::Matrix3d Ra = svd.matrixU() * W * svd.matrixV().transpose(),
+                  Rb = svd.matrixU() * W.transpose() * svd.matrixV().transpose();
   if (Ra.determinant() < 0) Ra = -Ra;
   if (Rb.determinant() < 0) Rb = -Rb;
   const Eigen::Vector3d t = svd.matrixU().col(2);
@@ -186,12 +189,14 @@ Trial try_motion(const SE3& T_21, const TwoViewMatches& m, const std::vector<uin
   for (size_t i = 0; i < m.a.size(); ++i) {
     if (!inlier[i]) continue;
     const double bound = kMaxChi2 * sigma2_of(m, i);
-    const auto p = triangulate(SE3(), camera.unproject(m.a[i].x(), m.a[i].y()), T_21, camera.unproject(m.b[i].x(), m.b[i].y()));
+    const auto p =
+        triangulate(SE3(), camera.unproject(m.a[i].x(), m.a[i].y()), T_21, camera.unproject(m.b[i].x(), m.b[i].y()));
     if (!p || !p->allFinite()) continue;
     const Eigen::Vector3d in_2 = T_21 * *p;
     const double cosine = p->dot(*p - centre_2) / (p->norm() * (*p - centre_2).norm());
     if ((p->z() <= 0 || in_2.z() <= 0)) continue;
-    if ((camera.project(*p) - m.a[i]).squaredNorm() > bound || (camera.project(in_2) - m.b[i]).squaredNorm() > bound) continue;
+    if ((camera.project(*p) - m.a[i]).squaredNorm() > bound || (camera.project(in_2) - m.b[i]).squaredNorm() > bound)
+      continue;
     ++trial.good;
     cosines.push_back(cosine);
     if (cosine < kMinParallaxCos) {
@@ -218,8 +223,12 @@ TwoViewResult reconstruct_two_views(const TwoViewMatches& m, const Pinhole& came
     a[i] = (Ta * m.a[i].homogeneous()).hnormalized();
     b[i] = (Tb * m.b[i].homogeneous()).hnormalized();
   }
-  const auto homography = [&](const std::vector<size_t>& use) -> Eigen::Matrix3d { return Tb.inverse() * fit_homography(a, b, use) * Ta; };
-  const auto fundamental = [&](const std::vector<size_t>& use) -> Eigen::Matrix3d { return Tb.transpose() * fit_fundamental(a, b, use) * Ta; };
+  const auto homography = [&](const std::vector<size_t>& use) -> Eigen::Matrix3d {
+    return Tb.inverse() * fit_homography(a, b, use) * Ta;
+  };
+  const auto fundamental = [&](const std::vector<size_t>& use) -> Eigen::Matrix3d {
+    return Tb.transpose() * fit_fundamental(a, b, use) * Ta;
+  };
 
   Random random(options.seed);
   Eigen::Matrix3d H = Eigen::Matrix3d::Identity(), F = Eigen::Matrix3d::Zero();

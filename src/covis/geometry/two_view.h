@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Structure and motion from two views without a prior: homography or fundamental matrix, whichever explains the matches.
-// Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section IV; Hartley and Zisserman, "Multiple View Geometry", 2004,
-// sections 4.1, 4.4 (normalised DLT), 9.6, 11.2 (8 points); Faugeras and Lustman, "Motion and structure from motion in a piecewise
-// planar environment", 1988.
+// Structure and motion from two views without a prior: homography or fundamental matrix, whichever explains the
+// matches. Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section IV; Hartley and Zisserman, "Multiple
+// View Geometry", 2004, sections 4.1, 4.4 (normalised DLT), 9.6, 11.2 (8 points); Faugeras and Lustman, "Motion and
+// structure from motion in a piecewise planar environment", 1988.
 #pragma once
 
 #include <cstdint>
@@ -20,12 +20,12 @@ struct TwoViewMatches {
 };
 
 struct TwoViewOptions {
-  int iterations = 200;           // RANSAC samples of 8
-  double homography_ratio = 0.45; // S_H / (S_H + S_F) above which the homography is taken
+  int iterations = 200;            // RANSAC samples of 8
+  double homography_ratio = 0.45;  // S_H / (S_H + S_F) above which the homography is taken
   double min_parallax_deg = 1.0;
-  int min_points = 50;            // triangulated points of an accepted motion
-  double min_good_share = 0.9;    // of the model's inliers that the best motion must triangulate
-  double clear_winner = 0.75;     // the second-best motion may have no more than this share of the best one's points
+  int min_points = 50;          // triangulated points of an accepted motion
+  double min_good_share = 0.9;  // of the model's inliers that the best motion must triangulate
+  double clear_winner = 0.75;   // the second-best motion may have no more than this share of the best one's points
   uint64_t seed = 0;
 };
 
@@ -33,26 +33,33 @@ enum class TwoViewStatus { ok, too_few_matches, no_model, no_clear_winner, too_f
 
 constexpr std::string_view name(TwoViewStatus status) {
   switch (status) {
-    case TwoViewStatus::ok: return "ok";
-    case TwoViewStatus::too_few_matches: return "too few matches for two-view geometry";
-    case TwoViewStatus::no_model: return "neither a homography nor a fundamental matrix explains the matches";
-    case TwoViewStatus::no_clear_winner: return "several motions explain the matches: move sideways to tell them apart";
-    case TwoViewStatus::too_few_points: return "too few points can be triangulated";
-    case TwoViewStatus::low_parallax: return "too little parallax: move sideways";
+    case TwoViewStatus::ok:
+      return "ok";
+    case TwoViewStatus::too_few_matches:
+      return "too few matches for two-view geometry";
+    case TwoViewStatus::no_model:
+      return "neither a homography nor a fundamental matrix explains the matches";
+    case TwoViewStatus::no_clear_winner:
+      return "several motions explain the matches: move sideways to tell them apart";
+    case TwoViewStatus::too_few_points:
+      return "too few points can be triangulated";
+    case TwoViewStatus::low_parallax:
+      return "too little parallax: move sideways";
   }
   return "";
 }
 
 struct TwoViewResult {
   TwoViewStatus status = TwoViewStatus::too_few_matches;
-  SE3 T_21;                                // first camera to second, |t| = 1
-  std::vector<Eigen::Vector3d> points_1;   // for each match, first camera's coordinates
-  std::vector<uint8_t> triangulated;       // for each match
-  bool homography = false;                 // the model taken
+  SE3 T_21;                               // first camera to second, |t| = 1
+  std::vector<Eigen::Vector3d> points_1;  // for each match, first camera's coordinates
+  std::vector<uint8_t> triangulated;      // for each match
+  bool homography = false;                // the model taken
   double score_h = 0, score_f = 0;
-  double parallax_deg = 0;                 // that a quarter of the points exceed, and 50 at least
+  double parallax_deg = 0;  // that a quarter of the points exceed, and 50 at least
 };
 
-TwoViewResult reconstruct_two_views(const TwoViewMatches& matches, const Pinhole& camera, const TwoViewOptions& options);
+TwoViewResult reconstruct_two_views(const TwoViewMatches& matches, const Pinhole& camera,
+                                    const TwoViewOptions& options);
 
 }  // namespace covis

@@ -86,8 +86,8 @@ class CaptureSequence : public Sequence {
   DecodeAhead ahead_;  // last: its thread uses the rest
 };
 
-// OpenCV's own warnings about what it tried first say less than our message. Only the back ends meant for it are tried: a
-// search through all of them takes longer and leaves memory behind.
+// OpenCV's own warnings about what it tried first say less than our message. Only the back ends meant for it are tried:
+// a search through all of them takes longer and leaves memory behind.
 cv::VideoCapture open_quietly(const std::string& path, std::optional<int> number) {
   namespace logging = cv::utils::logging;
   const logging::LogLevel before = logging::setLogLevel(logging::LOG_LEVEL_SILENT);

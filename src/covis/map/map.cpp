@@ -92,8 +92,8 @@ bool Map::erase_key_frame(KeyFrameId id) {
   return key_frames_.erase(id);
 }
 
-// algorithms.md §2: repeatedly the (child, candidate) pair of greatest weight, candidates being the erased frame's parent and the
-// children already re-attached; children without any pair go to the parent.
+// algorithms.md §2: repeatedly the (child, candidate) pair of greatest weight, candidates being the erased frame's
+// parent and the children already re-attached; children without any pair go to the parent.
 void Map::reattach_children(KeyFrameId id) {
   KeyFrame& erased = key_frames_.at(id);
   std::vector<KeyFrameId> open = std::move(erased.children);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The map: key frames, map points and the graphs between them. Plain data without locks (architecture.md, decisions 1 and
-// 2); SharedMap (shared_map.h) puts the one lock around it. The map owns its things in slot stores; a stale handle finds
-// nothing. Every invariant is kept by the methods here and tested by check().
-// Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, sections III-C and III-D; erasure: VI-E.
+// The map: key frames, map points and the graphs between them. Plain data without locks (architecture.md, decisions 1
+// and 2); SharedMap (shared_map.h) puts the one lock around it. The map owns its things in slot stores; a stale handle
+// finds nothing. Every invariant is kept by the methods here and tested by check(). Source: Mur-Artal, Montiel, Tardós,
+// "ORB-SLAM", T-RO 2015, sections III-C and III-D; erasure: VI-E.
 //
 // It may have several parts: what was mapped after the camera was lost in an unknown place stands beside the rest until
 // the parts are joined (the "Atlas" of Elvira, Tardós, Montiel, IROS 2019, within one container). Each part has a world
@@ -14,14 +14,13 @@
 // alone, never on addresses.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "covis/core/error.h"
 #include "covis/core/ids.h"
@@ -49,10 +48,10 @@ struct MapPoint {
   Descriptor descriptor;                               // of the observations, the one with the least median distance
   float d_min = 0, d_max = 0;                          // distances at which the pyramid can see it
   std::vector<Observation> observations;               // sorted by key-frame handle
-  KeyFrameId reference;                                // the observer that gives d_min, d_max (erased: the next observer)
-  uint32_t created_serial = 0;                         // serial of the key frame that was newest when it was made
-  uint32_t visible = 1;                                // frames in which it was predicted in view
-  uint32_t found = 1;                                  // frames in which it was matched
+  KeyFrameId reference;         // the observer that gives d_min, d_max (erased: the next observer)
+  uint32_t created_serial = 0;  // serial of the key frame that was newest when it was made
+  uint32_t visible = 1;         // frames in which it was predicted in view
+  uint32_t found = 1;           // frames in which it was matched
 };
 
 struct Neighbour {
@@ -69,13 +68,13 @@ struct KeyFrame {
   FeaturesPtr features;
   std::shared_ptr<const Words> words;  // what the vocabulary says of it; null without one
   std::vector<MapPointId> points;      // for each feature its map point, or an invalid handle
-  std::vector<Neighbour> shared;       // every key frame sharing at least one point, sorted by handle; exact at all times
-  KeyFrameId parent;                   // in the part's spanning tree; invalid for its root
-  std::vector<KeyFrameId> children;    // sorted by handle
+  std::vector<Neighbour> shared;     // every key frame sharing at least one point, sorted by handle; exact at all times
+  KeyFrameId parent;                 // in the part's spanning tree; invalid for its root
+  std::vector<KeyFrameId> children;  // sorted by handle
   std::vector<KeyFrameId> loop_edges;  // sorted by handle
   int protections = 0;                 // while positive the key frame can't be erased
-  double scale = 1;                    // product of the changes of scale that loop closing brought to this key frame: poses told
-                                       // relative to it before a change have translations in the old unit
+  double scale = 1;  // product of the changes of scale that loop closing brought to this key frame: poses told
+                     // relative to it before a change have translations in the old unit
 };
 
 // Numbers count parts as they are begun and are not used again.
@@ -99,19 +98,19 @@ class Map {
   // Makes the best covisible key frame (most shared points; ties: lower serial) its parent; the newest other key frame
   // of its part when it shares nothing. Call once, after the observations of a new key frame are in.
   void attach_to_tree(KeyFrameId id);
-  // Erases it with its observations and edges; points left with fewer than two observers go too (one is enough if that observer has
-  // depth for it). Children are re-attached as in §2 of algorithms.md. False (and nothing done) for a root, a protected
-  // or a stale one. Its pose relative to its parent stays known to resolve().
+  // Erases it with its observations and edges; points left with fewer than two observers go too (one is enough if that
+  // observer has depth for it). Children are re-attached as in §2 of algorithms.md. False (and nothing done) for a
+  // root, a protected or a stale one. Its pose relative to its parent stays known to resolve().
   bool erase_key_frame(KeyFrameId id);
-  const KeyFrame* find(KeyFrameId id) const { return key_frames_.find(id); }  // nullptr: stale
-  const KeyFrame& at(KeyFrameId id) const { return key_frames_.at(id); }      // must be live (asserted)
+  const KeyFrame* find(KeyFrameId id) const { return key_frames_.find(id); }         // nullptr: stale
+  const KeyFrame& at(KeyFrameId id) const { return key_frames_.at(id); }             // must be live (asserted)
   KeyFrameId key_frame_in(uint32_t slot) const { return key_frames_.handle(slot); }  // invalid: none
   // False (nothing done) when stale or not finite.
   bool set_pose(KeyFrameId id, const SE3& T_cw);
   // Makes it known to the database. Once.
   void set_words(KeyFrameId id, std::shared_ptr<const Words> words);
-  // The correction of a loop: the pose, and the factor by which lengths near this key frame grew. Counted by moves(), as
-  // is join_parts(): what was read of the map before such a move does not fit what is read after it.
+  // The correction of a loop: the pose, and the factor by which lengths near this key frame grew. Counted by moves(),
+  // as is join_parts(): what was read of the map before such a move does not fit what is read after it.
   bool correct_pose(KeyFrameId id, const SE3& T_cw, double growth);
   void protect(KeyFrameId id);
   void unprotect(KeyFrameId id);
@@ -121,15 +120,15 @@ class Map {
   std::vector<KeyFrameId> key_frames() const;               // by rising serial
   std::vector<KeyFrameId> key_frames(uint32_t part) const;  // of one part
 
-  // A live key frame that stands for `id`, and T_ar that takes r = the returned one's camera to a = the asked one's camera: itself and
-  // the identity when live; for an erased one the nearest living ancestor. Nothing for a handle that never was.
-  // `scale`: KeyFrame::scale of the asked one (an erased one shares the changes of its living ancestor).
+  // A live key frame that stands for `id`, and T_ar that takes r = the returned one's camera to a = the asked one's
+  // camera: itself and the identity when live; for an erased one the nearest living ancestor. Nothing for a handle that
+  // never was. `scale`: KeyFrame::scale of the asked one (an erased one shares the changes of its living ancestor).
   struct Resolved {
     KeyFrameId key_frame;
     SE3 T_ar;
     double scale = 1;
-    // A camera that hangs on the asked key frame: its pose from that of the returned one. T_ca, and KeyFrame::scale of the
-    // asked one, as they were when the camera was there: after a loop lengths may have changed round it.
+    // A camera that hangs on the asked key frame: its pose from that of the returned one. T_ca, and KeyFrame::scale of
+    // the asked one, as they were when the camera was there: after a loop lengths may have changed round it.
     SE3 carry(const SE3& T_ca, double scale_then) const {
       return SE3(T_ca.R(), Eigen::Vector3d(scale / scale_then * T_ca.t())) * T_ar;
     }
@@ -151,35 +150,38 @@ class Map {
   KeyFrameId root() const { return parts_.empty() ? KeyFrameId{} : parts_.front().root; }  // of the oldest part
   bool is_root(KeyFrameId id) const;
   // Joins the part of `child` to that of `parent`: all of it is moved by S (p_there = S * p_here), its tree hangs on
-  // `child` from now on, and `child` below `parent`. False (nothing done) when either is stale, both are of one part, or
-  // S is not finite.
+  // `child` from now on, and `child` below `parent`. False (nothing done) when either is stale, both are of one part,
+  // or S is not finite.
   bool join_parts(KeyFrameId child, KeyFrameId parent, const Sim3& S);
   // Everything of a part goes. False when there is none of this number.
   bool erase_part(uint32_t number);
 
   // ---- Covisibility (derived from `shared`) ----
-  int weight(KeyFrameId a, KeyFrameId b) const;                           // points both observe
-  std::vector<Neighbour> neighbours(KeyFrameId id) const;                 // edges, heaviest first; ties: lower handle first
-  std::vector<Neighbour> best_neighbours(KeyFrameId id, int count) const; // the first `count` of them
-  void best_neighbours(KeyFrameId id, int count, std::vector<Neighbour>& list) const;  // the same; list keeps its memory
+  int weight(KeyFrameId a, KeyFrameId b) const;            // points both observe
+  std::vector<Neighbour> neighbours(KeyFrameId id) const;  // edges, heaviest first; ties: lower handle first
+  std::vector<Neighbour> best_neighbours(KeyFrameId id, int count) const;  // the first `count` of them
+  void best_neighbours(KeyFrameId id, int count,
+                       std::vector<Neighbour>& list) const;                  // the same; list keeps its memory
   std::vector<Neighbour> neighbours_above(KeyFrameId id, int weight) const;  // those of at least this weight
   int tracked_points(KeyFrameId id, int min_observers) const;  // its points with at least so many observers
-  // Edges of the essential graph: tree, loop edges and covisibility of at least kEssentialThreshold; each pair once, a.serial > b.serial.
+  // Edges of the essential graph: tree, loop edges and covisibility of at least kEssentialThreshold; each pair once,
+  // a.serial > b.serial.
   std::vector<std::pair<KeyFrameId, KeyFrameId>> essential_graph() const;
 
   // ---- Points ----
-  // Adds a point seen by `feature` of `reference` (its first observation). Refuses (invalid handle) a position that is not
-  // finite, or a feature that has a point already.
+  // Adds a point seen by `feature` of `reference` (its first observation). Refuses (invalid handle) a position that is
+  // not finite, or a feature that has a point already.
   MapPointId add_point(const Eigen::Vector3d& position_w, KeyFrameId reference, uint32_t feature);
   // False when either is stale, the feature has a point, or the key frame already observes this point or is of another
   // part.
   bool add_observation(MapPointId point, KeyFrameId key_frame, uint32_t feature);
-  // Removes one observation; the point goes too when too few are left (as in erase_key_frame). False when there is none.
+  // Removes one observation; the point goes too when too few are left (as in erase_key_frame). False when there is
+  // none.
   bool erase_observation(MapPointId point, KeyFrameId key_frame);
   bool erase_point(MapPointId id);
-  // Moves the observations of `old` to `by` (where `by` is already seen by that key frame, the feature is let go), adds up visible and found,
-  // refreshes `by`, erases `old` and forwards its handle. False when either is stale, both are the same, or of different
-  // parts.
+  // Moves the observations of `old` to `by` (where `by` is already seen by that key frame, the feature is let go), adds
+  // up visible and found, refreshes `by`, erases `old` and forwards its handle. False when either is stale, both are
+  // the same, or of different parts.
   bool replace_point(MapPointId old, MapPointId by);
   // The live handle that `id` has become through replacements; invalid when it was erased.
   MapPointId forwarded(MapPointId id) const;
@@ -197,9 +199,13 @@ class Map {
 
   // Calls visit(MapPointId, const MapPoint&) / visit(KeyFrameId, const KeyFrame&) by rising slot.
   template <class Visit>
-  void for_each_point(Visit&& visit) const { points_.for_each(visit); }
+  void for_each_point(Visit&& visit) const {
+    points_.for_each(visit);
+  }
   template <class Visit>
-  void for_each_key_frame(Visit&& visit) const { key_frames_.for_each(visit); }
+  void for_each_key_frame(Visit&& visit) const {
+    key_frames_.for_each(visit);
+  }
 
   void clear();
   uint32_t next_serial() const { return next_serial_; }
@@ -219,14 +225,14 @@ class Map {
  private:
   struct Ancestor {
     KeyFrameId parent;
-    SE3 T_cp;  // pose relative to the parent at erasure
+    SE3 T_cp;                            // pose relative to the parent at erasure
     double scale = 1, parent_scale = 1;  // of both at erasure
   };
 
   SlotStore<KeyFrameId, KeyFrame> key_frames_;
   SlotStore<MapPointId, MapPoint> points_;
-  std::unordered_map<MapPointId, MapPointId> replaced_by_;   // looked up, never iterated
-  std::unordered_map<KeyFrameId, Ancestor> erased_frames_;   // looked up, never iterated
+  std::unordered_map<MapPointId, MapPointId> replaced_by_;  // looked up, never iterated
+  std::unordered_map<KeyFrameId, Ancestor> erased_frames_;  // looked up, never iterated
   KeyFrameDatabase database_;
   Pinhole camera_;
   std::vector<MapPart> parts_;  // by rising number; each has a key frame
@@ -238,7 +244,7 @@ class Map {
   KeyFrameId insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features, uint32_t part);
   void hang_tree_on(KeyFrameId id);
   void add_weight(KeyFrameId a, KeyFrameId b, int delta);
-  void rebuild_shared();  // of all key frames, from the observations
+  void rebuild_shared();                                   // of all key frames, from the observations
   void find_parts(const std::vector<KeyFrameId>& frames);  // from the trees; frames by rising serial
   void unlink_observations(MapPointId id);
   void reattach_children(KeyFrameId id);

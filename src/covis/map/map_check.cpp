@@ -12,21 +12,24 @@ std::string name(MapPointId id) { return "point " + std::to_string(id.slot) + ".
 
 template <class List, class Less>
 bool strictly_sorted(const List& list, Less less) {
-  return std::adjacent_find(list.begin(), list.end(), [&](const auto& a, const auto& b) { return !less(a, b); }) == list.end();
+  return std::adjacent_find(list.begin(), list.end(), [&](const auto& a, const auto& b) { return !less(a, b); }) ==
+         list.end();
 }
 
 std::string check_point(const Map& map, MapPointId id, const MapPoint& point) {
   if (!point.position_w.allFinite() || !point.normal_w.allFinite()) return name(id) + " is not finite";
   if (!(point.d_min >= 0 && point.d_min <= point.d_max)) return name(id) + " has no valid range of distances";
   if (point.observations.empty()) return name(id) + " has no observation";
-  if (!strictly_sorted(point.observations, [](const Observation& a, const Observation& b) { return a.key_frame < b.key_frame; })) {
+  if (!strictly_sorted(point.observations,
+                       [](const Observation& a, const Observation& b) { return a.key_frame < b.key_frame; })) {
     return name(id) + "'s observations are not sorted or not unique";
   }
   bool reference_observes = false;
   for (const Observation& o : point.observations) {
     const KeyFrame* key_frame = map.find(o.key_frame);
     if (!key_frame) return name(id) + " is observed by an erased " + name(o.key_frame);
-    if (o.feature >= key_frame->points.size() || key_frame->points[o.feature] != id) return name(id) + " and " + name(o.key_frame) + " disagree on an observation";
+    if (o.feature >= key_frame->points.size() || key_frame->points[o.feature] != id)
+      return name(id) + " and " + name(o.key_frame) + " disagree on an observation";
     if (key_frame->part != map.at(point.observations.front().key_frame).part)
       return name(id) + " is seen from two parts";
     reference_observes |= o.key_frame == point.reference;
@@ -38,7 +41,8 @@ std::string check_point(const Map& map, MapPointId id, const MapPoint& point) {
 // `weights`: a zero for each slot of key frames, and so again afterwards when nothing is wrong.
 std::string check_key_frame(const Map& map, KeyFrameId id, const KeyFrame& key_frame, std::vector<int>& weights) {
   if (!key_frame.T_cw.all_finite()) return name(id) + " has a pose that is not finite";
-  if (key_frame.points.size() != static_cast<size_t>(key_frame.features->size())) return name(id) + " has not a place for each feature";
+  if (key_frame.points.size() != static_cast<size_t>(key_frame.features->size()))
+    return name(id) + " has not a place for each feature";
   int64_t total = 0;
   for (size_t i = 0; i < key_frame.points.size(); ++i) {
     const MapPointId point_id = key_frame.points[i];
@@ -58,11 +62,13 @@ std::string check_key_frame(const Map& map, KeyFrameId id, const KeyFrame& key_f
     }
     if (!mutual) return name(id) + " and " + name(point_id) + " disagree on an observation";
   }
-  if (!strictly_sorted(key_frame.shared, [](const Neighbour& a, const Neighbour& b) { return a.key_frame < b.key_frame; })) {
+  if (!strictly_sorted(key_frame.shared,
+                       [](const Neighbour& a, const Neighbour& b) { return a.key_frame < b.key_frame; })) {
     return name(id) + "'s covisible key frames are not sorted or not unique";
   }
   for (const Neighbour& n : key_frame.shared) {
-    if (!map.find(n.key_frame) || n.weight < 1 || n.weight != weights[n.key_frame.slot]) return name(id) + " has a wrong covisibility weight";
+    if (!map.find(n.key_frame) || n.weight < 1 || n.weight != weights[n.key_frame.slot])
+      return name(id) + " has a wrong covisibility weight";
     total -= n.weight;
     weights[n.key_frame.slot] = 0;
   }
@@ -72,9 +78,11 @@ std::string check_key_frame(const Map& map, KeyFrameId id, const KeyFrame& key_f
 
 std::string check_links(const Map& map, KeyFrameId id, const KeyFrame& key_frame) {
   const auto less = [](KeyFrameId a, KeyFrameId b) { return a < b; };
-  if (!strictly_sorted(key_frame.children, less) || !strictly_sorted(key_frame.loop_edges, less)) return name(id) + " has unsorted links";
+  if (!strictly_sorted(key_frame.children, less) || !strictly_sorted(key_frame.loop_edges, less))
+    return name(id) + " has unsorted links";
   for (const KeyFrameId& child : key_frame.children) {
-    if (!map.find(child) || map.at(child).parent != id) return name(id) + " has a child that is erased or has another parent";
+    if (!map.find(child) || map.at(child).parent != id)
+      return name(id) + " has a child that is erased or has another parent";
   }
   for (const KeyFrameId& other : key_frame.loop_edges) {
     if (!map.find(other)) return name(id) + " has a loop edge to an erased key frame";
@@ -90,7 +98,8 @@ std::string check_links(const Map& map, KeyFrameId id, const KeyFrame& key_frame
     return key_frame.serial + 1 == map.next_serial() && key_frame.children.empty() ? "" : name(id) + " has no parent";
   }
   const KeyFrame* parent = map.find(key_frame.parent);
-  if (!parent || !std::binary_search(parent->children.begin(), parent->children.end(), id)) return name(id) + "'s parent is erased or does not know it";
+  if (!parent || !std::binary_search(parent->children.begin(), parent->children.end(), id))
+    return name(id) + "'s parent is erased or does not know it";
   // Up the tree to the root, in no more steps than there are key frames.
   KeyFrameId at = id;
   for (size_t steps = 0; at != part->root; ++steps) {

@@ -64,8 +64,9 @@ bool Map::erase_observation(MapPointId id, KeyFrameId key_frame_id) {
   point->observations.erase(at);
   for (const Observation& other : point->observations) add_weight(key_frame_id, other.key_frame, -1);
   const std::vector<Observation>& left = point->observations;
-  const bool held = left.size() >= 2 ||
-                    (left.size() == 1 && this->at(left[0].key_frame).features->has_depth(static_cast<int>(left[0].feature)));
+  const bool held =
+      left.size() >= 2 ||
+      (left.size() == 1 && this->at(left[0].key_frame).features->has_depth(static_cast<int>(left[0].feature)));
   if (!held) {
     erase_point(id);
   } else if (point->reference == key_frame_id) {

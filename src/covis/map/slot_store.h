@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Owns values in slots named by handles of slot and generation. Freed slots are used again, latest freed first; the value of an
-// erased slot is really destroyed. References stay valid until the thing itself is erased (values do not move).
+// Owns values in slots named by handles of slot and generation. Freed slots are used again, latest freed first; the
+// value of an erased slot is really destroyed. References stay valid until the thing itself is erased (values do not
+// move).
 #pragma once
 
 #include <array>

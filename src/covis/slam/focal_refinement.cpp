@@ -24,8 +24,8 @@ bool step(BundleProblem& problem, BundleAdjuster& adjuster, double given_fx, con
   constexpr size_t kFew = 35;           // key frames: their errors are alike, the estimate is worse than its sigma says
   constexpr double kMinChange = 0.006;  // worth it …
   const double significant = problem.poses.size() < kFew ? 6 : 4;  // … and so many sigmas: it is surely another one
-  constexpr double kMaxStep = 0.02;     // twice as far as the estimate looks: the next step goes on from there
-  constexpr double kMaxChange = 0.05;   // from the one given
+  constexpr double kMaxStep = 0.02;    // twice as far as the estimate looks: the next step goes on from there
+  constexpr double kMaxChange = 0.05;  // from the one given
   const FocalEstimate estimate = estimate_focal(problem, adjuster, interrupt);
   if (!estimate.ok || estimate.sigma > kMaxSigma) return false;
   if (std::abs(estimate.factor - 1) < std::max(kMinChange, significant * estimate.sigma)) return false;

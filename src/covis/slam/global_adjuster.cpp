@@ -70,8 +70,8 @@ bool GlobalAdjuster::take_over(Map& map) const {
   if (given_fx_) map.set_camera(problem_.problem.camera);
   map.count_move();
   const MapPart part = *map.part(map.at(*alive).part);
-  std::vector<SE3> before, after;    // by slot
-  std::vector<uint8_t> adjusted;     // by slot: has an adjusted pose
+  std::vector<SE3> before, after;  // by slot
+  std::vector<uint8_t> adjusted;   // by slot: has an adjusted pose
   const auto room = [&](KeyFrameId id) {
     if (id.slot < before.size()) return;
     before.resize(id.slot + size_t{1});

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Full bundle adjustment after a loop, or of a map with its focal length, in its own thread on a copy of the map;
-// mapping goes on meanwhile. The mapping thread starts it, takes its result over (what was made meanwhile is moved along
-// the spanning tree), or gives it up when a loop comes. Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, section
-// III-D.
+// mapping goes on meanwhile. The mapping thread starts it, takes its result over (what was made meanwhile is moved
+// along the spanning tree), or gives it up when a loop comes. Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017,
+// section III-D.
 #pragma once
 
 #include <atomic>

@@ -156,8 +156,8 @@ int Mapper::cull_key_frames(KeyFrameId current) {
   return culled;
 }
 
-// The result of a full bundle adjustment is taken over a fixed number of key frames later, so that it does not depend on
-// how fast the machine is; in real time as soon as it is there.
+// The result of a full bundle adjustment is taken over a fixed number of key frames later, so that it does not depend
+// on how fast the machine is; in real time as soon as it is there.
 void Mapper::take_over_adjustment(MappingReport& report) {
   if (!global_.running()) return;
   --global_left_;

@@ -45,8 +45,8 @@ class MappingActor {
   const bool interruptible_;
   BlockingQueue<Request> inbox_{kInbox};
   BlockingQueue<MappingReport> outbox_{kInbox + 2};  // room for all that can be pending
-  std::atomic<int> waiting_{0};              // submitted and not finished
-  std::atomic<bool> interrupt_{false};       // another request waits
+  std::atomic<int> waiting_{0};                      // submitted and not finished
+  std::atomic<bool> interrupt_{false};               // another request waits
   int pending_ = 0;
   std::jthread thread_;
 };

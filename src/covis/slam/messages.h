@@ -21,8 +21,8 @@ struct KeyFrameRequest {
   int64_t frame = 0;
   Timestamp stamp = 0;
   FeaturesPtr features;
-  KeyFrameId reference;              // the pose is given relative to this key frame, which mapping may have moved; …
-  double reference_scale = 1;        // KeyFrame::scale of it when the pose was told
+  KeyFrameId reference;        // the pose is given relative to this key frame, which mapping may have moved; …
+  double reference_scale = 1;  // KeyFrame::scale of it when the pose was told
   SE3 T_cr;  // … from its camera to the frame's. Without a reference it begins a part of the map: T_cw.
   std::vector<MapPointId> points;    // for each feature the point it was matched to, or an invalid handle
   std::vector<uint32_t> new_points;  // features whose depth makes a new point
@@ -47,7 +47,7 @@ struct InitialMapRequest {
 
 // What loop closing did for a key frame.
 struct LoopReport {
-  KeyFrameId loop;  // the key frame it was tied to; invalid: no loop
+  KeyFrameId loop;            // the key frame it was tied to; invalid: no loop
   bool merged = false;        // the loop was none: it joined two parts of the map
   int merged_key_frames = 0;  // key frames of the part that was moved
   int candidates = 0, matches = 0, inliers = 0, found_again = 0, fused = 0;  // the best candidate's
@@ -56,7 +56,7 @@ struct LoopReport {
   double rotation_deg = 0;  // of its orientation
   double scale = 1;         // by which lengths near the key frame were too great
   double query_ms = 0, verify_ms = 0, correct_ms = 0, pose_graph_ms = 0;
-  double full_ba_ms = 0;    // of the bundle adjustment that was committed with this key frame
+  double full_ba_ms = 0;  // of the bundle adjustment that was committed with this key frame
 };
 
 struct MappingReport {

@@ -33,8 +33,8 @@ int PointFuser::fuse(SharedMap& shared, KeyFrameId target, const std::vector<Map
                                      T_cw, centre, map->camera(), *features);
       if (!view) continue;
       const float scale = features->pyramid->scale[static_cast<size_t>(view->level)];
-      queries_.push_back({view->u, view->v, view->u_right, static_cast<float>(options.window) * scale,
-                          view->level - 1, view->level, nullptr});
+      queries_.push_back({view->u, view->v, view->u_right, static_cast<float>(options.window) * scale, view->level - 1,
+                          view->level, nullptr});
       descriptors_.push_back(point->descriptor);
       candidates_.push_back(id);
     }

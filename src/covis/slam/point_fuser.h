@@ -11,9 +11,9 @@
 namespace covis {
 
 struct FuseOptions {
-  double window = 3;         // pixels x scale
-  bool keep_given = false;   // of two points the given one stays; else the one with more observations
-  bool check_error = true;   // a match must lie within the 95 % bound of its reprojection error
+  double window = 3;        // pixels x scale
+  bool keep_given = false;  // of two points the given one stays; else the one with more observations
+  bool check_error = true;  // a match must lie within the 95 % bound of its reprojection error
 };
 
 // Keeps its work space between calls.

@@ -34,7 +34,8 @@ Fields fields(SynthOptions& o) {
       {"synth.sensor", &o.sensor, "camera to imitate: mono, stereo, rgbd"},
       {"synth.seed", &o.seed, "seed of the world, the path and all noise", 0, 2147483647},
       {"synth.frames", &o.frames, "number of frames; 0: as many as the world's path takes", 0, 1000000},
-      {"synth.way", &o.way, "about how long the way around the street's block is, metres; 0: its own, some 310", 0, 20000},
+      {"synth.way", &o.way, "about how long the way around the street's block is, metres; 0: its own, some 310", 0,
+       20000},
       {"synth.fps", &o.fps, "frames a second; 0: the world's own (30; street 10)", 0, 1000},
       {"synth.width", &o.width, "image width, pixels", 64, 4096},
       {"synth.height", &o.height, "image height, pixels", 64, 4096},
@@ -73,7 +74,8 @@ Result<Sensor> check(SynthOptions& options) {
                 ", but stereo pairs are rendered rectified; leave it at 0, or take the sensor mono or rgbd");
   }
   if (options.way > 0 && options.world != "street") {
-    return fail("synth.way is " + std::to_string(options.way) + ", but only the street's can be made longer; leave it at 0");
+    return fail("synth.way is " + std::to_string(options.way) +
+                ", but only the street's can be made longer; leave it at 0");
   }
   if (options.sensor == "mono") return Sensor::monocular;
   if (options.sensor == "stereo") return Sensor::stereo;

@@ -34,8 +34,8 @@ struct Words {
   friend bool operator==(const Words&, const Words&) = default;
 };
 
-// An image's features by their ancestors at kDirectIndexLevel. (Nothing in Covis matches by it: docs/results.md says what
-// it finds and what it costs beside comparing all.)
+// An image's features by their ancestors at kDirectIndexLevel. (Nothing in Covis matches by it: docs/results.md says
+// what it finds and what it costs beside comparing all.)
 struct DirectIndex {
   std::vector<uint32_t> node;     // distinct ancestor nodes, rising
   std::vector<uint32_t> offset;   // node[k]'s features are feature[offset[k] .. offset[k + 1])
