@@ -26,6 +26,8 @@ Fields fields(TrackerOptions& o) {
       {"tracker.min_inliers_recovered", &o.min_inliers_recovered, "the same within one second of a recovery", 4, 1000},
       {"tracker.min_recovered_share", &o.min_recovered_share,
        "share of the map points in view that must be matched to accept a recovered pose", 0, 1},
+      {"tracker.min_usual_share", &o.min_usual_share,
+       "the same of those seen from about there before, as a share of what is usually matched", 0, 1},
       {"tracker.new_map_after", &o.new_map_after,
        "seconds after a loss at which a new map is begun beside the old one; 0: never", 0, 1e6},
       {"tracker.close_depth_baselines", &o.close_depth_baselines, "depth up to which a point is close, base lines", 1,

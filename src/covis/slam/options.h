@@ -23,8 +23,9 @@ struct TrackerOptions {
   double local_ratio = 0.8;           // best against second-best distance when both are of one level
   int min_inliers = 30;               // matched map points to accept a pose
   int min_inliers_recovered = 40;     // the same within one second of a recovery
-  double min_recovered_share = 0.1;   // of the map points in view that must be matched to accept a recovered pose: things
-                                      // of which there are several alike match, what stands round them does not
+  double min_recovered_share = 0.05;  // of the map points in view that must be matched to accept a recovered pose
+  double min_usual_share = 0.6;       // and of those seen from about there before, of as many as usually are: things of
+                                      // which there are several alike match, what stands round them does not
   double new_map_after = 2;           // seconds after a loss at which a new map is begun beside the old one; 0: never
   double close_depth_baselines = 40;  // depth in base lines up to which a point is close
   int min_close_points = 100;  // close points a frame makes at least (also farther ones), and the need-more bound
@@ -36,13 +37,13 @@ struct TrackerOptions {
                                       // the wider angle of view (stereo, RGB-D)
   int key_frame_min_inliers = 15;     // with fewer no key frame is made
   double key_frame_interval = 1.0;    // seconds after which one may be made though mapping is busy
-  int weak_inliers = 80;              // with fewer inliers the next frames get twice the features, until 2.5 times as many
-  int init_features = 500;            // features of a first frame (stereo, RGB-D)
-  int init_min_matches = 100;         // monocular: matches of the two first views
-  double init_window = 100;           // pixels, monocular: how far a key point may move between them
-  int init_levels = 3;                // greatest pyramid level of the key points matched there
-  double init_min_parallax = 1.0;     // degrees
-  int init_min_points = 50;           // triangulated points of an initial map before adjustment
+  int weak_inliers = 80;           // with fewer inliers the next frames get twice the features, until 2.5 times as many
+  int init_features = 500;         // features of a first frame (stereo, RGB-D)
+  int init_min_matches = 100;      // monocular: matches of the two first views
+  double init_window = 100;        // pixels, monocular: how far a key point may move between them
+  int init_levels = 3;             // greatest pyramid level of the key points matched there
+  double init_min_parallax = 1.0;  // degrees
+  int init_min_points = 50;        // triangulated points of an initial map before adjustment
 };
 Fields fields(TrackerOptions& options);
 
@@ -62,19 +63,19 @@ struct MapperOptions {
 Fields fields(MapperOptions& options);
 
 struct LoopOptions {
-  bool close = true;              // close loops (needs a vocabulary)
-  int min_matches = 20;           // by descriptor, of points of both places
-  int min_inliers = 20;           // that agree with a similarity
-  int min_found = 40;             // of the old place's points found in the new view
-  double min_found_share = 0.15;  // of those in view
-  double max_drift = 0.1;         // greatest correction, as a share of the path travelled since (stereo, RGB-D)
-  double max_drift_mono = 0.3;    // the same, monocular
-  double max_rotation = 45;       // greatest correction of orientation, degrees
-  double max_scale = 3;           // greatest change of scale, a factor
-  int merge_min_found = 50;       // min_found to join two maps, of whose relation nothing else is known
+  bool close = true;                    // close loops (needs a vocabulary)
+  int min_matches = 20;                 // by descriptor, of points of both places
+  int min_inliers = 20;                 // that agree with a similarity
+  int min_found = 40;                   // of the old place's points found in the new view
+  double min_found_share = 0.15;        // of those in view
+  double max_drift = 0.1;               // greatest correction, as a share of the path travelled since (stereo, RGB-D)
+  double max_drift_mono = 0.3;          // the same, monocular
+  double max_rotation = 45;             // greatest correction of orientation, degrees
+  double max_scale = 3;                 // greatest change of scale, a factor
+  int merge_min_found = 50;             // min_found to join two maps, of whose relation nothing else is known
   double merge_min_found_share = 0.25;  // min_found_share, likewise
-  int ba_iterations = 10;         // of the full bundle adjustment after a loop
-  int ba_key_frames = 5;          // key frames after which its result is taken over
+  int ba_iterations = 10;               // of the full bundle adjustment after a loop
+  int ba_key_frames = 5;                // key frames after which its result is taken over
 };
 Fields fields(LoopOptions& options);
 

@@ -97,6 +97,7 @@ FrameReport System::process(const Input& input) {
   report.track = outcome.result;
   report.timing.track_ms = watch.ms();
 
+  retract(outcome.result.retracted_from);
   FrameRecord& fresh = records_.emplace_back();
   fresh.frame = input.frame;
   fresh.stamp = input.stamp;
@@ -173,6 +174,12 @@ void System::take(const MappingReport& report) {
   };
   hang(report.key_frame, true);
   if (report.first.valid()) hang(report.first, false);
+}
+
+void System::retract(int64_t from) {
+  if (from < 0) return;
+  for (auto record = records_.rbegin(); record != records_.rend() && record->frame >= from; ++record)
+    record->tracked = record->online = false;
 }
 
 void System::discard(uint32_t part) {

@@ -12,8 +12,8 @@ namespace covis {
 
 enum class TrackState { not_initialised, tracking, lost };
 
-// How the first pose of a tracked frame was found. `bridged`: in localisation only, from the last frame's own depth where
-// the map has too little.
+// How the first pose of a tracked frame was found. `bridged`: in localisation only, from the last frame's own depth
+// where the map has too little.
 enum class TrackMethod { none, initialised, motion_model, reference_key_frame, recovered, bridged };
 
 constexpr std::string_view name(TrackState state) {
@@ -63,12 +63,13 @@ struct TrackFigures {
 
 struct TrackResult : TrackFigures {
   TrackState state = TrackState::not_initialised;
-  std::string_view reason;     // why there is no pose; empty when tracking
-  SE3 T_cw;                    // meaningful when tracking
-  KeyFrameId reference;        // key frame the pose hangs on
-  double reference_scale = 1;  // KeyFrame::scale of it
-  uint32_t part = 0;           // of the map, to which it belongs: poses of different parts have different worlds
-  SE3 T_cr;                    // from its camera to this frame's
+  std::string_view reason;      // why there is no pose; empty when tracking
+  SE3 T_cw;                     // meaningful when tracking
+  KeyFrameId reference;         // key frame the pose hangs on
+  double reference_scale = 1;   // KeyFrame::scale of it
+  uint32_t part = 0;            // of the map, to which it belongs: poses of different parts have different worlds
+  SE3 T_cr;                     // from its camera to this frame's
+  int64_t retracted_from = -1;  // frames from this one on had poses at a place that proves wrong; negative: none
 };
 
 }  // namespace covis

@@ -66,6 +66,8 @@ void Tracker::start_lost() {
   refresh_camera(*map);
   kept_parts_ = map->parts().empty() ? 0 : map->parts().back().number + 1;
   last_ = {};
+  last_place_.reset();
+  jumped_at_.reset();
   reference_ = new_reference_ = {};
   local_map_.clear();
   clear_counts();
@@ -139,8 +141,9 @@ void Tracker::accept(TrackResult& result) {
   if (has_velocity_) velocity_ = (current_.T_cw * last_.T_cw.inverse()).normalized();
   state_ = TrackState::tracking;
   lost_frames_ = 0;
-  lost_since_.reset();
   beginning_ = false;
+  if (jumped_at_ && current_.stamp - jumped_at_->stamp >= from_seconds(1.0)) jumped_at_.reset();
+  if (!jumped_at_) lost_since_.reset();
   if (result.method != TrackMethod::bridged) bridged_frames_ = 0;
   // Twice the features give more inliers by themselves: the way back asks for more than that.
   const int weak = options_.tracker.weak_inliers;
@@ -149,6 +152,7 @@ void Tracker::accept(TrackResult& result) {
   reference_scale_ = local_map_.reference.scale;
   part_ = local_map_.reference.part;
   last_T_cr_ = current_.T_cw * local_map_.reference.T_cw.inverse();
+  last_place_ = current_.T_cw;
   result.T_cw = current_.T_cw;
   result.reference = reference_;
   result.reference_scale = reference_scale_;
@@ -170,7 +174,7 @@ void Tracker::key_frame_made(const MappingReport& report, int64_t frame) {
     lost_since_.reset();
     lost_frames_ = 0;
     set_reference(*map, report.key_frame);
-    last_.T_cw = map->at(report.key_frame).T_cw;
+    last_place_ = last_.T_cw = map->at(report.key_frame).T_cw;
     last_T_cr_ = SE3();
     map_changed_ = false;
   }
@@ -201,7 +205,7 @@ void Tracker::refresh_last_frame(const Map& map) {
     last_T_cr_ = resolved->carry(last_T_cr_, reference_scale_);
     velocity_ = SE3(velocity_.R(), Eigen::Vector3d(resolved->scale / reference_scale_ * velocity_.t()));
     set_reference(map, resolved->key_frame);
-    last_.T_cw = (last_T_cr_ * map.at(reference_).T_cw).normalized();
+    last_place_ = last_.T_cw = (last_T_cr_ * map.at(reference_).T_cw).normalized();
   }
   // Not when the camera was meanwhile found in another part of the map.
   if (const KeyFrame* made = map.find(new_reference_); made && made->part == part_) {
@@ -290,7 +294,7 @@ bool Tracker::key_frame_due(const TrackResult& result, bool mapping_idle) const 
   const TrackerOptions& o = options_.tracker;
   if (options_.localize || result.inliers < o.key_frame_min_inliers) return false;
   const bool recovered_lately = current_.stamp - last_recovery_ < from_seconds(1.0);
-  if (recovered_lately && result.method != TrackMethod::motion_model) return false;
+  if (jumped_at_ || (recovered_lately && result.method != TrackMethod::motion_model)) return false;
   bool few_close = false;
   if (!monocular()) {
     const double close = close_depth();

@@ -96,6 +96,9 @@ class Tracker {
   bool recover(TrackResult& result, bool map_is_live);
   std::vector<KeyFrameId> recovery_candidates(const Map& map);
   bool recover_from(const KeyFrameView& view, TrackResult& result, bool map_is_live);
+  bool is_right_place(bool map_is_live);
+  bool jumped() const;
+  bool looks_as_usual(const Map& map);
   // Localisation only: whether the last frame's depth carries the pose over a place the map has too little, or nothing,
   // of.
   bool bridge(TrackResult& result);
@@ -119,6 +122,10 @@ class Tracker {
   int search_last_frame(double window);
   int match_key_frame(const KeyFrameView& view, double ratio, int max_distance);
   int search_local_map(double window_factor);
+  void mark_matched();  // for matched(): the map points the current frame has now
+  bool matched(MapPointId id) const {
+    return id.slot < matched_mark_.size() && matched_mark_[id.slot] == matched_epoch_;
+  }
   void set_match(size_t feature, MapPointId point, const Eigen::Vector3d& position_w, uint8_t known);
   // Optimises the current frame's pose over its matches and drops those that disagree; returns how many map points are
   // left, 0 when there is no pose.
@@ -144,18 +151,25 @@ class Tracker {
 
   TrackedFrame current_, last_;
   bool has_velocity_ = false;
-  SE3 velocity_;                // from the last camera to the current one
-  KeyFrameId reference_;        // the key frame poses are relative to
-  double reference_scale_ = 1;  // KeyFrame::scale of it when last seen
-  uint32_t part_ = 0;           // of the map, to which it belongs
-  SE3 last_T_cr_;               // last frame relative to it
-  KeyFrameId new_reference_;    // a key frame just made, to become the reference
-  bool map_changed_ = false;    // since the last frame was refreshed
-  uint64_t moves_ = 0;          // Map::moves() when it was
+  SE3 velocity_;                   // from the last camera to the current one
+  KeyFrameId reference_;           // the key frame poses are relative to
+  double reference_scale_ = 1;     // KeyFrame::scale of it when last seen
+  uint32_t part_ = 0;              // of the map, to which it belongs
+  SE3 last_T_cr_;                  // last frame relative to it
+  std::optional<SE3> last_place_;  // T_cw of the last frame that had a pose
+  KeyFrameId new_reference_;       // a key frame just made, to become the reference
+  bool map_changed_ = false;       // since the last frame was refreshed
+  uint64_t moves_ = 0;             // Map::moves() when it was
   LocalMap local_map_;
   int64_t begun_frame_ = -1;  // the last frame that asked for a map to be begun
   Timestamp last_key_frame_stamp_ = 0;
   Timestamp last_recovery_ = std::numeric_limits<Timestamp>::min() / 2;
+  // The frame with which it jumped to where it is, until it has been there for a second: a doubtful place.
+  struct Jump {
+    Timestamp stamp = 0;
+    int64_t frame = 0;
+  };
+  std::optional<Jump> jumped_at_;
   int lost_frames_ = 0;
   std::optional<Timestamp> lost_since_;
   bool beginning_ = false;  // lost for long: a new map is to be begun beside the old one
@@ -178,7 +192,7 @@ class Tracker {
   std::vector<uint8_t> taken_;    // features that have a map point
   std::vector<uint8_t> in_view_;  // for each local point
   std::vector<MapPointId> matched_;
-  std::vector<uint32_t> matched_mark_;  // by point slot: the epoch in which it was matched before the search
+  std::vector<uint32_t> matched_mark_;  // by point slot: the epoch of mark_matched()
   uint32_t matched_epoch_ = 0;
   PoseObservations observations_;
   std::vector<int32_t> observed_feature_;

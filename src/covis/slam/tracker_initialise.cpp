@@ -72,6 +72,11 @@ void Tracker::lose(Outcome& outcome, bool map_is_live) {
   has_velocity_ = false;
   ++lost_frames_;
   if (!lost_since_) lost_since_ = current_.stamp;
+  if (jumped_at_) {  // no place to go on from
+    outcome.result.retracted_from = jumped_at_->frame;
+    jumped_at_.reset();
+    last_place_.reset();
+  }
   if (!map_is_live) return;
   constexpr int kYoungPartPatience = 15;  // frames it is waited for
   const std::optional<uint32_t> young = young_part();

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The steps that find a frame's pose: motion model, reference key frame, local map, recovery (ORB-SLAM, V-B to V-D).
+// The steps that find a frame's pose: motion model, reference key frame, local map (ORB-SLAM, V-B and V-D).
 #include <algorithm>
 
 #include "covis/core/reserve.h"
 #include "covis/core/time.h"
-#include "covis/geometry/pnp.h"
 #include "covis/matching/descriptor_match.h"
 #include "covis/slam/point_geometry.h"
 #include "covis/slam/tracker.h"
@@ -154,9 +153,15 @@ bool Tracker::track_local_map(TrackResult& result, bool map_is_live) {
   watch.restart();
   result.inliers = optimize();
   result.pose_ms += watch.ms();
-  if (result.inliers >= (recovered_lately ? o.min_inliers_recovered : o.min_inliers)) return true;
-  result.reason = "too few points of the map agree on a pose";
-  return false;
+  if (result.inliers < (recovered_lately ? o.min_inliers_recovered : o.min_inliers)) {
+    result.reason = "too few points of the map agree on a pose";
+    return false;
+  }
+  if ((recovered_lately || result.method == TrackMethod::reference_key_frame) && !is_right_place(map_is_live)) {
+    result.reason = "things match, but not what stands round them";
+    return false;
+  }
+  return true;
 }
 
 void Tracker::update_local_map(KeyFrameId fallback) {
@@ -167,20 +172,24 @@ void Tracker::update_local_map(KeyFrameId fallback) {
   local_map_.update(*map_.read(), matched_, fallback, options_.tracker.local_key_frames);
 }
 
-int Tracker::search_local_map(double window_factor) {
-  const TrackerOptions& o = options_.tracker;
-  const Features& f = *current_.features;
-  const Eigen::Vector3d centre = current_.T_cw.centre();
+void Tracker::mark_matched() {
   ++matched_epoch_;
-  reserve_ahead(taken_, current_.known.size());
-  taken_.assign(current_.known.size(), 0);
   for (size_t i = 0; i < current_.known.size(); ++i) {
-    taken_[i] = current_.known[i] == kMapPoint;
-    if (!taken_[i]) continue;
+    if (current_.known[i] != kMapPoint) continue;
     const uint32_t slot = current_.points[i].slot;
     if (slot >= matched_mark_.size()) matched_mark_.resize(slot + slot / 2 + 256);
     matched_mark_[slot] = matched_epoch_;
   }
+}
+
+int Tracker::search_local_map(double window_factor) {
+  const TrackerOptions& o = options_.tracker;
+  const Features& f = *current_.features;
+  const Eigen::Vector3d centre = current_.T_cw.centre();
+  mark_matched();
+  reserve_ahead(taken_, current_.known.size());
+  taken_.assign(current_.known.size(), 0);
+  for (size_t i = 0; i < current_.known.size(); ++i) taken_[i] = current_.known[i] == kMapPoint;
   queries_.clear();
   query_source_.clear();
   const auto n = static_cast<size_t>(local_map_.size());
@@ -188,8 +197,7 @@ int Tracker::search_local_map(double window_factor) {
   in_view_.assign(n, 0);
   int in_view = 0;
   for (size_t k = 0; k < n; ++k) {
-    const uint32_t slot = local_map_.id[k].slot;
-    if (slot < matched_mark_.size() && matched_mark_[slot] == matched_epoch_) {
+    if (matched(local_map_.id[k])) {
       in_view_[k] = 1;
       ++in_view;
       continue;
@@ -217,96 +225,6 @@ int Tracker::search_local_map(double window_factor) {
               kMapPoint);
   }
   return in_view;
-}
-
-// The key frames the camera may be at: places that look alike, the reference and its neighbours, and a few of the
-// others in turn.
-std::vector<KeyFrameId> Tracker::recovery_candidates(const Map& map) {
-  constexpr size_t kAlike = 8;
-  constexpr int kNeighbours = 3, kOthers = 2, kOthersWithoutWords = 5;
-  std::vector<KeyFrameId> candidates;
-  const auto add = [&](KeyFrameId id) {
-    if (std::find(candidates.begin(), candidates.end(), id) == candidates.end()) candidates.push_back(id);
-  };
-  if (vocabulary_) {
-    const Words words = vocabulary_->transform(current_.features->descriptor);
-    for (const auto& candidate : map.database().query(map, words, {}, 0)) {
-      if (candidates.size() < kAlike) add(candidate.key_frame);
-    }
-  }
-  if (const auto resolved = map.resolve(reference_)) {
-    add(resolved->key_frame);
-    for (const Neighbour& n : map.best_neighbours(resolved->key_frame, kNeighbours)) add(n.key_frame);
-  }
-  const std::vector<KeyFrameId> all = map.key_frames();
-  const int others = vocabulary_ ? kOthers : kOthersWithoutWords;
-  for (int k = 0; k < others && !all.empty(); ++k) add(all[recovery_cursor_++ % all.size()]);
-  return candidates;
-}
-
-bool Tracker::recover(TrackResult& result, bool map_is_live) {
-  const Stopwatch watch;
-  bool found = false;
-  if (!map_is_live) {
-    found = local_map_.reference.features && recover_from(local_map_.reference, result, map_is_live);
-  } else {
-    KeyFrameView view;
-    for (const KeyFrameId& candidate : recovery_candidates(*map_.read())) {
-      {
-        const auto map = map_.read();
-        if (!map->find(candidate)) continue;
-        view.copy(*map, candidate);
-      }
-      if ((found = recover_from(view, result, map_is_live))) break;
-    }
-    // The candidates leave nothing behind: the rest of the local map is made anew for each frame.
-    if (const auto map = map_.read(); !found && map->find(reference_)) local_map_.reference.copy(*map, reference_);
-  }
-  result.motion_ms += watch.ms();
-  if (found) {
-    last_recovery_ = current_.stamp;
-    result.method = TrackMethod::recovered;
-  } else if (state_ == TrackState::lost) {
-    result.reason = "lost: the view matches no key frame tried";
-  }
-  return found;
-}
-
-bool Tracker::recover_from(const KeyFrameView& view, TrackResult& result, bool map_is_live) {
-  // Wider than for the next frame: RANSAC sorts out what is wrong. 5 % more frames are found than with 0.75 and 50.
-  constexpr double kRatio = 0.9;
-  constexpr int kMaxDistance = 64;
-  constexpr int kMinPose = 10;  // inliers after which a search by projection is worth it
-  const TrackerOptions& o = options_.tracker;
-  if (match_key_frame(view, kRatio, kMaxDistance) < o.reference_min_matches) return false;
-
-  const Features& f = *current_.features;
-  PnpProblem problem;
-  std::vector<size_t> feature;
-  for (size_t i = 0; i < current_.known.size(); ++i) {
-    if (!current_.known[i]) continue;
-    problem.add(current_.positions[i], camera_.unproject(f.x[i], f.y[i]), f.pyramid->sigma2[f.level[i]]);
-    feature.push_back(i);
-  }
-  const auto pose =
-      ransac_pnp(problem, camera_, static_cast<uint64_t>(options_.seed) + static_cast<uint64_t>(current_.index));
-  if (!pose) return false;
-  current_.T_cw = pose->T_cw;
-  for (size_t k = 0; k < feature.size(); ++k) {
-    if (!pose->inlier[k]) set_match(feature[k], {}, Eigen::Vector3d::Zero(), kNone);
-  }
-  if (optimize() < kMinPose) return false;
-  // Twice: the second search starts from a better pose.
-  for (int round = 0; round < 2; ++round) {
-    if (map_is_live) update_local_map(view.id);
-    result.local_in_view = search_local_map(round == 0 ? 5.0 : 2.0);
-    result.local_points = local_map_.size();
-    result.inliers = optimize();
-    if (result.inliers >= o.min_inliers_recovered && result.inliers >= o.min_recovered_share * result.local_in_view)
-      return true;
-    if (result.inliers < kMinPose) return false;
-  }
-  return false;
 }
 
 }  // namespace covis

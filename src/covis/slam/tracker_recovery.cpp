@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a lost camera finds its place again (ORB-SLAM, V-C).
+#include <algorithm>
+#include <array>
+
+#include "covis/core/time.h"
+#include "covis/geometry/pnp.h"
+#include "covis/slam/tracker.h"
+
+namespace covis {
+
+// The key frames the camera may be at: places that look alike, the reference and its neighbours, and a few of the
+// others in turn.
+std::vector<KeyFrameId> Tracker::recovery_candidates(const Map& map) {
+  constexpr size_t kAlike = 8;
+  constexpr int kNeighbours = 3, kOthers = 2, kOthersWithoutWords = 5;
+  std::vector<KeyFrameId> candidates;
+  const auto add = [&](KeyFrameId id) {
+    if (std::find(candidates.begin(), candidates.end(), id) == candidates.end()) candidates.push_back(id);
+  };
+  if (vocabulary_) {
+    const Words words = vocabulary_->transform(current_.features->descriptor);
+    for (const auto& candidate : map.database().query(map, words, {}, 0)) {
+      if (candidates.size() < kAlike) add(candidate.key_frame);
+    }
+  }
+  if (const auto resolved = map.resolve(reference_)) {
+    add(resolved->key_frame);
+    for (const Neighbour& n : map.best_neighbours(resolved->key_frame, kNeighbours)) add(n.key_frame);
+  }
+  const std::vector<KeyFrameId> all = map.key_frames();
+  const int others = vocabulary_ ? kOthers : kOthersWithoutWords;
+  for (int k = 0; k < others && !all.empty(); ++k) add(all[recovery_cursor_++ % all.size()]);
+  return candidates;
+}
+
+bool Tracker::recover(TrackResult& result, bool map_is_live) {
+  const Stopwatch watch;
+  bool found = false;
+  if (!map_is_live) {
+    found = local_map_.reference.features && recover_from(local_map_.reference, result, map_is_live);
+  } else {
+    KeyFrameView view;
+    for (const KeyFrameId& candidate : recovery_candidates(*map_.read())) {
+      {
+        const auto map = map_.read();
+        if (!map->find(candidate)) continue;
+        view.copy(*map, candidate);
+      }
+      if ((found = recover_from(view, result, map_is_live))) break;
+    }
+    // The candidates leave nothing behind: the rest of the local map is made anew for each frame.
+    if (const auto map = map_.read(); !found && map->find(reference_)) local_map_.reference.copy(*map, reference_);
+  }
+  result.motion_ms += watch.ms();
+  if (found) {
+    last_recovery_ = current_.stamp;
+    result.method = TrackMethod::recovered;
+  } else if (state_ == TrackState::lost) {
+    result.reason = "lost: the view matches no key frame tried";
+  }
+  return found;
+}
+
+bool Tracker::recover_from(const KeyFrameView& view, TrackResult& result, bool map_is_live) {
+  // Wider than for the next frame: RANSAC sorts out what is wrong. 5 % more frames are found than with 0.75 and 50.
+  constexpr double kRatio = 0.9;
+  constexpr int kMaxDistance = 64;
+  constexpr int kMinPose = 10;  // inliers after which a search by projection is worth it
+  const TrackerOptions& o = options_.tracker;
+  if (match_key_frame(view, kRatio, kMaxDistance) < o.reference_min_matches) return false;
+
+  const Features& f = *current_.features;
+  PnpProblem problem;
+  std::vector<size_t> feature;
+  for (size_t i = 0; i < current_.known.size(); ++i) {
+    if (!current_.known[i]) continue;
+    problem.add(current_.positions[i], camera_.unproject(f.x[i], f.y[i]), f.pyramid->sigma2[f.level[i]]);
+    feature.push_back(i);
+  }
+  const auto pose =
+      ransac_pnp(problem, camera_, static_cast<uint64_t>(options_.seed) + static_cast<uint64_t>(current_.index));
+  if (!pose) return false;
+  current_.T_cw = pose->T_cw;
+  for (size_t k = 0; k < feature.size(); ++k) {
+    if (!pose->inlier[k]) set_match(feature[k], {}, Eigen::Vector3d::Zero(), kNone);
+  }
+  if (optimize() < kMinPose) return false;
+  // Twice: the second search starts from a better pose.
+  for (int round = 0; round < 2; ++round) {
+    if (map_is_live) update_local_map(view.id);
+    result.local_in_view = search_local_map(round == 0 ? 5.0 : 2.0);
+    result.local_points = local_map_.size();
+    result.inliers = optimize();
+    if (result.inliers >= o.min_inliers_recovered && result.inliers >= o.min_recovered_share * result.local_in_view)
+      return is_right_place(map_is_live);
+    if (result.inliers < kMinPose) return false;
+  }
+  return false;
+}
+
+// After a jump, and while that is doubtful, what stands round the things that match has to be there too.
+bool Tracker::is_right_place(bool map_is_live) {
+  const bool jump = jumped();
+  if ((jump || jumped_at_) && map_is_live && !looks_as_usual(*map_.read())) return false;
+  if (jump) jumped_at_ = {current_.stamp, current_.index};
+  return true;
+}
+
+// Whether the camera is too far from where it was last to have just moved there.
+bool Tracker::jumped() const {
+  constexpr double kTurn = 0.966;  // cosine of 15 degrees
+  constexpr double kWay = 0.2;     // of the mean depth of what it sees
+  if (!last_place_ || local_map_.reference.part != part_) return true;
+  const SE3 T_cl = current_.T_cw * last_place_->inverse();
+  double depth = 0;
+  for (size_t i = 0; i < current_.known.size(); ++i) {
+    if (current_.known[i] == kMapPoint) depth += (current_.T_cw * current_.positions[i]).z();
+  }
+  const int points = current_.map_points();
+  return T_cl.t().norm() * points > kWay * depth || (T_cl.R().trace() - 1) / 2 < kTurn;
+}
+
+// Whether the points in view that were seen from about here before are matched about as often as they usually are.
+// Where only things like those of the map are seen, they match, but not what stands round them in the map.
+bool Tracker::looks_as_usual(const Map& map) {
+  constexpr double kEnough = 20;  // usually matched points, for their share to tell
+  // Which views of a point count, and what is asked of the points, of as many as usual. The first that has enough
+  // decides. 0.6 of the first is exceeded by 99 % of right places and by 3 % of wrong ones (docs/results.md).
+  struct Views {
+    double cosine, distance;  // of the angle between rays, at least; factor between distances, at most
+    uint32_t often;           // frames that had the point in view, for its usual share to be known
+    double share;
+    double usual = 0;
+    int found = 0;
+  };
+  const double share = options_.tracker.min_usual_share;
+  std::array<Views, 3> views{{{0.9962, 1.44, 5, share},      // 5 degrees
+                              {0.866, 2.1, 5, 0.6 * share},  // 30 degrees
+                              {0.866, 2.1, 1, share / 3}}};  // young points too
+  const Eigen::Vector3d centre = current_.T_cw.centre();
+  mark_matched();
+  for (size_t k = 0; k < local_map_.id.size(); ++k) {
+    if (!in_view_[k]) continue;
+    const MapPoint* point = map.find(local_map_.id[k]);
+    if (!point) continue;
+    const Eigen::Vector3d ray = point->position_w - centre;
+    const double distance = ray.norm();
+    for (Views& v : views) {
+      if (point->visible < v.often) continue;
+      const auto counts = [&](const Observation& observation) {
+        const Eigen::Vector3d before = point->position_w - map.at(observation.key_frame).T_cw.centre();
+        const double distance_before = before.norm();
+        return ray.dot(before) > v.cosine * distance * distance_before && distance < v.distance * distance_before &&
+               distance_before < v.distance * distance;
+      };
+      if (std::none_of(point->observations.begin(), point->observations.end(), counts)) continue;
+      v.usual += static_cast<double>(point->found) / point->visible;
+      v.found += matched(local_map_.id[k]);
+    }
+  }
+  for (const Views& v : views) {
+    if (v.usual >= kEnough) return v.found >= v.share * v.usual;
+  }
+  return share == 0;  // seen from where nothing was seen from before
+}
+
+}  // namespace covis
