@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "covis/core/log.h"
 #include "covis/core/reserve.h"
@@ -106,6 +107,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
     }
   }
   result.state = state_;
+  result.retracted_from = std::exchange(retract_from_, -1);
   std::swap(last_, current_);
   return outcome;
 }

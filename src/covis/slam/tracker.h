@@ -98,7 +98,7 @@ class Tracker {
   bool recover_from(const KeyFrameView& view, TrackResult& result, bool map_is_live);
   bool is_right_place(bool map_is_live);
   bool jumped() const;
-  bool looks_as_usual(const Map& map);
+  bool looks_as_usual(const Map& map, bool doubtful);
   // Localisation only: whether the last frame's depth carries the pose over a place the map has too little, or nothing,
   // of.
   bool bridge(TrackResult& result);
@@ -170,6 +170,7 @@ class Tracker {
     int64_t frame = 0;
   };
   std::optional<Jump> jumped_at_;
+  int64_t retract_from_ = -1;  // TrackResult::retracted_from, to be told with this frame
   int lost_frames_ = 0;
   std::optional<Timestamp> lost_since_;
   bool beginning_ = false;  // lost for long: a new map is to be begun beside the old one

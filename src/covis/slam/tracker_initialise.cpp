@@ -73,7 +73,7 @@ void Tracker::lose(Outcome& outcome, bool map_is_live) {
   ++lost_frames_;
   if (!lost_since_) lost_since_ = current_.stamp;
   if (jumped_at_) {  // no place to go on from
-    outcome.result.retracted_from = jumped_at_->frame;
+    retract_from_ = jumped_at_->frame;
     jumped_at_.reset();
     last_place_.reset();
   }

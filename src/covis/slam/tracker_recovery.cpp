@@ -99,11 +99,14 @@ bool Tracker::recover_from(const KeyFrameView& view, TrackResult& result, bool m
   return false;
 }
 
-// After a jump, and while that is doubtful, what stands round the things that match has to be there too.
+// Whether what stands round the things that match is there too: all the more after a jump, and while that is doubtful.
 bool Tracker::is_right_place(bool map_is_live) {
   const bool jump = jumped();
-  if ((jump || jumped_at_) && map_is_live && !looks_as_usual(*map_.read())) return false;
-  if (jump) jumped_at_ = {current_.stamp, current_.index};
+  if (map_is_live && !looks_as_usual(*map_.read(), jump || jumped_at_)) return false;
+  if (jump) {
+    if (jumped_at_) retract_from_ = jumped_at_->frame;
+    jumped_at_ = {current_.stamp, current_.index};
+  }
   return true;
 }
 
@@ -123,7 +126,7 @@ bool Tracker::jumped() const {
 
 // Whether the points in view that were seen from about here before are matched about as often as they usually are.
 // Where only things like those of the map are seen, they match, but not what stands round them in the map.
-bool Tracker::looks_as_usual(const Map& map) {
+bool Tracker::looks_as_usual(const Map& map, bool doubtful) {
   constexpr double kEnough = 20;  // usually matched points, for their share to tell
   // Which views of a point count, and what is asked of the points, of as many as usual. The first that has enough
   // decides. 0.6 of the first is exceeded by 99 % of right places and by 3 % of wrong ones (docs/results.md).
@@ -134,7 +137,7 @@ bool Tracker::looks_as_usual(const Map& map) {
     double usual = 0;
     int found = 0;
   };
-  const double share = options_.tracker.min_usual_share;
+  const double share = (doubtful ? 1 : 0.5) * options_.tracker.min_usual_share;
   std::array<Views, 3> views{{{0.9962, 1.44, 5, share},      // 5 degrees
                               {0.866, 2.1, 5, 0.6 * share},  // 30 degrees
                               {0.866, 2.1, 1, share / 3}}};  // young points too
@@ -162,7 +165,7 @@ bool Tracker::looks_as_usual(const Map& map) {
   for (const Views& v : views) {
     if (v.usual >= kEnough) return v.found >= v.share * v.usual;
   }
-  return share == 0;  // seen from where nothing was seen from before
+  return !doubtful || share == 0;  // seen from where nothing was seen from before
 }
 
 }  // namespace covis
