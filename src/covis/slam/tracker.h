@@ -96,7 +96,7 @@ class Tracker {
   bool recover(TrackResult& result, bool map_is_live);
   std::vector<KeyFrameId> recovery_candidates(const Map& map);
   bool recover_from(const KeyFrameView& view, TrackResult& result, bool map_is_live);
-  bool is_right_place(bool map_is_live);
+  bool is_right_place(bool map_is_live, bool recovered);
   bool jumped() const;
   bool looks_as_usual(const Map& map, bool doubtful);
   // Localisation only: whether the last frame's depth carries the pose over a place the map has too little, or nothing,

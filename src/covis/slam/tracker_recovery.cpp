@@ -93,17 +93,17 @@ bool Tracker::recover_from(const KeyFrameView& view, TrackResult& result, bool m
     result.local_points = local_map_.size();
     result.inliers = optimize();
     if (result.inliers >= o.min_inliers_recovered && result.inliers >= o.min_recovered_share * result.local_in_view)
-      return is_right_place(map_is_live);
+      return is_right_place(map_is_live, true);
     if (result.inliers < kMinPose) return false;
   }
   return false;
 }
 
 // Whether what stands round the things that match is there too: all the more after a jump, and while that is doubtful.
-bool Tracker::is_right_place(bool map_is_live) {
+bool Tracker::is_right_place(bool map_is_live, bool recovered) {
   const bool jump = jumped();
   if (map_is_live && !looks_as_usual(*map_.read(), jump || jumped_at_)) return false;
-  if (jump) {
+  if (jump && (recovered || jumped_at_ || !map_is_live)) {
     if (jumped_at_) retract_from_ = jumped_at_->frame;
     jumped_at_ = {current_.stamp, current_.index};
   }
