@@ -87,6 +87,7 @@ void track_all(io::Sequence& sequence, System& system, const RunArguments& argum
   }
   const std::vector<MappingReport> rest = system.finish();
   run.mapping.insert(run.mapping.end(), rest.begin(), rest.end());
+  mark_taken_back(system, arguments.localize, run.frames);
 }
 
 // The settings as the file, --set and the other options have them.

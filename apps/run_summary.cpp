@@ -182,6 +182,17 @@ FrameStats untracked(int64_t frame, Timestamp stamp, const char* state, const st
   return stats;
 }
 
+void mark_taken_back(const System& system, bool localize, std::vector<FrameStats>& frames) {
+  auto record = system.records().begin();  // both come in the order of their frames
+  for (FrameStats& frame : frames) {
+    while (record != system.records().end() && record->frame < frame.frame) ++record;
+    if (record == system.records().end()) return;
+    if (record->frame != frame.frame || record->tracked || frame.state != "tracking") continue;
+    frame.state = localize ? "not_localised" : "lost";
+    frame.reason = "its pose was taken back: the place or the map proved wrong";
+  }
+}
+
 bool processed(const FrameStats& frame) { return frame.state != "late" && frame.state != "unreadable"; }
 
 std::string stats_text(const RunRecord& run, const std::vector<PoseOfFrame>& poses) {
