@@ -127,7 +127,7 @@ bool Tracker::jumped() const {
 // Whether the points in view that were seen from about here before are matched about as often as they usually are.
 // Where only things like those of the map are seen, they match, but not what stands round them in the map.
 bool Tracker::looks_as_usual(const Map& map, bool doubtful) {
-  constexpr double kEnough = 20;  // usually matched points, for their share to tell
+  constexpr double kEnough = 60;  // usually matched points, for their share to tell
   // Which views of a point count, and what is asked of the points, of as many as usual. The first that has enough
   // decides. 0.6 of the first is exceeded by 99 % of right places and by 3 % of wrong ones (docs/results.md).
   struct Views {
@@ -138,9 +138,9 @@ bool Tracker::looks_as_usual(const Map& map, bool doubtful) {
     int found = 0;
   };
   const double share = (doubtful ? 1 : 0.5) * options_.tracker.min_usual_share;
-  std::array<Views, 3> views{{{0.9962, 1.44, 5, share},      // 5 degrees
-                              {0.866, 2.1, 5, 0.6 * share},  // 30 degrees
-                              {0.866, 2.1, 1, share / 3}}};  // young points too
+  std::array<Views, 3> views{{{0.9962, 1.44, 5, share},         // 5 degrees
+                              {0.866, 2.1, 5, 0.5 * share},     // 30 degrees
+                              {0.866, 2.1, 1, 0.25 * share}}};  // young points too
   const Eigen::Vector3d centre = current_.T_cw.centre();
   mark_matched();
   for (size_t k = 0; k < local_map_.id.size(); ++k) {
