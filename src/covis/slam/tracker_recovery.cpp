@@ -129,7 +129,7 @@ bool Tracker::jumped() const {
 bool Tracker::looks_as_usual(const Map& map, bool doubtful) {
   constexpr double kEnough = 60;  // usually matched points, for their share to tell
   // Which views of a point count, and what is asked of the points, of as many as usual. The first that has enough
-  // decides. 0.6 of the first is exceeded by 99 % of right places and by 3 % of wrong ones (docs/results.md).
+  // decides. 0.6 of the first is exceeded by some 98 % of right places and 3 % of wrong ones (docs/results.md).
   struct Views {
     double cosine, distance;  // of the angle between rays, at least; factor between distances, at most
     uint32_t often;           // frames that had the point in view, for its usual share to be known
