@@ -12,6 +12,7 @@
 #include "commands.h"
 #include "common.h"
 #include "covis/core/log.h"
+#include "covis/core/quantile.h"
 #include "covis/io/sequence.h"
 
 namespace covis::app {

@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "common.h"
 #include "covis/core/log.h"
+#include "covis/core/quantile.h"
 #include "covis/io/sequence.h"
 #include "covis/io/trajectory.h"
 #include "places.h"

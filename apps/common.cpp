@@ -2,7 +2,6 @@
 #include "common.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 
 #include "covis/core/log.h"
 
@@ -59,13 +58,6 @@ nlohmann::json camera_json(const Camera& camera) {
   if (camera.pinhole.bf > 0) json["baseline"] = camera.pinhole.baseline();
   if (camera.distortion != Distortion::none) json["distortion"] = camera.coefficients;
   return json;
-}
-
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 Result<void> write_trajectories(const std::filesystem::path& file, const std::vector<Trajectory>& of_map,

@@ -52,9 +52,6 @@ void add_reading_options(CLI::App& command, Reading& reading);
 
 nlohmann::json camera_json(const Camera& camera);
 
-// The value that the share q of the others is below; 0 when there is none.
-double quantile(std::vector<double> values, double q);
-
 // Maps that are not joined have a world each, and so a file each: FILE, FILE_map1, … Those that an earlier run left
 // beyond are removed: they would pass for this one's. The first that fails is the error; the others are written all the
 // same.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common.h"
+#include "covis/core/quantile.h"
 #include "resources.h"
 
 namespace covis::app {

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "covis/core/fields.h"
+#include "covis/core/quantile.h"
 #include "covis/core/time.h"
 #include "covis/io/sequence.h"
 #include "covis/map/map_state.h"
@@ -141,20 +142,15 @@ PoseError pose_error(const SE3& T_wc, const SE3& right_T_wc) {
   return {difference.t().norm(), so3_log(difference.R()).norm() * 180 / std::numbers::pi};
 }
 
-double quantile(std::vector<PoseError>& errors, double PoseError::*of, double q) {
-  if (errors.empty()) return 0;
-  const auto nth = errors.begin() + static_cast<ptrdiff_t>(q * static_cast<double>(errors.size() - 1));
-  std::nth_element(errors.begin(), nth, errors.end(),
-                   [&](const PoseError& a, const PoseError& b) { return a.*of < b.*of; });
-  return (*nth).*of;
-}
-
-void print(std::vector<PoseError> errors) {
+void print(const std::vector<PoseError>& errors) {
+  std::vector<double> metres, degrees;
+  for (const PoseError& e : errors) {
+    metres.push_back(e.metres);
+    degrees.push_back(e.degrees);
+  }
   const auto good = std::count_if(errors.begin(), errors.end(), [](const PoseError& e) { return e.small(); });
-  std::printf(" %5ld | %.3f / %.3f / %.3f m, %.2f / %.2f deg |", static_cast<long>(good),
-              quantile(errors, &PoseError::metres, 0.5), quantile(errors, &PoseError::metres, 0.95),
-              quantile(errors, &PoseError::metres, 1), quantile(errors, &PoseError::degrees, 0.5),
-              quantile(errors, &PoseError::degrees, 0.95));
+  std::printf(" %5ld | %.3f / %.3f / %.3f m, %.2f / %.2f deg |", static_cast<long>(good), quantile(metres, 0.5),
+              quantile(metres, 0.95), quantile(metres, 1), quantile(degrees, 0.5), quantile(degrees, 0.95));
 }
 
 struct Placed {
@@ -173,8 +169,8 @@ void print(const char* name, const std::vector<Placed>& frames) {
   const size_t all = frames.size(), found = of_truth.size();
   std::printf("| %-14s | %5zu | %5zu | %5.1f %% |", name, all, found,
               all ? 100.0 * static_cast<double>(found) / static_cast<double>(all) : 0.0);
-  print(std::move(of_truth));
-  print(std::move(of_run));
+  print(of_truth);
+  print(of_run);
   std::puts("");
 }
 
@@ -212,12 +208,10 @@ Result<SE3> to_world_of(const Poses& poses, const Poses& run) {
 }
 
 // Of a run's frames as they were tracked, once its world is put onto the truth's.
-Result<std::vector<PoseError>> tracked_errors(const Poses& truth, const Poses& run) {
-  const auto T_truth_run = to_world_of(truth, run);
-  if (!T_truth_run) return tl::unexpected(T_truth_run.error());
+std::vector<PoseError> tracked_errors(const Poses& truth, const Poses& run, const SE3& T_truth_run) {
   std::vector<PoseError> errors;
   for (const auto& [stamp, T_wc] : run) {
-    if (const SE3* right = truth.at(stamp)) errors.push_back(pose_error(*T_truth_run * T_wc, *right));
+    if (const SE3* right = truth.at(stamp)) errors.push_back(pose_error(T_truth_run * T_wc, *right));
   }
   return errors;
 }
@@ -261,7 +255,7 @@ void print_tracked(const char* name, const std::vector<PoseError>& errors) {
   std::puts("");
 }
 
-void print(Placing placing) {
+void print(const Placing& placing) {
   std::puts("Errors: frames within 5 cm and 2 degrees; median / 95 % / most, median / 95 %.");
   std::puts("| seen before    | frames | found | recall | of truth | | of a run of all frames | |");
   std::puts("| --- | --- | --- | --- | --- | --- | --- | --- |");
@@ -276,9 +270,7 @@ void print(Placing placing) {
   print("all", placing.frames);
   print_tracked("mapping frames", placing.mapped);
   print_tracked("run of all frames", placing.run_of_all);
-  const auto middle = placing.times.begin() + static_cast<ptrdiff_t>(placing.times.size() / 2);
-  std::nth_element(placing.times.begin(), middle, placing.times.end());
-  std::printf("%.1f ms an image (median)\n", *middle);
+  std::printf("%.1f ms an image (median)\n", quantile(placing.times, 0.5));
 }
 
 Result<Placing> run(const Settings& settings) {
@@ -305,13 +297,10 @@ Result<Placing> run(const Settings& settings) {
   const std::vector<View> mapped = map_frames(**first, truth, mapping);
   map_frames(**all, truth, mapping_all);
   const Poses mapping_poses(mapping), run_poses(mapping_all);
-  const auto T_truth_map = to_world_of(truth, mapping_poses), T_run_map = to_world_of(run_poses, mapping_poses);
-  auto mapping_errors = tracked_errors(truth, mapping_poses), run_errors = tracked_errors(truth, run_poses);
-  for (const auto* world : {&T_truth_map, &T_run_map}) {
+  const auto T_truth_map = to_world_of(truth, mapping_poses), T_run_map = to_world_of(run_poses, mapping_poses),
+             T_truth_run = to_world_of(truth, run_poses);
+  for (const auto* world : {&T_truth_map, &T_run_map, &T_truth_run}) {
     if (!*world) return tl::unexpected(world->error());
-  }
-  for (const auto* errors : {&mapping_errors, &run_errors}) {
-    if (!*errors) return tl::unexpected(errors->error());
   }
   auto map = Map::from_state(mapping.map().read()->state());
   if (!map) return tl::unexpected(map.error());
@@ -321,8 +310,8 @@ Result<Placing> run(const Settings& settings) {
   if (const auto set = system.set_map(std::move(*map), camera); !set) return tl::unexpected(set.error());
   Placing placing = place(**rest, mapped, {&truth, *T_truth_map}, {&run_poses, *T_run_map}, system);
   if (placing.frames.empty()) return fail(settings.path + ": no frame with a truth is left to be placed");
-  placing.mapped = std::move(*mapping_errors);
-  placing.run_of_all = std::move(*run_errors);
+  placing.mapped = tracked_errors(truth, mapping_poses, *T_truth_map);
+  placing.run_of_all = tracked_errors(truth, run_poses, *T_truth_run);
   return placing;
 }
 

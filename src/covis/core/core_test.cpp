@@ -14,6 +14,7 @@
 #include "covis/core/ids.h"
 #include "covis/core/image.h"
 #include "covis/core/log.h"
+#include "covis/core/quantile.h"
 #include "covis/core/reserve.h"
 #include "covis/core/time.h"
 
@@ -194,6 +195,16 @@ TEST(BlockingQueue, TakesWhatCanOnlyBeMoved) {
   const auto item = queue.pop();
   ASSERT_TRUE(item);
   EXPECT_EQ(**item, 5);
+}
+
+TEST(Quantile, IsTheValueOfTheNearestRank) {
+  const std::vector<double> values{4, 1, 3, 2};
+  EXPECT_EQ(quantile(values, 0), 1);
+  EXPECT_EQ(quantile(values, 0.49), 2);
+  EXPECT_EQ(quantile(values, 0.51), 3);
+  EXPECT_EQ(quantile(values, 1), 4);
+  EXPECT_EQ(quantile({7}, 0.95), 7);
+  EXPECT_EQ(quantile({}, 0.5), 0);
 }
 
 TEST(Log, ReachesTheSinkOneMessageAtATimeAndWithoutOneIsDropped) {

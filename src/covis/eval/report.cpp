@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "covis/core/quantile.h"
 #include "covis/eval/charts.h"
 #include "covis/io/files.h"
 
@@ -54,11 +55,6 @@ std::string path_picture(const ReportInput& in, const Result<Evaluation>& evalua
   const double room = 0.35 * std::max(plot.x_range[1] - plot.x_range[0], plot.y_range[1] - plot.y_range[0]) + 1e-6;
   for (auto* range : {&plot.x_range, &plot.y_range}) *range = {(*range)[0] - room, (*range)[1] + room};
   return draw(plot);
-}
-
-double quantile(std::vector<double> v, double q) {
-  std::sort(v.begin(), v.end());
-  return v.empty() ? 0 : v[static_cast<size_t>(q * static_cast<double>(v.size() - 1) + 0.5)];
 }
 
 std::string time_picture(const ReportInput& in) {

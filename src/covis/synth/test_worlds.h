@@ -2,7 +2,6 @@
 // For the tests of synth: small worlds, made once, and what they measure images by.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -10,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "covis/core/quantile.h"
 #include "covis/synth/renderer.h"
 #include "covis/synth/synth.h"
 
@@ -54,12 +54,6 @@ double sample(const Image<T>& image, double x, double y) {
 
 inline bool inside(const Camera& camera, const Eigen::Vector2d& p) {
   return p.x() >= 1 && p.y() >= 1 && p.x() < camera.width - 2 && p.y() < camera.height - 2;
-}
-
-inline double quantile(std::vector<double> values, double q) {
-  const auto at = values.begin() + static_cast<ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 }  // namespace covis
