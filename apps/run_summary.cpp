@@ -115,6 +115,7 @@ json to_json(const FrameStats& f, std::optional<int> map) {
                {"local_points", f.track.local_points},
                {"in_view", f.track.local_in_view},
                {"inliers", f.track.inliers},
+               {"doubtful", f.track.doubtful},
                {"key_frame", f.track.key_frame},
                {"tracking_ms", f.tracking_ms()},
                {"cpu_ms", f.cpu_ms}});

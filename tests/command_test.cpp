@@ -142,6 +142,41 @@ TEST_F(CommandRun, GivesTheSameBytesOnOneCoreAndOnABusyMachine) {
   }
 }
 
+// Four seconds cut out of a walk along equal posters: what is found first after them proves wrong.
+TEST_F(CommandRun, TellsPosesThatWereTakenBackAsLost) {
+  const fs::path recording = folder / "posters", out = folder / "out";
+  ASSERT_EQ(covis({"synth", "posters", "--sensor", "rgbd", "--fps", "10", "--frames", "200", "--width", "320",
+                   "--height", "240", "--quiet", "--out", recording})
+                .code,
+            0);
+  std::istringstream lines(text_of(recording / "associations.txt"));
+  std::ofstream cut(recording / "associations.txt");
+  int frame = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const bool comment = line[0] == '#';
+    if (comment || frame < 100 || frame >= 140) cut << line << "\n";
+    frame += !comment;
+  }
+  cut.close();
+  ASSERT_EQ(covis({"run", recording, "--quiet", "--out", out}).code, 0);
+  int taken_back = 0, tracked = 0;
+  for (const json& line : parsed_lines(out / "stats.jsonl")) {
+    tracked += line["state"] == "tracking";
+    if (line["reason"].get<std::string>().find("taken back") == std::string::npos) continue;
+    ++taken_back;
+    EXPECT_EQ(line["state"], "lost");
+    EXPECT_EQ(line["doubtful"], true);
+    EXPECT_FALSE(line.contains("map")) << "it has no pose";
+  }
+  EXPECT_GE(taken_back, 1);
+  const json summary = parsed(out / "summary.json");
+  EXPECT_EQ(summary["frames_tracked"], tracked);
+  EXPECT_EQ(line_count(out / "trajectory.txt") + line_count(out / "trajectory_map1.txt"), tracked);
+  int lost = 0;
+  for (const json& loss : summary["not_tracked"]) lost += loss["last"].get<int>() - loss["first"].get<int>() + 1;
+  EXPECT_EQ(tracked + lost, 160);
+}
+
 // A camera carried from a desk to another room on its way: two maps that are not joined.
 class CommandMaps : public CommandTest {
  protected:

@@ -2,9 +2,9 @@
 // Covis: visual SLAM for monocular, stereo and RGB-D cameras. The public interface: plain values in and out, so that
 // nothing of how the library was compiled (Eigen, SIMD) reaches the program that uses it.
 //
-//   auto slam = covis::Slam::create({.width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 320, .cy = 240, .baseline
-//   = 0.08},
-//                                   covis::SensorType::rgbd);
+//   auto slam = covis::Slam::create(
+//       {.width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 320, .cy = 240, .baseline = 0.08},
+//       covis::SensorType::rgbd);
 //   if (!slam) return report(slam.error());
 //   covis::FrameResult result = (*slam)->track_rgbd(stamp, grey, depth);
 //   if (result.tracked) use(result.pose);
@@ -61,8 +61,11 @@ struct DepthImage {  // metres along z, registered to the grey image; 0 or not f
 
 struct FrameResult {
   bool tracked = false;
-  Pose pose;           // meaningful when tracked
-  int map = 0;         // the map whose world the pose is in
+  Pose pose;    // meaningful when tracked
+  int map = 0;  // the map whose world the pose is in
+  // Found again far from where it was last: right if the next second bears it out. If not, the frames since then lose
+  // their poses (trajectory() leaves them out), and this or a later frame is lost or elsewhere.
+  bool doubtful = false;
   std::string state;   // "not_initialised", "tracking" or "lost"
   std::string reason;  // why there is no pose
   int inliers = 0;     // map points that agree with the pose
@@ -115,7 +118,7 @@ class COVIS_API Slam {
 
   // Waits until everything asked of mapping is done.
   void finish();
-  // All tracked frames with every correction so far.
+  // All tracked frames with every correction so far, without those that were doubtful and proved wrong.
   std::vector<StampedPoseResult> trajectory() const;
   std::vector<StampedPoseResult> key_frames() const;
   std::vector<Point> points() const;

@@ -95,6 +95,7 @@ struct Slam::Impl {
     if (result.tracked) {
       result.pose = to_pose(track.T_cw.inverse());
       result.map = static_cast<int>(track.part);
+      result.doubtful = track.doubtful;
     }
     return result;
   }

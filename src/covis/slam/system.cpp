@@ -97,7 +97,7 @@ FrameReport System::process(const Input& input) {
   report.track = outcome.result;
   report.timing.track_ms = watch.ms();
 
-  retract(outcome.result.retracted_from);
+  if (outcome.retract_from) retract(*outcome.retract_from);
   FrameRecord& fresh = records_.emplace_back();
   fresh.frame = input.frame;
   fresh.stamp = input.stamp;
@@ -177,7 +177,6 @@ void System::take(const MappingReport& report) {
 }
 
 void System::retract(int64_t from) {
-  if (from < 0) return;
   for (auto record = records_.rbegin(); record != records_.rend() && record->frame >= from; ++record)
     record->tracked = record->online = false;
 }

@@ -114,7 +114,7 @@ class System {
   FeaturesPtr extract(const Input& input, bool twice_the_features);
   void collect(FrameReport& report, bool wait);
   void take(const MappingReport& report);
-  void retract(int64_t from);  // the poses of this frame and later ones; negative: none
+  void retract(int64_t from);  // the poses of this frame and later ones
   void discard(uint32_t part);
   std::vector<MapSummary> maps(const Map& map) const;
   template <class Visit>

@@ -54,6 +54,7 @@ struct TrackFigures {
   int local_points = 0;        // points of the local map
   int local_in_view = 0;       // of them predicted in view
   int inliers = 0;             // map points that agree with the pose
+  bool doubtful = false;       // has jumped to where it is less than a second ago: the pose may be taken back
   bool key_frame = false;      // a key frame was asked for
   double motion_ms = 0;        // first pose: search and optimisation
   double local_update_ms = 0;  // copying the local map
@@ -63,13 +64,12 @@ struct TrackFigures {
 
 struct TrackResult : TrackFigures {
   TrackState state = TrackState::not_initialised;
-  std::string_view reason;      // why there is no pose; empty when tracking
-  SE3 T_cw;                     // meaningful when tracking
-  KeyFrameId reference;         // key frame the pose hangs on
-  double reference_scale = 1;   // KeyFrame::scale of it
-  uint32_t part = 0;            // of the map, to which it belongs: poses of different parts have different worlds
-  SE3 T_cr;                     // from its camera to this frame's
-  int64_t retracted_from = -1;  // frames from this one on had poses at a place that proves wrong; negative: none
+  std::string_view reason;     // why there is no pose; empty when tracking
+  SE3 T_cw;                    // meaningful when tracking
+  KeyFrameId reference;        // key frame the pose hangs on
+  double reference_scale = 1;  // KeyFrame::scale of it
+  uint32_t part = 0;           // of the map, to which it belongs: poses of different parts have different worlds
+  SE3 T_cr;                    // from its camera to this frame's
 };
 
 }  // namespace covis

@@ -107,7 +107,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
     }
   }
   result.state = state_;
-  result.retracted_from = std::exchange(retract_from_, -1);
+  outcome.retract_from = std::exchange(retract_from_, std::nullopt);
   std::swap(last_, current_);
   return outcome;
 }
@@ -144,7 +144,7 @@ void Tracker::accept(TrackResult& result) {
   state_ = TrackState::tracking;
   lost_frames_ = 0;
   beginning_ = false;
-  if (jumped_at_ && current_.stamp - jumped_at_->stamp >= from_seconds(1.0)) jumped_at_.reset();
+  if (jumped_at_ && !lately(jumped_at_->stamp)) jumped_at_.reset();
   if (!jumped_at_) lost_since_.reset();
   if (result.method != TrackMethod::bridged) bridged_frames_ = 0;
   // Twice the features give more inliers by themselves: the way back asks for more than that.
@@ -155,6 +155,7 @@ void Tracker::accept(TrackResult& result) {
   part_ = local_map_.reference.part;
   last_T_cr_ = current_.T_cw * local_map_.reference.T_cw.inverse();
   last_place_ = current_.T_cw;
+  result.doubtful = jumped_at_.has_value();
   result.T_cw = current_.T_cw;
   result.reference = reference_;
   result.reference_scale = reference_scale_;
@@ -207,7 +208,8 @@ void Tracker::refresh_last_frame(const Map& map) {
     last_T_cr_ = resolved->carry(last_T_cr_, reference_scale_);
     velocity_ = SE3(velocity_.R(), Eigen::Vector3d(resolved->scale / reference_scale_ * velocity_.t()));
     set_reference(map, resolved->key_frame);
-    last_place_ = last_.T_cw = (last_T_cr_ * map.at(reference_).T_cw).normalized();
+    last_.T_cw = (last_T_cr_ * map.at(reference_).T_cw).normalized();
+    if (last_place_) last_place_ = last_.T_cw;
   }
   // Not when the camera was meanwhile found in another part of the map.
   if (const KeyFrame* made = map.find(new_reference_); made && made->part == part_) {
@@ -295,8 +297,7 @@ bool Tracker::turned_away() const {
 bool Tracker::key_frame_due(const TrackResult& result, bool mapping_idle) const {
   const TrackerOptions& o = options_.tracker;
   if (options_.localize || result.inliers < o.key_frame_min_inliers) return false;
-  const bool recovered_lately = current_.stamp - last_recovery_ < from_seconds(1.0);
-  if (jumped_at_ || (recovered_lately && result.method != TrackMethod::motion_model)) return false;
+  if (jumped_at_ || (lately(last_recovery_) && result.method != TrackMethod::motion_model)) return false;
   bool few_close = false;
   if (!monocular()) {
     const double close = close_depth();

@@ -49,6 +49,7 @@ class Tracker {
     TrackResult result;
     std::optional<KeyFrameRequest> key_frame;
     std::optional<InitialMapRequest> initial_map;
+    std::optional<int64_t> retract_from;   // frames from this one on had poses at a place that proves wrong
     std::optional<uint32_t> discard_part;  // a monocular map was lost in its first moments: forget this part
   };
 
@@ -97,6 +98,7 @@ class Tracker {
   std::vector<KeyFrameId> recovery_candidates(const Map& map);
   bool recover_from(const KeyFrameView& view, TrackResult& result, bool map_is_live);
   bool is_right_place(bool map_is_live, bool recovered);
+  void take_back_jump();  // when there was one: it led to a wrong place
   bool jumped() const;
   bool looks_as_usual(const Map& map, bool doubtful);
   // Localisation only: whether the last frame's depth carries the pose over a place the map has too little, or nothing,
@@ -130,6 +132,8 @@ class Tracker {
   // Optimises the current frame's pose over its matches and drops those that disagree; returns how many map points are
   // left, 0 when there is no pose.
   int optimize();
+  // Whether something was within the last second.
+  bool lately(Timestamp stamp) const { return current_.stamp - stamp < from_seconds(1.0); }
   int all_inliers() const;  // of the last optimize(), temporary points among them
 
   // From the reference key frame's view, so far that places in between would be seen by too few key frames.
@@ -156,7 +160,7 @@ class Tracker {
   double reference_scale_ = 1;     // KeyFrame::scale of it when last seen
   uint32_t part_ = 0;              // of the map, to which it belongs
   SE3 last_T_cr_;                  // last frame relative to it
-  std::optional<SE3> last_place_;  // T_cw of the last frame that had a pose
+  std::optional<SE3> last_place_;  // T_cw of the last frame that had a pose, unless that was taken back
   KeyFrameId new_reference_;       // a key frame just made, to become the reference
   bool map_changed_ = false;       // since the last frame was refreshed
   uint64_t moves_ = 0;             // Map::moves() when it was
@@ -170,7 +174,7 @@ class Tracker {
     int64_t frame = 0;
   };
   std::optional<Jump> jumped_at_;
-  int64_t retract_from_ = -1;  // TrackResult::retracted_from, to be told with this frame
+  std::optional<int64_t> retract_from_;  // Outcome::retract_from, to be told with this frame
   int lost_frames_ = 0;
   std::optional<Timestamp> lost_since_;
   bool beginning_ = false;  // lost for long: a new map is to be begun beside the old one

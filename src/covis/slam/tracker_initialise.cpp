@@ -72,11 +72,8 @@ void Tracker::lose(Outcome& outcome, bool map_is_live) {
   has_velocity_ = false;
   ++lost_frames_;
   if (!lost_since_) lost_since_ = current_.stamp;
-  if (jumped_at_) {  // no place to go on from
-    retract_from_ = jumped_at_->frame;
-    jumped_at_.reset();
-    last_place_.reset();
-  }
+  if (jumped_at_) last_place_.reset();  // no place to go on from
+  take_back_jump();
   if (!map_is_live) return;
   constexpr int kYoungPartPatience = 15;  // frames it is waited for
   const std::optional<uint32_t> young = young_part();

@@ -145,7 +145,7 @@ bool Tracker::track_local_map(TrackResult& result, bool map_is_live) {
   if (map_is_live) update_local_map(reference_);
   result.local_update_ms += watch.ms();
   watch.restart();
-  const bool recovered_lately = current_.stamp - last_recovery_ < from_seconds(1.0);
+  const bool recovered_lately = lately(last_recovery_);
   const double factor = recovered_lately ? 5.0 : options_.sensor == Sensor::rgbd ? o.local_window_rgbd : 1.0;
   result.local_in_view = search_local_map(factor);
   result.local_points = local_map_.size();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a lost camera finds its place again (ORB-SLAM, V-C).
 #include <algorithm>
-#include <array>
 
 #include "covis/core/time.h"
 #include "covis/geometry/pnp.h"
@@ -104,10 +103,16 @@ bool Tracker::is_right_place(bool map_is_live, bool recovered) {
   const bool jump = jumped();
   if (map_is_live && !looks_as_usual(*map_.read(), jump || jumped_at_)) return false;
   if (jump && (recovered || jumped_at_ || !map_is_live)) {
-    if (jumped_at_) retract_from_ = jumped_at_->frame;
+    take_back_jump();
     jumped_at_ = {current_.stamp, current_.index};
   }
   return true;
+}
+
+void Tracker::take_back_jump() {
+  if (!jumped_at_) return;
+  retract_from_ = std::min(jumped_at_->frame, retract_from_.value_or(jumped_at_->frame));
+  jumped_at_.reset();
 }
 
 // Whether the camera is too far from where it was last to have just moved there.
@@ -117,10 +122,12 @@ bool Tracker::jumped() const {
   if (!last_place_ || local_map_.reference.part != part_) return true;
   const SE3 T_cl = current_.T_cw * last_place_->inverse();
   double depth = 0;
+  int points = 0;
   for (size_t i = 0; i < current_.known.size(); ++i) {
-    if (current_.known[i] == kMapPoint) depth += (current_.T_cw * current_.positions[i]).z();
+    if (current_.known[i] != kMapPoint) continue;
+    depth += (current_.T_cw * current_.positions[i]).z();
+    ++points;
   }
-  const int points = current_.map_points();
   return T_cl.t().norm() * points > kWay * depth || (T_cl.R().trace() - 1) / 2 < kTurn;
 }
 
@@ -128,19 +135,16 @@ bool Tracker::jumped() const {
 // Where only things like those of the map are seen, they match, but not what stands round them in the map.
 bool Tracker::looks_as_usual(const Map& map, bool doubtful) {
   constexpr double kEnough = 60;  // usually matched points, for their share to tell
-  // Which views of a point count, and what is asked of the points, of as many as usual. The first that has enough
-  // decides. 0.6 of the first is exceeded by some 98 % of right places and 3 % of wrong ones (docs/results.md).
-  struct Views {
-    double cosine, distance;  // of the angle between rays, at least; factor between distances, at most
-    uint32_t often;           // frames that had the point in view, for its usual share to be known
-    double share;
+  constexpr uint32_t kKnown = 5;  // frames that had a point in view, for its usual share to be known
+  struct Tally {
+    double share;  // of as many as usual, asked for
     double usual = 0;
     int found = 0;
   };
+  // The first that has enough decides. 0.6 of what was seen from about here is exceeded by some 98 % of right places
+  // and 3 % of wrong ones (docs/results.md).
   const double share = (doubtful ? 1 : 0.5) * options_.tracker.min_usual_share;
-  std::array<Views, 3> views{{{0.9962, 1.44, 5, share},         // 5 degrees
-                              {0.866, 2.1, 5, 0.5 * share},     // 30 degrees
-                              {0.866, 2.1, 1, 0.25 * share}}};  // young points too
+  Tally from_here{share}, from_near{0.5 * share}, young_too{0.25 * share};
   const Eigen::Vector3d centre = current_.T_cw.centre();
   mark_matched();
   for (size_t k = 0; k < local_map_.id.size(); ++k) {
@@ -149,21 +153,29 @@ bool Tracker::looks_as_usual(const Map& map, bool doubtful) {
     if (!point) continue;
     const Eigen::Vector3d ray = point->position_w - centre;
     const double distance = ray.norm();
-    for (Views& v : views) {
-      if (point->visible < v.often) continue;
-      const auto counts = [&](const Observation& observation) {
-        const Eigen::Vector3d before = point->position_w - map.at(observation.key_frame).T_cw.centre();
-        const double distance_before = before.norm();
-        return ray.dot(before) > v.cosine * distance * distance_before && distance < v.distance * distance_before &&
-               distance_before < v.distance * distance;
-      };
-      if (std::none_of(point->observations.begin(), point->observations.end(), counts)) continue;
-      v.usual += static_cast<double>(point->found) / point->visible;
-      v.found += matched(local_map_.id[k]);
+    bool here = false, near = false;
+    for (const Observation& observation : point->observations) {
+      const Eigen::Vector3d before = point->position_w - map.at(observation.key_frame).T_cw.centre();
+      const double distance_before = before.norm();
+      const double cosine = ray.dot(before) / (distance * distance_before);
+      const double factor = std::max(distance, distance_before) / std::min(distance, distance_before);
+      near = near || (cosine > 0.866 && factor < 2.1);  // 30 degrees
+      here = cosine > 0.9962 && factor < 1.44;          // 5 degrees
+      if (here) break;
     }
+    if (!near) continue;
+    const double usual = static_cast<double>(point->found) / point->visible;
+    const int found = matched(local_map_.id[k]);
+    const auto add_to = [&](Tally& tally) {
+      tally.usual += usual;
+      tally.found += found;
+    };
+    if (here && point->visible >= kKnown) add_to(from_here);
+    if (point->visible >= kKnown) add_to(from_near);
+    add_to(young_too);
   }
-  for (const Views& v : views) {
-    if (v.usual >= kEnough) return v.found >= v.share * v.usual;
+  for (const Tally& tally : {from_here, from_near, young_too}) {
+    if (tally.usual >= kEnough) return tally.found >= tally.share * tally.usual;
   }
   return !doubtful || share == 0;  // seen from where nothing was seen from before
 }
