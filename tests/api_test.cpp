@@ -186,6 +186,32 @@ TEST(ApiMaps, APoseSaysInWhichMapItIs) {
   }
 }
 
+// A jump to where it was 40 frames before: found again, with doubt for a second.
+TEST(ApiMaps, APoseAfterAJumpIsDoubtfulForASecond) {
+  Recording recording(Sensor::rgbd, 61);
+  const auto slam =
+      Slam::create(parameters_of(recording.synth.camera(), Sensor::rgbd), SensorType::rgbd, {}, kVocabulary);
+  ASSERT_TRUE(slam) << slam.error();
+  int64_t stamp = 0;
+  const auto show = [&](int i) {
+    const System::Input in = recording.frame(i);
+    return (*slam)->track_rgbd(stamp += from_seconds(0.125), grey(in.image), depth(in.depth)).value();
+  };
+  for (int i = 0; i <= 60; ++i) {
+    const FrameResult result = show(i);
+    ASSERT_TRUE(result.tracked) << i;
+    EXPECT_FALSE(result.doubtful) << i;
+  }
+  FrameResult result;
+  int i = 20;
+  while (i < 30 && !result.tracked) result = show(i++);
+  EXPECT_TRUE(result.tracked);
+  EXPECT_TRUE(result.doubtful);
+  for (const int end = i + 10; i < end; ++i) result = show(i);
+  EXPECT_TRUE(result.tracked);
+  EXPECT_FALSE(result.doubtful);
+}
+
 TEST(ApiErrors, SayWhatIsWrong) {
   const CameraParameters good{.width = 640, .height = 480, .fx = 500, .fy = 500, .cx = 320, .cy = 240, .baseline = 0.1};
   const auto error = [](const CameraParameters& camera, SensorType sensor, const Slam::Settings& settings = {},
