@@ -304,10 +304,10 @@ TEST(Jump, IsNotToAnotherPosterInRealTimeEither) {
 
 // Another cut of that walk leads to a poster that is believed for a while: those poses are doubtful, and taken back.
 TEST(Jump, ThatProvesWrongIsTakenBack) {
-  Recording recording(Sensor::rgbd, 200, 10, "posters");
+  Recording recording(Sensor::rgbd, 135, 10, "posters");
   Walk walk{recording, 10, {}};
-  walk.go(0, 100);
-  walk.go(140, 200);
+  walk.go(0, 50);
+  walk.go(90, 135);
   Walked run(walk, options_for(Sensor::rgbd));
   EXPECT_GT(run.doubtful.size(), 0u);
   const std::vector<PoseOfFrame> poses = run.system.trajectory();

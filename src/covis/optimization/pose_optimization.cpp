@@ -146,6 +146,7 @@ PoseResult optimize_pose(const SE3& T_cw_start, const PoseObservations& observat
       }
     }
     T = T.normalized();
+    result.information = s.H;
     const int count = classify(T, observations, camera, inlier);
     if (count < 3) return result;
     result.inliers = count;

@@ -249,6 +249,7 @@ int Tracker::optimize() {
   const PoseResult pose = optimize_pose(current_.T_cw, observations_, camera_, {}, inlier_);
   if (!pose.ok) return 0;
   current_.T_cw = pose.T_cw;
+  information_ = pose.information;
   int on_map = 0;
   for (size_t k = 0; k < observed_feature_.size(); ++k) {
     const auto i = static_cast<size_t>(observed_feature_[k]);
@@ -260,6 +261,17 @@ int Tracker::optimize() {
     }
   }
   return on_map;
+}
+
+double Tracker::mean_depth() const {
+  double sum = 0;
+  int points = 0;
+  for (size_t i = 0; i < current_.known.size(); ++i) {
+    if (current_.known[i] != kMapPoint) continue;
+    sum += (current_.T_cw * current_.positions[i]).z();
+    ++points;
+  }
+  return points > 0 ? sum / points : 0;
 }
 
 void Tracker::count_points() {

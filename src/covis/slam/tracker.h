@@ -98,6 +98,7 @@ class Tracker {
   std::vector<KeyFrameId> recovery_candidates(const Map& map);
   bool recover_from(const KeyFrameView& view, TrackResult& result, bool map_is_live);
   bool is_right_place(bool map_is_live, bool recovered);
+  bool well_determined() const;
   void take_back_jump();  // when there was one: it led to a wrong place
   bool jumped() const;
   bool looks_as_usual(const Map& map, bool doubtful);
@@ -132,6 +133,7 @@ class Tracker {
   // Optimises the current frame's pose over its matches and drops those that disagree; returns how many map points are
   // left, 0 when there is no pose.
   int optimize();
+  double mean_depth() const;  // of the current frame's map points; 0: none
   // Whether something was within the last second.
   bool lately(Timestamp stamp) const { return current_.stamp - stamp < from_seconds(1.0); }
   int all_inliers() const;  // of the last optimize(), temporary points among them
@@ -200,6 +202,7 @@ class Tracker {
   std::vector<uint32_t> matched_mark_;  // by point slot: the epoch of mark_matched()
   uint32_t matched_epoch_ = 0;
   PoseObservations observations_;
+  Matrix6d information_ = Matrix6d::Zero();  // of the last optimize()
   std::vector<int32_t> observed_feature_;
   std::vector<uint32_t> near_;
   std::vector<uint8_t> inlier_;

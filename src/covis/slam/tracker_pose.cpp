@@ -157,7 +157,12 @@ bool Tracker::track_local_map(TrackResult& result, bool map_is_live) {
     result.reason = "too few points of the map agree on a pose";
     return false;
   }
-  const bool may_be_elsewhere = recovered_lately || jumped_at_ || result.method == TrackMethod::reference_key_frame;
+  const bool elsewhere_lately = recovered_lately || jumped_at_;
+  if (elsewhere_lately && !well_determined()) {
+    result.reason = "points of the map agree on a pose, but leave it uncertain";
+    return false;
+  }
+  const bool may_be_elsewhere = elsewhere_lately || result.method == TrackMethod::reference_key_frame;
   if (may_be_elsewhere && !is_right_place(map_is_live, false)) {
     result.reason = "things match, but not what stands round them";
     return false;

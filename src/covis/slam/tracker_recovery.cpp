@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a lost camera finds its place again (ORB-SLAM, V-C).
+#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 #include "covis/core/time.h"
 #include "covis/geometry/pnp.h"
@@ -121,14 +123,14 @@ bool Tracker::jumped() const {
   constexpr double kWay = 0.2;     // of the mean depth of what it sees
   if (!last_place_ || local_map_.reference.part != part_) return true;
   const SE3 T_cl = current_.T_cw * last_place_->inverse();
-  double depth = 0;
-  int points = 0;
-  for (size_t i = 0; i < current_.known.size(); ++i) {
-    if (current_.known[i] != kMapPoint) continue;
-    depth += (current_.T_cw * current_.positions[i]).z();
-    ++points;
-  }
-  return T_cl.t().norm() * points > kWay * depth || (T_cl.R().trace() - 1) / 2 < kTurn;
+  return T_cl.t().norm() > kWay * mean_depth() || (T_cl.R().trace() - 1) / 2 < kTurn;
+}
+
+// A few points on one side of the image agree with poses far apart, and wrong matches choose among them.
+bool Tracker::well_determined() const {
+  constexpr double kSigma = 2;  // pixels: the position's standard deviation, as things at the mean depth show it
+  const Matrix6d covariance = information_.inverse();
+  return camera_.fx * std::sqrt(covariance.topLeftCorner<3, 3>().trace()) <= kSigma * mean_depth();
 }
 
 // Whether the points in view that were seen from about here before are matched about as often as they usually are.
@@ -141,10 +143,13 @@ bool Tracker::looks_as_usual(const Map& map, bool doubtful) {
     double usual = 0;
     int found = 0;
   };
-  // The first that has enough decides. 0.6 of what was seen from about here is exceeded by some 98 % of right places
-  // and 3 % of wrong ones (docs/results.md).
+  // What was seen from about here decides: 0.6 of it is exceeded by some 98 % of right places and 3 % of wrong ones
+  // (docs/results.md). Where that is too little, what was seen from the same side says less, and must not speak against
+  // it; more is asked of a single image, which no later ones bear out.
   const double share = (doubtful ? 1 : 0.5) * options_.tracker.min_usual_share;
-  Tally from_here{share}, from_near{0.5 * share}, young_too{0.25 * share};
+  const bool single_image = state_ == TrackState::not_initialised;
+  Tally from_here{share}, from_near{(single_image ? 0.5 : 0.25) * share},
+      young_too{(single_image ? 0.25 : 0.17) * share};
   const Eigen::Vector3d centre = current_.T_cw.centre();
   mark_matched();
   for (size_t k = 0; k < local_map_.id.size(); ++k) {
@@ -174,9 +179,11 @@ bool Tracker::looks_as_usual(const Map& map, bool doubtful) {
     if (point->visible >= kKnown) add_to(from_near);
     add_to(young_too);
   }
-  for (const Tally& tally : {from_here, from_near, young_too}) {
-    if (tally.usual >= kEnough) return tally.found >= tally.share * tally.usual;
-  }
+  const auto enough = [](const Tally& tally) { return tally.usual >= kEnough; };
+  const auto passes = [](const Tally& tally) { return tally.found >= tally.share * tally.usual; };
+  if (enough(from_here)) return passes(from_here);
+  if (enough(from_near) && !passes(from_near)) return false;
+  if (enough(young_too)) return passes(young_too);
   return !doubtful || share == 0;  // seen from where nothing was seen from before
 }
 
