@@ -236,6 +236,23 @@ TEST(PoseOptimization, BadObservationsDoNotPoisonIt) {
   EXPECT_FALSE(optimize_pose(SE3(), none, kCamera, {}, inlier).ok);
 }
 
+// The error's square by the information: of 6 degrees of freedom, and pixels of 0.7 instead of 1.
+TEST(PoseOptimization, ItsInformationTellsItsErrors) {
+  for (const Rows rows : {Rows::mono, Rows::stereo}) {
+    double sum = 0;
+    constexpr int kSeeds = 200;
+    for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
+      const PoseCase c = make_pose_case(seed, 60, 0, rows);
+      std::vector<uint8_t> inlier;
+      const PoseResult result = optimize_pose(c.start, c.observations, kCamera, {}, inlier);
+      ASSERT_TRUE(result.ok);
+      const Vector6d error = (result.T_cw * c.truth.inverse()).log();
+      sum += error.dot(result.information * error);
+    }
+    EXPECT_NEAR(sum / kSeeds, 6 * 0.49, 0.6);
+  }
+}
+
 TEST(PoseOptimization, AllocatesNothing) {
   const PoseCase c = make_pose_case(4, 300, 0.2, Rows::mixed);
   std::vector<uint8_t> inlier(300);
