@@ -317,6 +317,18 @@ TEST(Jump, ThatProvesWrongIsTakenBack) {
   EXPECT_LT(run.error_of(0, false), 0.1);
 }
 
+// Of a right place too little may have been seen from about there to tell by it alone.
+TEST(Jump, ThatIsRightIsBelieved) {
+  Recording recording(Sensor::rgbd, 200, 10, "posters");
+  Walk walk{recording, 10, {}};
+  walk.go(0, 100);
+  walk.go(140, 200);
+  Walked run(walk, options_for(Sensor::rgbd));
+  EXPECT_GT(run.doubtful.size(), 0u);
+  EXPECT_GE(run.system.trajectory().size(), walk.steps.size() - 5);
+  EXPECT_LT(run.error_of(0, false), 0.1);
+}
+
 // What is lost while in doubt has no place near which it would be believed at once.
 TEST(Jump, LostInDoubtIsInDoubtAgain) {
   Recording recording(Sensor::rgbd, 61);
