@@ -318,7 +318,7 @@ TEST(Jump, ThatProvesWrongIsTakenBack) {
 }
 
 // Of a right place too little may have been seen from about there to tell by it alone.
-TEST(Jump, ThatIsRightIsBelieved) {
+TEST(Jump, ThatIsRightIsBelievedLong) {
   Recording recording(Sensor::rgbd, 200, 10, "posters");
   Walk walk{recording, 10, {}};
   walk.go(0, 100);
