@@ -143,7 +143,7 @@ TEST_F(CommandRun, GivesTheSameBytesOnOneCoreAndOnABusyMachine) {
 }
 
 // Four seconds cut out of a walk along equal posters: what is found first after them proves wrong.
-TEST_F(CommandRun, TellsPosesThatWereTakenBackAsLost) {
+TEST_F(CommandRun, TellsPosesThatWereTakenBackAsLostLong) {
   const fs::path recording = folder / "posters", out = folder / "out";
   ASSERT_EQ(covis({"synth", "posters", "--sensor", "rgbd", "--fps", "10", "--frames", "200", "--width", "320",
                    "--height", "240", "--quiet", "--out", recording})
