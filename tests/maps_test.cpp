@@ -29,6 +29,14 @@ struct Walk {
   SE3 truth(int64_t step) const { return recording.synth.T_wc(steps[static_cast<size_t>(step)]); }
 };
 
+// Its frames before `until`, then those from `from` on, before `to`.
+Walk cut(Recording& recording, double fps, int until, int from, int to) {
+  Walk walk{recording, fps, {}};
+  walk.go(0, until);
+  walk.go(from, to);
+  return walk;
+}
+
 // Runs a system along a walk and looks at the map after every step.
 struct Walked {
   Walk& walk;
@@ -210,19 +218,17 @@ INSTANTIATE_TEST_SUITE_P(Cuts, Kidnapped,
                          });
 
 // metres, degrees: how far a pose may be from that of the same frame before the cut.
-void expect_found_again(const Cut& cut, Size size, double metres, double degrees) {
-  Recording recording(cut.sensor, 160, 8, "room", size);
-  Walk walk{recording, 8, {}};
-  walk.go(0, cut.from);
-  walk.go(cut.to, cut.to + 20);
-  Walked run(walk, options_for(cut.sensor));
+void expect_found_again(const Cut& where, Size size, double metres, double degrees) {
+  Recording recording(where.sensor, 160, 8, "room", size);
+  Walk walk = cut(recording, 8, where.from, where.to, where.to + 20);
+  Walked run(walk, options_for(where.sensor));
   const std::vector<MapSummary> maps = run.system.maps();
   ASSERT_EQ(maps.size(), 1u);
   const auto poses = run.system.trajectory();
   const auto first =
-      std::find_if(poses.begin(), poses.end(), [&](const PoseOfFrame& p) { return p.frame >= cut.from; });
+      std::find_if(poses.begin(), poses.end(), [&](const PoseOfFrame& p) { return p.frame >= where.from; });
   ASSERT_NE(first, poses.end());
-  EXPECT_LT(first->frame, cut.from + 10);
+  EXPECT_LT(first->frame, where.from + 10);
   EXPECT_GE(poses.end() - first, 10);
   // No false pose: each is where the same frame was before. (Monocular: in units of the first median depth.)
   for (auto pose = first; pose != poses.end(); ++pose) {
@@ -243,9 +249,7 @@ TEST_P(Kidnapped, IsFoundAgainWithinTenFramesLong) { expect_found_again(GetParam
 TEST_P(Maps, MapsAreNotJoinedByEqualPostersLong) {
   const Sensor sensor = GetParam();
   Recording recording(sensor, 265, 10, "posters", {400, 300});
-  Walk walk{recording, 10, {}};
-  walk.go(0, 60);
-  walk.go(200, 260);
+  Walk walk = cut(recording, 10, 60, 200, 260);
   Walked run(walk, impatient(sensor));
   EXPECT_EQ(run.most_maps, 2u) << "else there was nothing to join";
   EXPECT_EQ(run.merges, 0);
@@ -258,12 +262,7 @@ TEST_P(Maps, MapsAreNotJoinedByEqualPostersLong) {
 
 // Four seconds cut out of a walk along that hall. (Without `tracker.min_usual_share` every sensor takes a poster for
 // another here.)
-Walk cut_along_posters(Recording& recording) {
-  Walk walk{recording, 10, {}};
-  walk.go(0, 60);
-  walk.go(100, 160);
-  return walk;
-}
+Walk cut_along_posters(Recording& recording) { return cut(recording, 10, 60, 100, 160); }
 
 TEST_P(Maps, APosterIsNotTakenForAnother) {
   const Sensor sensor = GetParam();
@@ -305,9 +304,7 @@ TEST(Jump, IsNotToAnotherPosterInRealTimeEither) {
 // Another cut of that walk leads to a poster that is believed for a while: those poses are doubtful, and taken back.
 TEST(Jump, ThatProvesWrongIsTakenBack) {
   Recording recording(Sensor::rgbd, 135, 10, "posters");
-  Walk walk{recording, 10, {}};
-  walk.go(0, 50);
-  walk.go(90, 135);
+  Walk walk = cut(recording, 10, 50, 90, 135);
   Walked run(walk, options_for(Sensor::rgbd));
   EXPECT_GT(run.doubtful.size(), 0u);
   const std::vector<PoseOfFrame> poses = run.system.trajectory();
@@ -320,9 +317,7 @@ TEST(Jump, ThatProvesWrongIsTakenBack) {
 // Of a right place too little may have been seen from about there to tell by it alone.
 TEST(Jump, ThatIsRightIsBelievedLong) {
   Recording recording(Sensor::rgbd, 200, 10, "posters");
-  Walk walk{recording, 10, {}};
-  walk.go(0, 100);
-  walk.go(140, 200);
+  Walk walk = cut(recording, 10, 100, 140, 200);
   Walked run(walk, options_for(Sensor::rgbd));
   EXPECT_GT(run.doubtful.size(), 0u);
   EXPECT_GE(run.system.trajectory().size(), walk.steps.size() - 5);

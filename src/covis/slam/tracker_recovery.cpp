@@ -147,7 +147,7 @@ bool Tracker::looks_as_usual(const Map& map, bool doubtful) {
   // (docs/results.md). Where that is too little, what was seen from the same side says less, and must not speak against
   // it; more is asked of a single image, which no later ones bear out.
   const double share = (doubtful ? 1 : 0.5) * options_.tracker.min_usual_share;
-  const bool single_image = state_ == TrackState::not_initialised;
+  const bool single_image = state_ == TrackState::not_initialised;  // locate()'s: a tracker of its own, never begun
   Tally from_here{share}, from_near{(single_image ? 0.5 : 0.25) * share},
       young_too{(single_image ? 0.25 : 0.17) * share};
   const Eigen::Vector3d centre = current_.T_cw.centre();
