@@ -2,6 +2,7 @@
 #include "common.h"
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 
 #include "covis/core/log.h"
 
@@ -22,7 +23,7 @@ const std::map<std::string, io::SequenceKind> kKinds{
     {"tum", io::SequenceKind::tum},       {"kitti", io::SequenceKind::kitti}, {"euroc", io::SequenceKind::euroc},
     {"images", io::SequenceKind::images}, {"video", io::SequenceKind::video}, {"camera", io::SequenceKind::camera}};
 
-volatile std::sig_atomic_t interrupted = 0;
+std::atomic<int> interrupted = 0;
 
 io::SequenceOptions Reading::options() const {
   io::SequenceOptions options;

@@ -2,7 +2,7 @@
 // What the commands share: names of settings, which frames to read, errors, Ctrl-C.
 #pragma once
 
-#include <csignal>
+#include <atomic>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -62,8 +62,10 @@ Result<void> write_trajectories(const std::filesystem::path& file, const std::ve
 int fail_with(const std::string& message);
 int fail_with(const Error& error);
 
-// The number of the signal (Ctrl-C or SIGTERM) that asked the command to end well; 0: none did.
-extern volatile std::sig_atomic_t interrupted;
+// The number of the signal (Ctrl-C or SIGTERM) that asked the command to end well; 0: none did. The handler may run on
+// any thread, so a sig_atomic_t would not do.
+extern std::atomic<int> interrupted;
+static_assert(std::atomic<int>::is_always_lock_free);
 // From now on the first signal sets `interrupted`, and the second ends the process.
 void end_well_on_signals();
 
