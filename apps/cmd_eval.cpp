@@ -25,15 +25,15 @@ const std::map<std::string, AlignMode> kAligns{
     {"se3", AlignMode::se3}, {"sim3", AlignMode::sim3}, {"none", AlignMode::none}};
 const std::map<std::string, DeltaUnit> kUnits{
     {"frames", DeltaUnit::frames}, {"s", DeltaUnit::seconds}, {"m", DeltaUnit::metres}};
-const std::map<std::string, io::TrajectoryFormat> kFormats{{"auto", io::TrajectoryFormat::automatic},
-                                                           {"tum", io::TrajectoryFormat::tum},
-                                                           {"kitti", io::TrajectoryFormat::kitti},
-                                                           {"euroc", io::TrajectoryFormat::euroc}};
+const std::map<std::string, io::TrajectoryFormat> kReadFormats{{"auto", io::TrajectoryFormat::automatic},
+                                                               {"tum", io::TrajectoryFormat::tum},
+                                                               {"kitti", io::TrajectoryFormat::kitti},
+                                                               {"euroc", io::TrajectoryFormat::euroc}};
 
 int run(const EvalArguments& a) {
-  const auto estimate = io::read_trajectory(a.trajectory, kFormats.at(a.format), a.stamps);
+  const auto estimate = io::read_trajectory(a.trajectory, kReadFormats.at(a.format), a.stamps);
   if (!estimate) return fail_with(estimate.error());
-  const auto truth = io::read_trajectory(a.truth, kFormats.at(a.truth_format), a.truth_stamps);
+  const auto truth = io::read_trajectory(a.truth, kReadFormats.at(a.truth_format), a.truth_stamps);
   if (!truth) return fail_with(truth.error());
   EvaluationOptions options;
   options.align = kAligns.at(a.align);
@@ -85,10 +85,10 @@ void add_eval_command(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember(keys(kUnits)));
   command->add_option("--format", a->format, "of the trajectory")
       ->capture_default_str()
-      ->check(CLI::IsMember(keys(kFormats)));
+      ->check(CLI::IsMember(keys(kReadFormats)));
   command->add_option("--truth-format", a->truth_format, "of the truth")
       ->capture_default_str()
-      ->check(CLI::IsMember(keys(kFormats)));
+      ->check(CLI::IsMember(keys(kReadFormats)));
   command->add_option("--stamps", a->stamps, "times.txt of a KITTI trajectory");
   command->add_option("--truth-stamps", a->truth_stamps, "times.txt of a KITTI truth");
   command->footer(

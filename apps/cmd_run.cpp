@@ -39,7 +39,7 @@ struct RunArguments {
   bool realtime = false, localize = false, quiet = false, json = false, dump_config = false;
 };
 
-const std::map<std::string, io::TrajectoryFormat> kFormats{
+const std::map<std::string, io::TrajectoryFormat> kWriteFormats{
     {"tum", io::TrajectoryFormat::tum}, {"kitti", io::TrajectoryFormat::kitti}, {"euroc", io::TrajectoryFormat::euroc}};
 
 constexpr size_t kMemoryEvery = 100;  // frames
@@ -136,7 +136,7 @@ Result<nlohmann::json> save(const RunArguments& arguments, const RunRecord& reco
   const std::optional<Trajectory> truth = read_truth(sequence);
   OutputOptions output;
   output.directory = arguments.out;
-  output.format = kFormats.at(arguments.format);
+  output.format = kWriteFormats.at(arguments.format);
   output.title = std::filesystem::path(arguments.path).lexically_normal().filename().string();
   if (truth) output.truth = &*truth;
   auto summary = write_outputs(record, system, output);
@@ -250,7 +250,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
                     "frames come at their own times; late ones are dropped and counted");
   command->add_option("--format", arguments->format, "trajectory format: tum, kitti or euroc")
       ->capture_default_str()
-      ->check(CLI::IsMember(keys(kFormats)));
+      ->check(CLI::IsMember(keys(kWriteFormats)));
   command->add_option("--features", arguments->features, "key points an image (short for --set orb.features=N)")
       ->check(CLI::Range(50, 30000));
   command

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-# covis_module(NAME DEPS … [TEST_DEPS …] [ONE_TEST]): a static library covis_NAME of src/covis/NAME/*.cpp, and NAME_test
-# of its *_test.cpp files. ONE_TEST: the cases share what is dear to make, so ctest runs them in one process.
+# covis_module(NAME DEPS … [TEST_DEPS …] [ONE_TEST] [THREADED FILTER] [ONE_THREAD]): a static library covis_NAME of
+# src/covis/NAME/*.cpp, and NAME_test of its *_test.cpp files.
+#   ONE_TEST    the cases share what is dear to make, so ctest runs them in one process
+#   THREADED    of such a test, the cases (a GoogleTest filter) the thread sanitizer is to run; without it all
+#   ONE_THREAD  the module starts no thread and shares nothing: its test is not built with the thread sanitizer
 function(covis_module name)
-  cmake_parse_arguments(M "ONE_TEST" "" "DEPS;TEST_DEPS" ${ARGN})
+  cmake_parse_arguments(M "ONE_TEST;ONE_THREAD" "THREADED" "DEPS;TEST_DEPS" ${ARGN})
   set(dir ${PROJECT_SOURCE_DIR}/src/covis/${name})
   file(GLOB sources CONFIGURE_DEPENDS ${dir}/*.cpp)
   set(tests ${sources})
@@ -12,14 +15,25 @@ function(covis_module name)
     file(WRITE ${PROJECT_BINARY_DIR}/${name}_empty.cpp "")
     set(sources ${PROJECT_BINARY_DIR}/${name}_empty.cpp)
   endif()
+  # Kernels of Highway are compiled once for each instruction set, each by itself.
+  foreach(source ${sources})
+    file(STRINGS ${source} kernels REGEX "HWY_TARGET_INCLUDE" LIMIT_COUNT 1)
+    if(kernels)
+      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    endif()
+  endforeach()
   add_library(covis_${name} STATIC ${sources})
   target_link_libraries(covis_${name} PUBLIC covis_flags ${M_DEPS})
-  if(COVIS_TESTS AND tests)
+  if(COVIS_TESTS AND tests AND NOT (M_ONE_THREAD AND COVIS_SANITIZE MATCHES thread))
     add_executable(${name}_test ${tests})
     target_link_libraries(${name}_test PRIVATE covis_${name} GTest::gmock_main ${M_TEST_DEPS})
     target_compile_definitions(${name}_test PRIVATE COVIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     if(M_ONE_TEST)
-      add_test(NAME ${name}_test COMMAND ${name}_test)
+      set(filter *)
+      if(M_THREADED AND COVIS_SANITIZE MATCHES thread)
+        set(filter ${M_THREADED})
+      endif()
+      add_test(NAME ${name}_test COMMAND ${name}_test --gtest_filter=${filter})
       # Long as it is, it starts first, beside the others.
       set_tests_properties(${name}_test PROPERTIES LABELS ${name} TIMEOUT 900 COST 1000
         ENVIRONMENT "${covis_test_environment}")

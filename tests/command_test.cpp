@@ -127,7 +127,7 @@ std::string trajectories(const fs::path& out) {
   return text_of(out / "trajectory.txt") + text_of(out / "trajectory_online.txt") + text_of(out / "keyframes.txt");
 }
 
-TEST_F(CommandRun, GivesTheSameBytesOnOneCoreAndOnABusyMachine) {
+TEST_F(CommandRun, GivesTheSameBytesOnOneCoreAndOnABusyMachineLong) {
   for (const std::string sensor : {"mono", "stereo", "rgbd"}) {
     SCOPED_TRACE(sensor);
     const fs::path recording = render(sensor, 30);
@@ -226,7 +226,7 @@ class CommandMaps : public CommandTest {
   }
 };
 
-TEST_F(CommandMaps, AreWrittenSavedAndLocalisedInEachByItself) {
+TEST_F(CommandMaps, AreWrittenSavedAndLocalisedInEachByItselfLong) {
   const fs::path recording = record_both(), out = folder / "out", map = folder / "m.covis";
   const Outcome run = covis(
       {"run", recording, "--out", out, "--save-map", map, "--set", "tracker.new_map_after=0.2", "--simd", "scalar"});

@@ -59,7 +59,7 @@ class FocalLength : public testing::Test {
 };
 
 // However often the user waits for mapping in between, while an estimate is under way too.
-TEST_F(FocalLength, IsRefinedForAllOfTheMap) {
+TEST_F(FocalLength, IsRefinedForAllOfTheMapLong) {
   for (const int every : {kFrames, 7}) {
     SCOPED_TRACE(every);
     System system(claimed(), options(), vocabulary());
@@ -93,7 +93,7 @@ TEST_F(FocalLength, IsRefinedInRealTime) {
   EXPECT_LT(off(system), kHalf);
 }
 
-TEST(FocalLengthWithDepth, IsRefinedForRgbdNotForStereo) {
+TEST(FocalLengthWithDepth, IsRefinedForRgbdNotForStereoLong) {
   constexpr int kShort = 150;
   for (const Sensor sensor : {Sensor::rgbd, Sensor::stereo}) {
     SCOPED_TRACE(sensor_name(sensor));
@@ -114,7 +114,7 @@ TEST(FocalLengthWithDepth, IsRefinedForRgbdNotForStereo) {
   }
 }
 
-TEST_F(FocalLength, StaysAsGivenWhenToldTo) {
+TEST_F(FocalLength, StaysAsGivenWhenToldToLong) {
   SystemOptions fixed = options();
   fixed.mapper.refine_focal = false;
   System system(claimed(), fixed, vocabulary());
@@ -124,7 +124,7 @@ TEST_F(FocalLength, StaysAsGivenWhenToldTo) {
 }
 
 // Looking where an image was taken changes nothing of the run, whatever mapping does in the background.
-TEST_F(FocalLength, LocatingLeavesTheRunAsItIs) {
+TEST_F(FocalLength, LocatingLeavesTheRunAsItIsLong) {
   std::string first;
   for (const bool locating : {false, true}) {
     System system(claimed(), options(), vocabulary());
@@ -141,7 +141,7 @@ TEST_F(FocalLength, LocatingLeavesTheRunAsItIs) {
   }
 }
 
-TEST_F(FocalLength, IsKeptWithASavedMap) {
+TEST_F(FocalLength, IsKeptWithASavedMapLong) {
   const Pinhole refined = saved().map.camera();
   EXPECT_LT(std::abs(refined.fx / camera(1).pinhole.fx - 1), kLeft);
   for (const bool localize : {false, true}) {
@@ -165,7 +165,7 @@ TEST_F(FocalLength, IsKeptWithASavedMap) {
 }
 
 // A map of another camera can't be gone on with; places of it can be found, by a camera that is what it is.
-TEST_F(FocalLength, OfAnotherCameraIsNotTakenOver) {
+TEST_F(FocalLength, OfAnotherCameraIsNotTakenOverLong) {
   const Camera other = camera(1.001);
   System goes_on(other, options(), vocabulary());
   io::SavedMap map = saved();

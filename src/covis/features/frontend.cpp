@@ -12,7 +12,6 @@
 #include "covis/features/stereo_matcher.h"
 
 namespace covis {
-namespace {
 
 // Both images of a pair, in two threads.
 class PairExtractor {
@@ -53,6 +52,8 @@ class FeaturesRing {
   std::array<std::shared_ptr<Features>, 3> ring_;
   size_t at_ = 0;
 };
+
+namespace {
 
 // The box of the undistorted border.
 ImageBounds find_bounds(const Camera& camera) {

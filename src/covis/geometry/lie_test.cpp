@@ -19,7 +19,7 @@ double distance(const Sim3& a, const Sim3& b) {
 }
 
 // Zero, tiny, random, near half a turn, rotation alone, scale alone.
-std::vector<Vector7d> tangents() {
+std::vector<Vector7d> similarity_tangents() {
   Random random(5);
   std::vector<Vector7d> list{Vector7d::Zero(), Vector7d::Constant(1e-8)};
   for (int k = 0; k < 60; ++k) {
@@ -34,7 +34,7 @@ std::vector<Vector7d> tangents() {
 }
 
 TEST(Sim3, GroupLaws) {
-  const auto list = tangents();
+  const auto list = similarity_tangents();
   for (size_t i = 0; i < list.size(); ++i) {
     const Sim3 a = Sim3::exp(list[i]), b = Sim3::exp(list[(i + 7) % list.size()]),
                c = Sim3::exp(list[(i + 13) % list.size()]);
@@ -50,7 +50,7 @@ TEST(Sim3, GroupLaws) {
 }
 
 TEST(Sim3, WithoutScaleItIsSe3) {
-  for (const Vector7d& xi : tangents()) {
+  for (const Vector7d& xi : similarity_tangents()) {
     Vector7d rigid = xi;
     rigid(6) = 0;
     const Sim3 s = Sim3::exp(rigid);
@@ -81,7 +81,7 @@ void expect_left_jacobian(const Tangent& xi) {
 }
 
 TEST(Lie, LeftJacobiansAgreeWithDifferences) {
-  for (const Vector7d& xi : tangents()) {
+  for (const Vector7d& xi : similarity_tangents()) {
     expect_left_jacobian<Sim3>(xi);
     expect_left_jacobian<SE3, Vector6d>(xi.head<6>());
     const Vector3d phi = xi.segment<3>(3);

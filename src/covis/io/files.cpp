@@ -183,8 +183,7 @@ Result<std::vector<Timestamp>> read_stamps(const std::filesystem::path& file) {
     const auto parts = split(line);
     const auto stamp = parts.empty() ? std::nullopt : parse_stamp(parts.front());
     if (!stamp) {
-      problem =
-          file.string() + ":" + std::to_string(number) + ": '" + std::string(line) + "' is not a stamp in seconds";
+      problem = place(file, number) + ": '" + std::string(line) + "' is not a stamp in seconds";
       return false;
     }
     stamps.push_back(*stamp);

@@ -25,6 +25,10 @@ enum class Durable { no, yes };
 Result<void> write_text_atomically(const std::filesystem::path& file, std::string_view text,
                                    Durable durable = Durable::no);
 
+// "FILE:LINE", as messages name a line.
+inline std::string place(const std::filesystem::path& file, int line) {
+  return file.string() + ":" + std::to_string(line);
+}
 // The parts of a line between blanks, tabs or commas.
 std::vector<std::string_view> split(std::string_view line);
 // A finite number and nothing else.

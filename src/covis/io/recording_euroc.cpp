@@ -84,7 +84,7 @@ Result<Images> read_csv(const fs::path& csv) {
   for_each_line(*text, [&](std::string_view line, int number) {
     const auto parts = split(line);
     const auto stamp = parts.size() >= 2 ? parse_stamp(parts[0], WholeStamp::nanoseconds) : std::nullopt;
-    const std::string where = csv.string() + ":" + std::to_string(number);
+    const std::string where = place(csv, number);
     if (!stamp) {
       problem = where + ": it must hold a stamp in nanoseconds and a file name";
     } else if (!images.empty() && *stamp <= images.rbegin()->first) {

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 using Projection = std::array<double, 12>;
 
-Result<std::map<std::string, Projection>> read_calibration(const fs::path& file) {
+Result<std::map<std::string, Projection>> read_projections(const fs::path& file) {
   const auto text = read_text(file);
   if (!text) return tl::unexpected(text.error());
   std::map<std::string, Projection> projections;
@@ -23,7 +23,7 @@ Result<std::map<std::string, Projection>> read_calibration(const fs::path& file)
     std::string name(parts.empty() ? "" : parts[0]);
     if (name.empty() || name.back() != ':' || name.front() != 'P') return true;  // Tr: and others are not needed
     name.pop_back();
-    const std::string where = file.string() + ":" + std::to_string(number) + ": " + name;
+    const std::string where = place(file, number) + ": " + name;
     if (parts.size() != 13) {
       problem = where + " has " + std::to_string(parts.size() - 1) + " numbers; a projection matrix has 12";
       return false;
@@ -66,7 +66,7 @@ Result<Calibration> find_calibration(const Request& request, const std::string& 
     if (!loaded) return tl::unexpected(loaded.error());
     return Calibration{loaded->file.string(), loaded->camera, {}};
   }
-  const auto projections = read_calibration(file);
+  const auto projections = read_projections(file);
   if (!projections) return tl::unexpected(projections.error());
   const auto found = projections->find(left);
   if (found == projections->end()) return fail(file.string() + ": '" + left + ":' is missing");

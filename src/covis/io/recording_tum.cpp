@@ -18,8 +18,6 @@ struct Listed {
   std::filesystem::path file;
 };
 
-std::string place(const std::filesystem::path& file, int line) { return file.string() + ":" + std::to_string(line); }
-
 // Rows of `columns / 2` pairs "stamp file".
 Result<std::vector<std::vector<Listed>>> read_list(const std::filesystem::path& list, size_t pairs) {
   const auto text = read_text(list);

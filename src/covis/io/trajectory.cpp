@@ -10,8 +10,6 @@
 namespace covis::io {
 namespace {
 
-std::string place(const std::filesystem::path& file, int line) { return file.string() + ":" + std::to_string(line); }
-
 // The numbers of a row from `first` on; nothing when one is not a finite number.
 std::optional<std::vector<double>> numbers(const std::vector<std::string_view>& parts, size_t first) {
   std::vector<double> values;

@@ -9,10 +9,6 @@
 namespace covis {
 namespace {
 
-struct ByHandle {
-  bool operator()(const Neighbour& n, KeyFrameId id) const { return n.key_frame < id; }
-};
-
 bool heavier(const Neighbour& a, const Neighbour& b) {
   return a.weight != b.weight ? a.weight > b.weight : a.key_frame < b.key_frame;
 }
@@ -22,7 +18,7 @@ bool heavier(const Neighbour& a, const Neighbour& b) {
 void Map::add_weight(KeyFrameId a, KeyFrameId b, int delta) {
   const auto add = [&](KeyFrameId from, KeyFrameId to) {
     std::vector<Neighbour>& shared = key_frames_.at(from).shared;
-    const auto at = std::lower_bound(shared.begin(), shared.end(), to, ByHandle{});
+    const auto at = std::ranges::lower_bound(shared, to, {}, &Neighbour::key_frame);
     if (at == shared.end() || at->key_frame != to) {
       const auto place = at - shared.begin();
       reserve_one_more(shared);
@@ -38,7 +34,7 @@ void Map::add_weight(KeyFrameId a, KeyFrameId b, int delta) {
 int Map::weight(KeyFrameId a, KeyFrameId b) const {
   const KeyFrame* key_frame = find(a);
   if (!key_frame) return 0;
-  const auto found = std::lower_bound(key_frame->shared.begin(), key_frame->shared.end(), b, ByHandle{});
+  const auto found = std::ranges::lower_bound(key_frame->shared, b, {}, &Neighbour::key_frame);
   return found != key_frame->shared.end() && found->key_frame == b ? found->weight : 0;
 }
 

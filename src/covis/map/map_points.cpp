@@ -10,10 +10,6 @@
 namespace covis {
 namespace {
 
-struct ByHandle {
-  bool operator()(const Observation& o, KeyFrameId id) const { return o.key_frame < id; }
-};
-
 // More observations than this add nothing to the representative descriptor; the first ones are compared.
 constexpr size_t kMaxCompared = 48;
 
@@ -45,7 +41,7 @@ bool Map::add_observation(MapPointId id, KeyFrameId key_frame_id, uint32_t featu
   KeyFrame* key_frame = key_frames_.find(key_frame_id);
   if (!point || !key_frame || feature >= key_frame->points.size() || key_frame->points[feature].valid()) return false;
   if (at(point->reference).part != key_frame->part) return false;
-  const auto place = std::lower_bound(point->observations.begin(), point->observations.end(), key_frame_id, ByHandle{});
+  const auto place = std::ranges::lower_bound(point->observations, key_frame_id, {}, &Observation::key_frame);
   if (place != point->observations.end() && place->key_frame == key_frame_id) return false;
   for (const Observation& other : point->observations) add_weight(key_frame_id, other.key_frame, 1);
   const auto at = place - point->observations.begin();
@@ -58,7 +54,7 @@ bool Map::add_observation(MapPointId id, KeyFrameId key_frame_id, uint32_t featu
 bool Map::erase_observation(MapPointId id, KeyFrameId key_frame_id) {
   MapPoint* point = points_.find(id);
   if (!point) return false;
-  const auto at = std::lower_bound(point->observations.begin(), point->observations.end(), key_frame_id, ByHandle{});
+  const auto at = std::ranges::lower_bound(point->observations, key_frame_id, {}, &Observation::key_frame);
   if (at == point->observations.end() || at->key_frame != key_frame_id) return false;
   key_frames_.at(key_frame_id).points[at->feature] = {};
   point->observations.erase(at);

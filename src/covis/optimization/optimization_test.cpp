@@ -32,7 +32,7 @@ struct CeresPose {
   }
 };
 
-struct Residual {
+struct Reprojection {
   double u, v, u_right, weight;  // weight: 1 / sigma
   template <class T>
   bool operator()(const T* pose, const T* point, T* r) const {
@@ -48,7 +48,7 @@ struct Residual {
 };
 
 ceres::CostFunction* make_cost(double u, double v, double u_right, double inv_sigma2) {
-  return new ceres::AutoDiffCostFunction<Residual, 3, 6, 3>(new Residual{u, v, u_right, std::sqrt(inv_sigma2)});
+  return new ceres::AutoDiffCostFunction<Reprojection, 3, 6, 3>(new Reprojection{u, v, u_right, std::sqrt(inv_sigma2)});
 }
 
 struct World {

@@ -46,7 +46,7 @@ PoseGraphProblem random_problem(uint64_t seed, int count, bool fix_scale) {
 
 // The same edge for Ceres, each pose as exp(xi) * its start.
 template <int N>
-struct Residual {
+struct EdgeResidual {
   Sim3 S_ji, S_iw, S_jw;
   bool operator()(const double* xi_i, const double* xi_j, double* e) const {
     Vector7d i = Vector7d::Zero(), j = Vector7d::Zero();
@@ -64,8 +64,8 @@ double ceres_cost(const PoseGraphProblem& problem) {
   ceres::Problem theirs;
   for (const PoseGraphEdge& edge : problem.edges) {
     const auto i = static_cast<size_t>(edge.i), j = static_cast<size_t>(edge.j);
-    auto* cost = new ceres::NumericDiffCostFunction<Residual<N>, ceres::CENTRAL, N, N, N>(
-        new Residual<N>{edge.S_ji, problem.poses[i], problem.poses[j]});
+    auto* cost = new ceres::NumericDiffCostFunction<EdgeResidual<N>, ceres::CENTRAL, N, N, N>(
+        new EdgeResidual<N>{edge.S_ji, problem.poses[i], problem.poses[j]});
     theirs.AddResidualBlock(cost, nullptr, xi[i].data(), xi[j].data());
   }
   for (size_t c = 0; c < xi.size(); ++c) {

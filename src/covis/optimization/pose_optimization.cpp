@@ -4,12 +4,12 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "covis/optimization/reprojection.h"
+
 namespace covis {
 namespace {
 
-constexpr double kMinDepth = 1e-6;  // metres in front of the camera
-
-struct System {
+struct PoseSystem {
   Matrix6d H;
   Vector6d b;
   double cost = 0;
@@ -18,9 +18,9 @@ struct System {
 
 // Residuals and Jacobians of all observations with use[i] != 0, summed up in order.
 template <bool kWithJacobian>
-System accumulate(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera, const std::vector<uint8_t>& use,
-                  bool robust) {
-  System s;
+PoseSystem accumulate(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera,
+                      const std::vector<uint8_t>& use, bool robust) {
+  PoseSystem s;
   s.H.setZero();
   s.b.setZero();
   const Eigen::Matrix3d& R = T_cw.R();
@@ -125,7 +125,7 @@ PoseResult optimize_pose(const SE3& T_cw_start, const PoseObservations& observat
   for (int round = 0; round < options.rounds; ++round) {
     const bool robust = round + 1 < options.rounds;
     double lambda = 1e-6;
-    System s = accumulate<true>(T, observations, camera, inlier, robust);
+    PoseSystem s = accumulate<true>(T, observations, camera, inlier, robust);
     for (int k = 0; k < options.iterations; ++k) {
       if (s.used < 3) return result;
       Matrix6d H = s.H;
@@ -133,7 +133,7 @@ PoseResult optimize_pose(const SE3& T_cw_start, const PoseObservations& observat
       const Vector6d step = H.ldlt().solve(s.b);
       if (!step.allFinite()) return result;
       const SE3 candidate = SE3::exp(step) * T;
-      System next = accumulate<true>(candidate, observations, camera, inlier, robust);
+      PoseSystem next = accumulate<true>(candidate, observations, camera, inlier, robust);
       if (next.used >= s.used && next.cost <= s.cost) {
         const bool small = s.cost - next.cost <= 1e-6 * s.cost;
         T = candidate;

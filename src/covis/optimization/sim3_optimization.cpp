@@ -38,7 +38,7 @@ struct View {
   bool fix_scale;
 };
 
-struct System {
+struct Sim3System {
   Matrix7d H = Matrix7d::Zero();
   Vector7d b = Vector7d::Zero();
   double cost = 0;
@@ -46,8 +46,8 @@ struct System {
 };
 
 // Sums over the matches with use[i] != 0; a bound of 0: no Huber.
-System accumulate(const Sim3& S_12, const View& view, const std::vector<uint8_t>& use, double huber_bound) {
-  System s;
+Sim3System accumulate(const Sim3& S_12, const View& view, const std::vector<uint8_t>& use, double huber_bound) {
+  Sim3System s;
   Eigen::Vector4d e;
   Eigen::Matrix<double, 4, 7> J;
   for (size_t i = 0; i < view.matches.size(); ++i) {
@@ -74,7 +74,7 @@ System accumulate(const Sim3& S_12, const View& view, const std::vector<uint8_t>
 // False: too few matches, or a system without a solution.
 bool descend(Sim3& S_12, const View& view, const std::vector<uint8_t>& use, double huber_bound, int iterations) {
   double lambda = 1e-6;
-  System s = accumulate(S_12, view, use, huber_bound);
+  Sim3System s = accumulate(S_12, view, use, huber_bound);
   for (int k = 0; k < iterations; ++k) {
     if (s.used < 3) return false;
     Matrix7d H = s.H;
@@ -82,7 +82,7 @@ bool descend(Sim3& S_12, const View& view, const std::vector<uint8_t>& use, doub
     const Vector7d step = H.ldlt().solve(s.b);
     if (!step.allFinite()) return false;
     const Sim3 candidate = Sim3::exp(step) * S_12;
-    const System next = accumulate(candidate, view, use, huber_bound);
+    const Sim3System next = accumulate(candidate, view, use, huber_bound);
     // A step may not gain by taking points behind a camera.
     if (candidate.all_finite() && next.used >= s.used && next.cost <= s.cost) {
       S_12 = candidate;

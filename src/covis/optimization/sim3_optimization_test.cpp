@@ -50,7 +50,7 @@ Case make_case(uint64_t seed, int count, double outliers, bool fix_scale) {
 }
 
 template <int N>
-struct Residual {
+struct MatchResidual {
   Sim3 S_12;
   Sim3Match match;
   bool operator()(const double* parameters, double* out) const {
@@ -71,9 +71,9 @@ double ceres_cost(const Sim3& start, const Case& c, const std::vector<uint8_t>& 
   ceres::Problem theirs;
   for (size_t k = 0; k < c.matches.size(); ++k) {
     if (!use[k]) continue;
-    theirs.AddResidualBlock(
-        new ceres::NumericDiffCostFunction<Residual<N>, ceres::CENTRAL, 4, N>(new Residual<N>{start, c.matches[k]}),
-        nullptr, xi);
+    theirs.AddResidualBlock(new ceres::NumericDiffCostFunction<MatchResidual<N>, ceres::CENTRAL, 4, N>(
+                                new MatchResidual<N>{start, c.matches[k]}),
+                            nullptr, xi);
   }
   ceres::Solver::Options options;
   options.function_tolerance = options.gradient_tolerance = options.parameter_tolerance = 1e-14;

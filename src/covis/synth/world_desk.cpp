@@ -13,7 +13,7 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kTop = 0.74, kDepth = 0.85, kWidth = 1.9;  // of the desk, metres
+constexpr double kTop = 0.74, kDepth = 0.85, kLength = 1.9;  // of the desk, metres
 
 void add_book(Scene& scene, const Place& place, double width, double thickness) {
   Random& random = scene.random;
@@ -194,10 +194,10 @@ World make_desk(uint64_t seed) {
     }
   }
   const Skin wood =
-      painted(scene, planks(random, kWidth, kDepth, 520, random.uniform(110, 180), random.uniform(0.09, 0.2)), 0.12);
+      painted(scene, planks(random, kLength, kDepth, 520, random.uniform(110, 180), random.uniform(0.09, 0.2)), 0.12);
   const Place desk{{0.1 + 0.5 * kDepth, 0, 0}, 0};
-  add_shadow(floors, desk.at(-0.5 * kDepth, 0, 0), kDepth, kWidth);
-  add_table(scene, desk, kDepth, kWidth, kTop, wood);
+  add_shadow(floors, desk.at(-0.5 * kDepth, 0, 0), kDepth, kLength);
+  add_table(scene, desk, kDepth, kLength, kTop, wood);
   lay_desk(scene, desk.at(0, 0, kTop));
   floors[0].canvas.darken_edges(0.5, 0.3);
   add_floor(scene, std::move(floors[0]), 0.16);
