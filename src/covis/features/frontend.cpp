@@ -13,7 +13,7 @@
 
 namespace covis {
 
-// Both images of a pair, in two threads.
+// Both images of a pair, in two threads. (Like the ring below not in the anonymous namespace: Frontend::Impl holds it.)
 class PairExtractor {
  public:
   PairExtractor(OrbExtractor& left, OrbExtractor& right)

@@ -10,12 +10,12 @@
 namespace covis::io {
 namespace {
 
-constexpr int kWidth = 160, kHeight = 120;
+constexpr int kColumns = 160, kRows = 120;
 
 Camera make_camera(Distortion distortion, double shift) {
   Camera camera;
-  camera.width = kWidth;
-  camera.height = kHeight;
+  camera.width = kColumns;
+  camera.height = kRows;
   camera.pinhole = {100 + shift, 101 - shift, 78 + shift, 61 - shift, 0};
   camera.distortion = distortion;
   if (distortion == Distortion::brown_conrady) camera.coefficients = {-0.25, 0.06, 0.001, -0.0005, 0};
@@ -38,9 +38,9 @@ double paint(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
 }
 
 ImageU8 draw(const Camera& camera, const SE3& T_lc) {
-  ImageU8 image(kWidth, kHeight);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
+  ImageU8 image(kColumns, kRows);
+  for (int y = 0; y < kRows; ++y) {
+    for (int x = 0; x < kColumns; ++x) {
       const auto ray = camera.unproject({x, y});
       image(x, y) = ray ? static_cast<uint8_t>(std::lround(paint(T_lc.t(), T_lc.R() * *ray))) : uint8_t{0};
     }
@@ -57,14 +57,14 @@ void compare(const ImageU8& image, const Camera& rectified, const Camera& lens, 
     for (int x = 0; x < image.width(); ++x) {
       const Eigen::Vector3d ray = rectified.pinhole.unproject(x, y);
       const auto pixel = lens.project(T_lens_rectified.R() * ray);
-      if (!pixel || pixel->x() < 1 || pixel->y() < 1 || pixel->x() > kWidth - 2 || pixel->y() > kHeight - 2) continue;
+      if (!pixel || pixel->x() < 1 || pixel->y() < 1 || pixel->x() > kColumns - 2 || pixel->y() > kRows - 2) continue;
       const double difference = std::abs(image(x, y) - paint(T_l_rectified.t(), T_l_rectified.R() * ray));
       sum += difference;
       worst = std::max(worst, difference);
       ++count;
     }
   }
-  EXPECT_GT(count, kWidth * kHeight / 2);
+  EXPECT_GT(count, kColumns * kRows / 2);
   EXPECT_LT(sum / count, 0.6);
   EXPECT_LT(worst, 4);
 }
