@@ -27,6 +27,7 @@ extern const std::map<std::string, io::SequenceKind> kKinds;
 template <class Value>
 std::vector<std::string> keys(const std::map<std::string, Value>& map) {
   std::vector<std::string> names;
+  names.reserve(map.size());
   for (const auto& entry : map) names.push_back(entry.first);
   return names;
 }
