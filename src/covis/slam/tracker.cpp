@@ -139,8 +139,11 @@ int Tracker::all_inliers() const {
 void Tracker::accept(TrackResult& result) {
   count_points();
   const bool same_part = local_map_.reference.part == part_;
-  has_velocity_ = state_ == TrackState::tracking && last_.index == current_.index - 1 && same_part;
-  if (has_velocity_) velocity_ = (current_.T_cw * last_.T_cw.inverse()).normalized();
+  has_velocity_ = state_ == TrackState::tracking && current_.stamp > last_.stamp && same_part;
+  if (has_velocity_) {
+    velocity_ = (current_.T_cw * last_.T_cw.inverse()).normalized();
+    velocity_time_ = current_.stamp - last_.stamp;
+  }
   state_ = TrackState::tracking;
   lost_frames_ = 0;
   beginning_ = false;

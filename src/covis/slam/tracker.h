@@ -121,6 +121,7 @@ class Tracker {
 
   // Makes the local map anew round the current frame's matches.
   void update_local_map(KeyFrameId fallback);
+  SE3 expected_motion() const;  // from the last camera to the current one
   // Searches set the matches of the current frame and return how many there are, or how many points were in view.
   int search_last_frame(double window);
   int match_key_frame(const KeyFrameView& view, double ratio, int max_distance);
@@ -157,7 +158,8 @@ class Tracker {
 
   TrackedFrame current_, last_;
   bool has_velocity_ = false;
-  SE3 velocity_;                   // from the last camera to the current one
+  SE3 velocity_;                   // from the last camera to the current one …
+  Timestamp velocity_time_ = 0;    // … in this time
   KeyFrameId reference_;           // the key frame poses are relative to
   double reference_scale_ = 1;     // KeyFrame::scale of it when last seen
   uint32_t part_ = 0;              // of the map, to which it belongs

@@ -32,6 +32,17 @@ TEST_F(TrackerTest, FollowsTheTruth) {
   }
 }
 
+// Every second frame, then one left out, then two more: numbers with gaps, as whoever calls may give them.
+TEST_F(TrackerTest, FramesLeftOutDoNotEndTheMotionModel) {
+  for (const int i : {0, 2, 4, 6, 9, 10, 11}) {
+    const TrackResult result = track(i);
+    ASSERT_EQ(result.state, TrackState::tracking) << "frame " << i << ": " << result.reason;
+    if (i < 4) continue;
+    EXPECT_EQ(result.method, TrackMethod::motion_model) << "frame " << i;
+    EXPECT_LT((result.T_cw.inverse().t() - frames.T_cw(i).inverse().t()).norm(), 0.01) << "frame " << i;
+  }
+}
+
 // A camera of 5 % more focal length sees the same from 5 % farther away.
 TEST_F(TrackerTest, TheFirstFrameAfterARefinementIsTrackedByTheRefinedCamera) {
   for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
