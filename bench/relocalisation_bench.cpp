@@ -7,7 +7,8 @@
 // image, not hidden (by 5 % of the depth), and along rays at most 20 degrees apart. The map is put into the truth's
 // world by the mean over the mapping frames' poses; a frame found in another map, begun after a loss, counts as not
 // found. As truths have errors too, each is compared with a run of all frames as well, and the frames of that run and
-// of the mapping one, as they were tracked, with the truth.
+// of the mapping one, as they were tracked, with the truth; and how far that run turns between two frames with how far
+// the truth does, which no choice of world changes.
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
@@ -216,6 +217,35 @@ std::vector<PoseError> tracked_errors(const Poses& truth, const Poses& run, cons
   return errors;
 }
 
+// By how many degrees camera b is turned as camera a sees it, and about which axis.
+Eigen::Vector3d turn(const SE3& a_T_wc, const SE3& b_T_wc) {
+  return so3_log(a_T_wc.R().transpose() * b_T_wc.R()) * 180 / std::numbers::pi;
+}
+
+// How far the run turns between two frames, over how far the truth does: median, for the turns of more than 10 degrees
+// that are about the camera's x (pitch), y (yaw) and z (roll). A focal length that is wrong, on either side, changes
+// the first two only.
+std::array<double, 3> turn_ratios(const Poses& truth, const Poses& run) {
+  std::vector<std::pair<SE3, SE3>> frames;  // the run's and the truth's
+  size_t index = 0;
+  for (const auto& [stamp, T_wc] : run) {
+    const SE3* right = truth.at(stamp);
+    if (right && index++ % kEvery == 0) frames.emplace_back(T_wc, *right);
+  }
+  std::array<std::vector<double>, 3> ratios;
+  for (size_t a = 0; a < frames.size(); ++a) {
+    for (size_t b = a + 1; b < frames.size(); ++b) {
+      const Eigen::Vector3d right = turn(frames[a].second, frames[b].second);
+      Eigen::Index axis = 0;
+      const double most = right.cwiseAbs().maxCoeff(&axis);
+      if (right.norm() < 10 || most < 0.9 * right.norm()) continue;
+      const double angle = turn(frames[a].first, frames[b].first).norm();
+      ratios[static_cast<size_t>(axis)].push_back(angle / right.norm());
+    }
+  }
+  return {quantile(ratios[0], 0.5), quantile(ratios[1], 0.5), quantile(ratios[2], 0.5)};
+}
+
 // Poses to compare with, and the way to their world.
 struct Reference {
   const Poses* poses;
@@ -226,6 +256,7 @@ struct Placing {
   std::vector<Placed> frames;
   std::vector<double> times;                  // ms
   std::vector<PoseError> mapped, run_of_all;  // their frames, as tracked, against the truth
+  std::array<double, 3> turn_ratios{};
 };
 
 Placing place(io::Sequence& sequence, const std::vector<View>& mapped, const Reference& truth, const Reference& run,
@@ -270,6 +301,8 @@ void print(const Placing& placing) {
   print("all", placing.frames);
   print_tracked("mapping frames", placing.mapped);
   print_tracked("run of all frames", placing.run_of_all);
+  const auto& [x, y, z] = placing.turn_ratios;
+  std::printf("run of all frames, its turns over the truth's: %.2f pitch, %.2f yaw, %.2f roll\n", x, y, z);
   std::printf("%.1f ms an image (median)\n", quantile(placing.times, 0.5));
 }
 
@@ -312,6 +345,7 @@ Result<Placing> run(const Settings& settings) {
   if (placing.frames.empty()) return fail(settings.path + ": no frame with a truth is left to be placed");
   placing.mapped = tracked_errors(truth, mapping_poses, *T_truth_map);
   placing.run_of_all = tracked_errors(truth, run_poses, *T_truth_run);
+  placing.turn_ratios = turn_ratios(truth, run_poses);
   return placing;
 }
 

@@ -180,7 +180,7 @@ TEST_F(CommandRun, TellsPosesThatWereTakenBackAsLostLong) {
 // A camera carried from a desk to another room on its way: two maps that are not joined.
 class CommandMaps : public CommandTest {
  protected:
-  static constexpr int kFrames = 25;  // of each
+  static constexpr int kFrames = 36;  // of each: more than the second after which a place found is believed
 
   // The room's frames come after the desk's, in one recording.
   fs::path record_both() const {

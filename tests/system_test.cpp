@@ -56,6 +56,35 @@ TEST_P(EachSensor, TwoRunsGiveTheSameBytes) {
   }
 }
 
+TEST(System, WhatMappingMadeShowsAfterItsDelayOrAtOnceNearALoss) {
+  constexpr int kDelay = 4;
+  SystemOptions options = options_for(Sensor::rgbd);
+  options.mapping_delay = kDelay;
+  options.tracker.min_inliers = 200;
+  options.tracker.min_close_points = 500;  // to be content with: rarely reached
+  options.tracker.new_close_points = 0;
+  Recording recording(Sensor::rgbd, 32);
+  System system(recording.synth.camera(), options);
+  int waited = 0, late = 0, at_once = 0;  // frames since a key frame whose mapping is not to be seen yet; 0: none
+  bool near_loss = false;
+  for (int i = 0; i < recording.size(); ++i) {
+    const FrameReport report = system.process(recording.frame(i));
+    ASSERT_EQ(report.track.state, TrackState::tracking) << i;
+    if (i == 0) continue;
+    if (waited > 0) {
+      const bool due = waited == kDelay;
+      ASSERT_EQ(report.mapping.size(), due || near_loss ? 1u : 0u) << i;
+      late += due;
+      at_once += !due && near_loss;
+      waited = report.mapping.empty() ? waited + 1 : 0;
+    }
+    if (report.track.key_frame) waited = 1;
+    near_loss = report.track.inliers < 2 * options.tracker.min_inliers;
+  }
+  EXPECT_GE(late, 1);
+  EXPECT_GE(at_once, 1);
+}
+
 TEST_P(EachSensor, RealTimeTracksToo) {
   SystemOptions options = options_for(GetParam());
   options.realtime = true;

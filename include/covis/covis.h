@@ -102,8 +102,9 @@ class COVIS_API Slam {
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;
 
-  // One frame; stamps (nanoseconds) must rise. Errors: a stamp that does not rise, an image of another size than the
-  // camera's, a call that does not fit the sensor. An error changes nothing: tracking goes on with the next frame.
+  // One frame; stamps (nanoseconds) must rise, and tell how far the camera should have moved. Errors: a stamp that does
+  // not rise, an image of another size than the camera's, a call that does not fit the sensor. An error changes
+  // nothing: tracking goes on with the next frame.
   tl::expected<FrameResult, std::string> track_monocular(int64_t stamp, const GreyImage& image);
   tl::expected<FrameResult, std::string> track_stereo(int64_t stamp, const GreyImage& left, const GreyImage& right);
   tl::expected<FrameResult, std::string> track_rgbd(int64_t stamp, const GreyImage& image, const DepthImage& depth);

@@ -54,7 +54,7 @@ void LocalMap::clear() {
   id.clear();
   key_frames.clear();
   reference = {};
-  reference_points = 0;
+  reference_points = reference_all_points = 0;
 }
 
 void LocalMap::update(const Map& map, const std::vector<MapPointId>& matched, KeyFrameId fallback, int max_key_frames) {
@@ -66,6 +66,7 @@ void LocalMap::update(const Map& map, const std::vector<MapPointId>& matched, Ke
     // A point seen by two key frames with depth is as sure as one seen by three without.
     const bool young = map.part(reference.part)->key_frames <= 2 || map.camera().bf > 0;
     reference_points = map.tracked_points(reference.id, young ? 2 : 3);
+    reference_all_points = map.tracked_points(reference.id, 2);
   }
 }
 

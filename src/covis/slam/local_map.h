@@ -42,7 +42,8 @@ class LocalMap {
 
   std::vector<KeyFrameId> key_frames;  // K1 first
   KeyFrameView reference;
-  int reference_points = 0;  // points of the reference key frame with enough observers (3, or 2 in a young map)
+  int reference_all_points = 0;  // points of the reference key frame that another one observes too
+  int reference_points = 0;      // points of the reference key frame with enough observers (3, or 2 in a young map)
 
   int size() const { return static_cast<int>(id.size()); }
 

@@ -52,6 +52,7 @@ TEST_F(LocalMapTest, HoldsTheObserversTheirNeighboursAndTheTree) {
   EXPECT_EQ(local.reference.id, frames[0]);
   EXPECT_EQ(local.size(), 40 + 30 + 20) << "each point once";
   EXPECT_EQ(local.reference_points, 40);
+  EXPECT_EQ(local.reference_all_points, 40);
 }
 
 TEST_F(LocalMapTest, MostVotesMakeTheReference) {

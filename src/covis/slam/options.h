@@ -32,11 +32,12 @@ struct TrackerOptions {
   int new_close_points = 70;   // untracked close points that make a key frame worth it
   double key_frame_ratio =
       0.75;  // tracked share of the reference key frame's points below which one is due (stereo, RGB-D)
-  double key_frame_ratio_mono = 0.8;  // the same, monocular (published: 0.9; see docs/results.md)
-  double key_frame_turn = 0.2;        // turn away from the reference key frame's view beyond which one is due, share of
-                                      // the wider angle of view (stereo, RGB-D)
-  int key_frame_min_inliers = 15;     // with fewer no key frame is made
-  double key_frame_interval = 1.0;    // seconds after which one may be made though mapping is busy
+  double key_frame_ratio_mono = 0.8;      // the same, monocular (published: 0.9; see docs/results.md)
+  double key_frame_all_ratio_mono = 0.5;  // the same of all its points that another key frame observes, monocular
+  double key_frame_turn = 0.2;      // turn away from the reference key frame's view beyond which one is due, share of
+                                    // the wider angle of view (stereo, RGB-D)
+  int key_frame_min_inliers = 15;   // with fewer no key frame is made
+  double key_frame_interval = 1.0;  // seconds after which one may be made though mapping is busy
   int weak_inliers = 80;           // with fewer inliers the next frames get twice the features, until 2.5 times as many
   int init_features = 500;         // features of a first frame (stereo, RGB-D)
   int init_min_matches = 100;      // monocular: matches of the two first views

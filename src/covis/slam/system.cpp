@@ -85,7 +85,7 @@ FrameReport System::process(const Input& input) {
   ++processed_;
   if (options_.realtime) {
     collect(report, false);
-  } else if (processed_ >= visible_at_) {
+  } else if (processed_ >= visible_at_ || tracker_.near_loss()) {
     collect(report, true);
   }
   report.timing.wait_ms = watch.ms();

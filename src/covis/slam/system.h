@@ -3,8 +3,9 @@
 // end's.
 //
 // Deterministic by default (architecture.md, decision 6): mapping runs beside tracking, but what it made of a key frame
-// shows to the tracker `mapping_delay` frames later, and the tracker waits for it then. Until then the tracker works on
-// its copies of the map. So the result depends on the input and the settings alone.
+// shows to the tracker `mapping_delay` frames later, or at the next frame where few points were tracked, and the
+// tracker waits for it then. Until then the tracker works on its copies of the map. So the result depends on the input
+// and the settings alone.
 #pragma once
 
 #include <memory>

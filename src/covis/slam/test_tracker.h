@@ -38,11 +38,14 @@ class TrackerTest : public testing::Test {
     EXPECT_FALSE(outcome.key_frame && outcome.initial_map);
     return outcome;
   }
-  TrackResult track(FeaturesPtr features, int i) {
-    Tracker::Outcome outcome = track_alone(std::move(features), i);
+  void do_mapping(const Tracker::Outcome& outcome, int i) {
     if (outcome.key_frame) tracker.key_frame_made(mapper.process(*outcome.key_frame, nullptr), i);
     if (outcome.initial_map) tracker.key_frame_made(mapper.initialise(*outcome.initial_map), i);
     if (outcome.discard_part) mapper.discard(*outcome.discard_part);
+  }
+  TrackResult track(FeaturesPtr features, int i) {
+    const Tracker::Outcome outcome = track_alone(std::move(features), i);
+    do_mapping(outcome, i);
     EXPECT_EQ(outcome.result.state == TrackState::tracking, outcome.result.reason.empty()) << outcome.result.reason;
     return outcome.result;
   }

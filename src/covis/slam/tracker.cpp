@@ -107,6 +107,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
     }
   }
   result.state = state_;
+  near_loss_ = result.inliers < 2 * options_.tracker.min_inliers;
   outcome.retract_from = std::exchange(retract_from_, std::nullopt);
   std::swap(last_, current_);
   return outcome;
@@ -118,7 +119,7 @@ bool Tracker::find_pose(TrackResult& result, bool map_is_live) {
   if (state_ == TrackState::tracking) {
     // What is bridged drifts: the map is looked for again and again.
     if (bridged_frames_ > 0 && bridged_frames_ % kTryEvery == 0 && recover(result, map_is_live)) return true;
-    found = (has_velocity_ && track_by_motion(result)) || track_by_reference(result);
+    found = track_by_motion(result) || track_by_reference(result);
     found = found && (track_local_map(result, map_is_live) || bridge(result));
   }
   return found || recover(result, map_is_live);
@@ -326,8 +327,12 @@ bool Tracker::key_frame_due(const TrackResult& result, bool mapping_idle) const 
   }
   const bool waited = current_.stamp - last_key_frame_stamp_ > from_seconds(o.key_frame_interval);
   if (!mapping_idle && !(options_.realtime && (waited || few_close))) return false;
-  const double ratio = monocular() ? o.key_frame_ratio_mono : o.key_frame_ratio;
-  return few_close || (!monocular() && turned_away()) || result.inliers < ratio * local_map_.reference_points;
+  if (monocular()) {
+    // Many new points, of two views, let the camera go far before fewer are left than the older ones were.
+    return result.inliers < o.key_frame_ratio_mono * local_map_.reference_points ||
+           result.inliers < o.key_frame_all_ratio_mono * local_map_.reference_all_points;
+  }
+  return few_close || turned_away() || result.inliers < o.key_frame_ratio * local_map_.reference_points;
 }
 
 // Features with depth up to the close bound, or the min_close_points nearest (ties: lower index) when those are fewer.

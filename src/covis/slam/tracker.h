@@ -80,6 +80,8 @@ class Tracker {
   bool wants_more_features() const {
     return state_ == TrackState::not_initialised ? monocular() : weak_ || (beginning_ && monocular());
   }
+  // Whether the last frame had so few points that the next should have all that mapping can give.
+  bool near_loss() const { return near_loss_; }
   TrackState state() const { return state_; }
   // Parts of the map below this number were put in place: they are never given up.
   uint32_t kept_parts() const { return kept_parts_; }
@@ -121,7 +123,7 @@ class Tracker {
 
   // Makes the local map anew round the current frame's matches.
   void update_local_map(KeyFrameId fallback);
-  SE3 expected_motion() const;  // from the last camera to the current one
+  std::optional<SE3> expected_motion() const;  // from the last camera to the current one
   // Searches set the matches of the current frame and return how many there are, or how many points were in view.
   int search_last_frame(double window);
   int match_key_frame(const KeyFrameView& view, double ratio, int max_distance);
@@ -184,6 +186,7 @@ class Tracker {
   bool beginning_ = false;  // lost for long: a new map is to be begun beside the old one
   int bridged_frames_ = 0;  // in a row
   bool weak_ = false;       // few inliers lately
+  bool near_loss_ = false;  // few with the last frame
   uint32_t kept_parts_ = 0;
   size_t recovery_cursor_ = 0;  // whose turn it is among all key frames
 

@@ -22,18 +22,22 @@ void Tracker::add_temporary_points() {
 }
 
 // As fast as before. Frames may have been left out, by whoever calls or as they came late; a small difference of times
-// is jitter of the stamps.
-SE3 Tracker::expected_motion() const {
-  constexpr double kJitter = 1.4;
+// is jitter of the stamps. After a longer pause nothing is expected.
+std::optional<SE3> Tracker::expected_motion() const {
+  constexpr double kJitter = 1.4, kPause = 5;
+  if (!has_velocity_) return std::nullopt;
   const double times = static_cast<double>(current_.stamp - last_.stamp) / static_cast<double>(velocity_time_);
+  if (times > kPause) return std::nullopt;
   return times < kJitter && times > 1 / kJitter ? velocity_ : SE3::exp(times * velocity_.log());
 }
 
 bool Tracker::track_by_motion(TrackResult& result) {
+  const std::optional<SE3> motion = expected_motion();
+  if (!motion) return false;
   const Stopwatch watch;
   const TrackerOptions& o = options_.tracker;
   add_temporary_points();
-  current_.T_cw = (expected_motion() * last_.T_cw).normalized();
+  current_.T_cw = (*motion * last_.T_cw).normalized();
   const double window = options_.sensor == Sensor::stereo ? o.motion_window_stereo : o.motion_window;
   int matches = search_last_frame(window);
   if (matches < o.motion_min_matches) matches = search_last_frame(2 * window);

@@ -43,6 +43,14 @@ TEST_F(TrackerTest, FramesLeftOutDoNotEndTheMotionModel) {
   }
 }
 
+TEST_F(TrackerTest, AfterAPauseNoMotionIsExpected) {
+  for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
+  const auto later = tracker.track(frames.features(6), 6, frames.stamp(5) + from_seconds(10.0), true, true).result;
+  ASSERT_EQ(later.state, TrackState::tracking) << later.reason;
+  EXPECT_EQ(later.method, TrackMethod::reference_key_frame);
+  EXPECT_LT((later.T_cw.inverse().t() - frames.T_cw(6).inverse().t()).norm(), 0.01);
+}
+
 // A camera of 5 % more focal length sees the same from 5 % farther away.
 TEST_F(TrackerTest, TheFirstFrameAfterARefinementIsTrackedByTheRefinedCamera) {
   for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
@@ -92,6 +100,36 @@ TEST_P(TurningTest, AKeyFrameIsDueWhereTheViewHasTurnedAwayFromItsReference) {
   EXPECT_EQ(due >= 2, GetParam() < 1) << due;
 }
 
+class NewPointsTest : public TrackerTest, public testing::WithParamInterface<double> {
+ protected:
+  NewPointsTest() : TrackerTest(by_new_points_alone()) {}
+
+  static SystemOptions by_new_points_alone() {
+    SystemOptions options = options_of(Sensor::monocular);
+    options.tracker.key_frame_ratio_mono = 0;
+    options.tracker.key_frame_all_ratio_mono = GetParam();
+    return options;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Shares, NewPointsTest, testing::Values(0.0, 0.8));
+
+TEST_P(NewPointsTest, AKeyFrameIsDueWhereTooFewOfAllPointsOfTheReferenceAreLeft) {
+  int due = 0;
+  for (int i = 0; i < frames.count(); ++i) {
+    const Tracker::Outcome outcome = track_alone(frames.features(i), i);
+    const TrackResult& result = outcome.result;
+    if (result.state == TrackState::tracking && result.method != TrackMethod::initialised) {
+      const int all = shared.read()->tracked_points(result.reference, 2);
+      EXPECT_EQ(result.key_frame, result.inliers < GetParam() * all) << "frame " << i;
+      due += result.key_frame;
+    }
+    do_mapping(outcome, i);
+  }
+  ASSERT_EQ(tracker.state(), TrackState::tracking);
+  EXPECT_EQ(due >= 2, GetParam() > 0) << due;
+}
+
 TEST_F(TrackerTest, NothingToSeeIsNoFirstKeyFrame) {
   const TrackResult result = track_blank(0);
   EXPECT_EQ(result.state, TrackState::not_initialised);
@@ -112,6 +150,7 @@ TEST_F(TrackerTest, FeaturesWithoutDepthAreNoFirstKeyFrame) {
 TEST_F(TrackerTest, LossKeepsTheMapSaysWhyAndEndsWhenAKnownViewComes) {
   for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
   EXPECT_FALSE(tracker.wants_more_features());
+  EXPECT_FALSE(tracker.near_loss());
   const size_t points = shared.read()->point_count();
   for (int i = 6; i < 9; ++i) {
     const TrackResult lost = track_blank(i);
@@ -121,6 +160,7 @@ TEST_F(TrackerTest, LossKeepsTheMapSaysWhyAndEndsWhenAKnownViewComes) {
     EXPECT_FALSE(lost.key_frame);
   }
   EXPECT_TRUE(tracker.wants_more_features());
+  EXPECT_TRUE(tracker.near_loss());
   EXPECT_EQ(shared.read()->point_count(), points);
   const TrackResult found = track(frames.features(5), 9);
   EXPECT_EQ(found.state, TrackState::tracking);
