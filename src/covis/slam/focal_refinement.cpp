@@ -21,21 +21,20 @@ namespace {
 // One step; false: the problem stays as it was.
 bool step(BundleProblem& problem, BundleAdjuster& adjuster, double given_fx, const std::atomic<bool>* interrupt) {
   constexpr double kMaxSigma = 0.005;   // of the factor: it is known well
-  constexpr size_t kFew = 35;           // key frames: their errors are alike, the estimate is worse than its sigma says
   constexpr double kMinChange = 0.006;  // worth it …
-  const double significant = problem.poses.size() < kFew ? 6 : 4;  // … and so many sigmas: it is surely another one
-  constexpr double kMaxStep = 0.02;    // twice as far as the estimate looks: the next step goes on from there
-  constexpr double kMaxChange = 0.05;  // from the one given
+  constexpr double kSignificant = 6;    // … and so many sigmas: errors of neighbouring key frames are alike
+  constexpr double kMaxStep = 0.02;     // twice as far as the estimate looks: the next step goes on from there
+  constexpr double kMaxChange = 0.05;   // from the one given
   const FocalEstimate estimate = estimate_focal(problem, adjuster, interrupt);
   if (!estimate.ok || estimate.sigma > kMaxSigma) return false;
-  if (std::abs(estimate.factor - 1) < std::max(kMinChange, significant * estimate.sigma)) return false;
+  if (std::abs(estimate.factor - 1) < std::max(kMinChange, kSignificant * estimate.sigma)) return false;
   const Pinhole camera = with_focal(problem.camera, std::clamp(estimate.factor, 1 - kMaxStep, 1 + kMaxStep));
   if (std::abs(camera.fx / given_fx - 1) > kMaxChange) return false;
 
   BundleProblem moved = problem;
   moved.camera = camera;
   const std::optional<double> cost = adjusted_cost(moved, adjuster, interrupt);
-  if (!cost || estimate.cost - *cost < significant * significant * estimate.variance) return false;
+  if (!cost || estimate.cost - *cost < kSignificant * kSignificant * estimate.variance) return false;
   const BundleSummary summary = adjuster.solve(moved, {.iterations = 20, .interrupt = interrupt});
   if (!summary.ok || summary.interrupted) return false;
   classify_observations(moved);
