@@ -301,8 +301,9 @@ void print(const Placing& placing) {
   print("all", placing.frames);
   print_tracked("mapping frames", placing.mapped);
   print_tracked("run of all frames", placing.run_of_all);
-  const auto& [x, y, z] = placing.turn_ratios;
-  std::printf("run of all frames, its turns over the truth's: %.2f pitch, %.2f yaw, %.2f roll\n", x, y, z);
+  const auto& [pitch, yaw, roll] = placing.turn_ratios;
+  std::printf("run of all frames, its turns over the truth's (0: too small): pitch %.2f, yaw %.2f, roll %.2f\n", pitch,
+              yaw, roll);
   std::printf("%.1f ms an image (median)\n", quantile(placing.times, 0.5));
 }
 

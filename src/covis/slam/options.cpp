@@ -104,8 +104,10 @@ Fields fields(SystemOptions& o) {
   for (Field& field : fields(o.tracker)) all.push_back(std::move(field));
   for (Field& field : fields(o.mapper)) all.push_back(std::move(field));
   for (Field& field : fields(o.loop)) all.push_back(std::move(field));
-  all.push_back({"system.mapping_delay", &o.mapping_delay,
-                 "frames after a key frame at which its mapping becomes visible to tracking", 1, 100});
+  all.push_back(
+      {"system.mapping_delay", &o.mapping_delay,
+       "frames after a key frame at which its mapping becomes visible to tracking, unless few points are left", 1,
+       100});
   all.push_back({"system.realtime", &o.realtime, "frames at their own times, mapping visible when ready"});
   all.push_back({"system.localize", &o.localize, "localisation only: no key frames, no points; needs a map"});
   all.push_back({"system.seed", &o.seed, "of the random choices", 0, 2147483647.0});

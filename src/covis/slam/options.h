@@ -86,7 +86,8 @@ struct SystemOptions {
   TrackerOptions tracker;
   MapperOptions mapper;
   LoopOptions loop;
-  int mapping_delay = 2;  // frames after a key frame at which what mapping made of it becomes visible to tracking
+  // Frames after a key frame at which what mapping made of it becomes visible to tracking; sooner near a loss.
+  int mapping_delay = 2;
   bool realtime = false;  // instead: as soon as it is ready; mapping is interrupted by new key frames
   bool localize = false;  // localisation only: the map is not touched (algorithms.md §3.7)
   int seed = 0;           // of the random choices
