@@ -21,8 +21,11 @@ struct EvalArguments {
   bool json = false;
 };
 
-const std::map<std::string, AlignMode> kAligns{
-    {"se3", AlignMode::se3}, {"sim3", AlignMode::sim3}, {"none", AlignMode::none}};
+const std::map<std::string, AlignMode> kAligns{{"se3", AlignMode::se3},
+                                               {"sim3", AlignMode::sim3},
+                                               {"none", AlignMode::none},
+                                               {"first", AlignMode::first},
+                                               {"first-sim3", AlignMode::first_sim3}};
 const std::map<std::string, DeltaUnit> kUnits{
     {"frames", DeltaUnit::frames}, {"s", DeltaUnit::seconds}, {"m", DeltaUnit::metres}};
 const std::map<std::string, io::TrajectoryFormat> kReadFormats{{"auto", io::TrajectoryFormat::automatic},
@@ -67,7 +70,10 @@ void add_eval_command(CLI::App& app, int& exit_code) {
       ->add_option("TRUTH", a->truth,
                    "the truth: TUM, KITTI or EuRoC file (of the camera; EuRoC's own truth is of the body)")
       ->required();
-  command->add_option("--align", a->align, "se3, sim3 (with scale: monocular) or none")
+  command
+      ->add_option(
+          "--align", a->align,
+          "se3, sim3 (with scale: monocular), none, or first, first-sim3 (by the first pose: how far it strays)")
       ->capture_default_str()
       ->check(CLI::IsMember(keys(kAligns)));
   command->add_flag("--json", a->json, "JSON on stdout");

@@ -145,6 +145,12 @@ std::optional<KittiError> kitti_error(const std::vector<ComparedPose>& poses, co
   return result;
 }
 
+// What takes this pose to its truth.
+Alignment by_pose(const ComparedPose& pose, double scale) {
+  const Eigen::Matrix3d R = pose.truth.R() * pose.estimate.R().transpose();
+  return {.T_ba = SE3(R, Eigen::Vector3d(pose.truth.t() - scale * (R * pose.estimate.t()))), .scale = scale};
+}
+
 }  // namespace
 
 Result<Evaluation> evaluate(const Trajectory& estimate_in, const Trajectory& truth_in,
@@ -173,12 +179,15 @@ Result<Evaluation> evaluate(const Trajectory& estimate_in, const Trajectory& tru
                 "; the truth: " + span_text(truth));
   }
   result.coverage = static_cast<double>(covered.size()) / static_cast<double>(truth.size());
+  const AlignMode mode = options.align;
   Alignment alignment;
-  if (options.align != AlignMode::none) {
-    const auto found = align(from, to, options.align == AlignMode::sim3);
+  if (mode != AlignMode::none && mode != AlignMode::first) {
+    const auto found = align(from, to, mode != AlignMode::se3);
     if (!found) return fail("the trajectory can't be aligned: all its positions are the same");
     alignment = *found;
   }
+  if (mode == AlignMode::first || mode == AlignMode::first_sim3)
+    alignment = by_pose(result.compared.front(), alignment.scale);
   result.scale = alignment.scale;
   result.unique_alignment = alignment.unique;
   std::vector<double> errors, rotations;

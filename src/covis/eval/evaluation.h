@@ -16,7 +16,9 @@
 
 namespace covis {
 
-enum class AlignMode { se3, sim3, none };
+// How the estimate is put onto the truth: by all positions, rigidly or with scale; not at all; by the first compared
+// pose alone, to tell how far it strays from there, rigidly or with the scale of sim3.
+enum class AlignMode { se3, sim3, none, first, first_sim3 };
 enum class DeltaUnit { frames, seconds, metres };
 
 struct EvaluationOptions {

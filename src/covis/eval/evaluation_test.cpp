@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 namespace covis {
 namespace {
@@ -58,6 +59,28 @@ TEST(Evaluation, AKnownOffsetWithoutAlignment) {
   EXPECT_NEAR(e->ate.rmse, 5, 1e-9);
   EXPECT_NEAR(e->ate.median, 5, 1e-9);
   EXPECT_NEAR(e->ate.max, 5, 1e-9);
+}
+
+// Bent by one degree after its middle: aligned by the first pose the end is as far off as that swings it.
+TEST(Evaluation, ByTheFirstPoseAPathStrays) {
+  const Trajectory truth = path(100);
+  Trajectory bent = truth;
+  const SE3 middle = truth[50].T_wc;
+  const SE3 bend = middle * SE3(so3_exp({0, std::numbers::pi / 180, 0}), {0, 0, 0}) * middle.inverse();
+  for (size_t i = 51; i < bent.size(); ++i) bent[i].T_wc = bend * bent[i].T_wc;
+  const double end = (bent.back().T_wc.t() - truth.back().T_wc.t()).norm();
+  ASSERT_GT(end, 1e-3);
+  const auto rigid = evaluate(moved(bent, kMotion, 1), truth, {.align = AlignMode::first});
+  ASSERT_TRUE(rigid) << rigid.error().message;
+  EXPECT_NEAR(rigid->compared.front().error, 0, 1e-9);
+  EXPECT_NEAR(rigid->compared[50].error, 0, 1e-9);
+  EXPECT_NEAR(rigid->compared.back().error, end, 1e-9);
+  EXPECT_EQ(rigid->scale, 1);
+  const auto scaled = evaluate(moved(truth, kMotion, 0.5), truth, {.align = AlignMode::first_sim3});
+  ASSERT_TRUE(scaled) << scaled.error().message;
+  EXPECT_NEAR(scaled->scale, 2, 1e-9);
+  EXPECT_NEAR(scaled->ate.max, 0, 1e-9);
+  EXPECT_NEAR(scaled->rotation_deg.max, 0, 1e-5);
 }
 
 TEST(Evaluation, RelativeAndKittiErrorsOfAStretchedPath) {
