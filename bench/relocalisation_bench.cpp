@@ -138,9 +138,13 @@ struct PoseError {
   bool small() const { return metres < 0.05 && degrees < 2; }
 };
 
+// By how many degrees camera b is turned as camera a sees it, and about which axis.
+Eigen::Vector3d turn(const SE3& a_T_wc, const SE3& b_T_wc) {
+  return so3_log(a_T_wc.R().transpose() * b_T_wc.R()) * 180 / std::numbers::pi;
+}
+
 PoseError pose_error(const SE3& T_wc, const SE3& right_T_wc) {
-  const SE3 difference = right_T_wc.inverse() * T_wc;
-  return {difference.t().norm(), so3_log(difference.R()).norm() * 180 / std::numbers::pi};
+  return {(T_wc.t() - right_T_wc.t()).norm(), turn(right_T_wc, T_wc).norm()};
 }
 
 void print(const std::vector<PoseError>& errors) {
@@ -215,11 +219,6 @@ std::vector<PoseError> tracked_errors(const Poses& truth, const Poses& run, cons
     if (const SE3* right = truth.at(stamp)) errors.push_back(pose_error(T_truth_run * T_wc, *right));
   }
   return errors;
-}
-
-// By how many degrees camera b is turned as camera a sees it, and about which axis.
-Eigen::Vector3d turn(const SE3& a_T_wc, const SE3& b_T_wc) {
-  return so3_log(a_T_wc.R().transpose() * b_T_wc.R()) * 180 / std::numbers::pi;
 }
 
 // How far the run turns between two frames, over how far the truth does: median, for the turns of more than 10 degrees

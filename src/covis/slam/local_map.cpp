@@ -66,7 +66,7 @@ void LocalMap::update(const Map& map, const std::vector<MapPointId>& matched, Ke
     // A point seen by two key frames with depth is as sure as one seen by three without.
     const bool young = map.part(reference.part)->key_frames <= 2 || map.camera().bf > 0;
     reference_points = map.tracked_points(reference.id, young ? 2 : 3);
-    reference_all_points = map.tracked_points(reference.id, 2);
+    reference_all_points = young ? reference_points : map.tracked_points(reference.id, 2);
   }
 }
 
