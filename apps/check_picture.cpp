@@ -132,7 +132,7 @@ std::string CheckPicture::caption() const {
     case Sensor::rgbd:
       return "images, and with the depth laid over them (red near)";
     case Sensor::monocular:
-      return "images with their key points";
+      return "images with their keypoints";
   }
   return {};
 }

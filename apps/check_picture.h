@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture `covis check` leaves: for stereo both images with rows across and matched key points joined (rows must
-// meet the same things), for RGB-D the depth laid over the image (edges must meet), for one camera its key points.
+// The picture `covis check` leaves: for stereo both images with rows across and matched keypoints joined (rows must
+// meet the same things), for RGB-D the depth laid over the image (edges must meet), for one camera its keypoints.
 #pragma once
 
 #include <filesystem>
@@ -20,7 +20,7 @@ class CheckPicture {
 
   CheckPicture(const Camera& camera, Sensor sensor);
   ~CheckPicture();
-  // Of a stereo pair: the share of the left key points that have a match on the same row of the right image.
+  // Of a stereo pair: the share of the left keypoints that have a match on the same row of the right image.
   std::optional<double> add(const io::Frame& frame);
   Result<void> write(const std::filesystem::path& file) const;
   std::string caption() const;

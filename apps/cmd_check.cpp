@@ -116,7 +116,7 @@ Findings read_all(io::Sequence& sequence, const Reading& reading, CheckPicture& 
     const std::optional<double> matched = picture.add(frame);
     if (matched && *matched < kFewMatches) {
       f.problems.push_back({frame.index, "only " + std::to_string(static_cast<int>(100 * *matched)) +
-                                             " % of the left key points have a match on the same row of the right "
+                                             " % of the left keypoints have a match on the same row of the right "
                                              "image; is the pair rectified, and the left image the left one?"});
     }
   }
@@ -175,7 +175,7 @@ void add_check_command(CLI::App& app, int& exit_code) {
   command->add_option("PATH", a->path, "folder (TUM RGB-D, KITTI, EuRoC, images), video file, or camera number")
       ->required();
   add_reading_options(*command, a->reading);
-  command->add_option("--out", a->out, "the picture: stereo rows, depth overlay, or key points")->capture_default_str();
+  command->add_option("--out", a->out, "the picture: stereo rows, depth overlay, or keypoints")->capture_default_str();
   command->add_flag("--json", a->json, "JSON on stdout");
   command->footer(
       "Examples:\n  covis check rgbd_dataset_freiburg1_desk\n  covis check kitti/sequences/06 --out rows.png\nExit "

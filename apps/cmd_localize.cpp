@@ -37,8 +37,8 @@ struct Found {
 
 Found locate_all(io::Sequence& sequence, System& system) {
   Found found;
-  const std::vector<MapSummary> maps = system.maps();
-  found.of_map.resize(maps.size());
+  const std::vector<SubmapSummary> submaps = system.submaps();
+  found.of_map.resize(submaps.size());
   io::Frame frame;
   while (true) {
     auto next = sequence.next(std::move(frame));
@@ -54,8 +54,8 @@ Found locate_all(io::Sequence& sequence, System& system) {
     const Stopwatch watch;
     const auto located = system.locate(input_of(frame));
     found.times.push_back(watch.ms());
-    for (size_t m = 0; located && m < maps.size(); ++m) {
-      if (maps[m].part == located->part) found.of_map[m].push_back({frame.stamp, located->T_wc});
+    for (size_t m = 0; located && m < submaps.size(); ++m) {
+      if (submaps[m].id == located->submap) found.of_map[m].push_back({frame.stamp, located->T_wc});
     }
   }
 }
@@ -109,7 +109,7 @@ void add_localize_command(CLI::App& app, int& exit_code) {
   command->add_option("--out", arguments->out, "poses found, TUM format, in the map's world")->capture_default_str();
   add_reading_options(*command, arguments->reading);
   command->add_option("--vocabulary", arguments->vocabulary, "vocabulary (default: the one that comes along)");
-  command->add_option("--features", arguments->features, "key points an image")->check(CLI::Range(50, 30000));
+  command->add_option("--features", arguments->features, "keypoints an image")->check(CLI::Range(50, 30000));
   command->add_flag("--json", arguments->json, "the summary as JSON on stdout");
   command->footer("Examples:\n  covis localize office2 --map office.m --out found.txt");
   command->callback([arguments, &exit_code] { exit_code = localize(*arguments); });

@@ -27,7 +27,7 @@ nlohmann::json to_json(const std::string& file, const io::MapInfo& info) {
           {"camera", camera_json(info.header.camera)},
           {"pyramid", {{"levels", info.header.levels}, {"factor", info.header.factor}}},
           {"vocabulary", info.header.vocabulary},
-          {"maps", info.parts},
+          {"maps", info.submaps},
           {"key_frames", info.key_frames},
           {"points", info.points},
           {"observations", info.observations},
@@ -44,7 +44,7 @@ void print(const std::string& file, const io::MapInfo& info, const nlohmann::jso
   std::cout << "camera          " << json["camera"].dump() << "\n";
   std::printf("pyramid         %d levels, factor %g\n", info.header.levels, static_cast<double>(info.header.factor));
   std::cout << "vocabulary      " << (info.header.vocabulary.empty() ? "none" : info.header.vocabulary) << "\n";
-  if (info.parts > 1) std::printf("maps            %llu, not joined\n", static_cast<unsigned long long>(info.parts));
+  if (info.submaps > 1) std::printf("maps            %llu, not joined\n", static_cast<unsigned long long>(info.submaps));
   std::printf("key frames      %llu, over %.2f s\n", static_cast<unsigned long long>(info.key_frames), info.seconds);
   std::printf("points          %llu, seen %llu times\n", static_cast<unsigned long long>(info.points),
               static_cast<unsigned long long>(info.observations));

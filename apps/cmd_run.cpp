@@ -251,7 +251,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_option("--format", arguments->format, "trajectory format: tum, kitti or euroc")
       ->capture_default_str()
       ->check(CLI::IsMember(keys(kWriteFormats)));
-  command->add_option("--features", arguments->features, "key points an image (short for --set orb.features=N)")
+  command->add_option("--features", arguments->features, "keypoints an image (short for --set orb.features=N)")
       ->check(CLI::Range(50, 30000));
   command
       ->add_option("--simd", arguments->simd,

@@ -19,7 +19,7 @@ using nlohmann::json;
 // One for each map; an empty one when there is no map at all.
 std::vector<Trajectory> by_map(const std::vector<PoseOfFrame>& poses, size_t maps) {
   std::vector<Trajectory> trajectories(std::max<size_t>(1, maps));
-  for (const PoseOfFrame& pose : poses) trajectories[static_cast<size_t>(pose.map)].push_back({pose.stamp, pose.T_wc});
+  for (const PoseOfFrame& pose : poses) trajectories[static_cast<size_t>(pose.submap_index)].push_back({pose.stamp, pose.T_wc});
   return trajectories;
 }
 
@@ -83,17 +83,17 @@ std::vector<ReportFrame> report_frames(const RunRecord& run) {
 }  // namespace
 
 Result<json> write_outputs(const RunRecord& run, const System& system, const OutputOptions& options) {
-  const std::vector<MapSummary> maps = system.maps();
+  const std::vector<SubmapSummary> submaps = system.submaps();
   const std::vector<PoseOfFrame> poses = system.trajectory();
-  const std::vector<Trajectory> trajectories = by_map(poses, maps.size());
+  const std::vector<Trajectory> trajectories = by_map(poses, submaps.size());
   const Trajectory& final = trajectories.front();
-  const Trajectory online = by_map(system.online_trajectory(), maps.size()).front();
-  const Trajectory key_frames = by_map(system.key_frames(), maps.size()).front();
+  const Trajectory online = by_map(system.online_trajectory(), submaps.size()).front();
+  const Trajectory key_frames = by_map(system.key_frames(), submaps.size()).front();
   std::vector<Eigen::Vector3d> points;
   {
     const auto map = system.map().read();
     map->for_each_point([&](MapPointId, const MapPoint& point) {
-      if (map->at(point.reference).part == maps.front().part) points.push_back(point.position_w);
+      if (map->at(point.reference).submap == submaps.front().id) points.push_back(point.position_w);
     });
   }
   json summary = summarise(run, system);

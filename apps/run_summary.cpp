@@ -84,9 +84,9 @@ json merges(const RunRecord& run) {
   return list;
 }
 
-json maps(const std::vector<MapSummary>& maps) {
+json submaps_json(const std::vector<SubmapSummary>& submaps) {
   json list = json::array();
-  for (const MapSummary& map : maps) {
+  for (const SubmapSummary& map : submaps) {
     list.push_back(
         {{"loaded", map.loaded}, {"frames", map.frames}, {"keyframes", map.key_frames}, {"map_points", map.points}});
   }
@@ -115,7 +115,7 @@ json to_json(const FrameStats& f, std::optional<int> map) {
                {"local_points", f.track.local_points},
                {"in_view", f.track.local_in_view},
                {"inliers", f.track.inliers},
-               {"doubtful", f.track.doubtful},
+               {"tentative", f.track.tentative},
                {"key_frame", f.track.key_frame},
                {"tracking_ms", f.tracking_ms()},
                {"cpu_ms", f.cpu_ms}});
@@ -204,7 +204,7 @@ std::string stats_text(const RunRecord& run, const std::vector<PoseOfFrame>& pos
   for (const FrameStats& frame : run.frames) {
     while (pose != poses.end() && pose->frame < frame.frame) ++pose;
     const bool has_pose = pose != poses.end() && pose->frame == frame.frame;
-    json line = to_json(frame, has_pose ? std::optional(pose->map) : std::nullopt);
+    json line = to_json(frame, has_pose ? std::optional(pose->submap_index) : std::nullopt);
     for (; next < run.mapping.size() && run.mapping[next].frame <= frame.frame; ++next) {
       if (run.mapping[next].frame == frame.frame) line["mapping"] = to_json(run.mapping[next]);
     }
@@ -227,7 +227,7 @@ json summarise(const RunRecord& run, const System& system) {
   const auto first_tracked =
       std::find_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.online; });
   size_t key_frames = 0, points = 0;
-  for (const MapSummary& map : system.maps()) {
+  for (const SubmapSummary& map : system.submaps()) {
     key_frames += map.key_frames;
     points += map.points;
   }
@@ -252,7 +252,7 @@ json summarise(const RunRecord& run, const System& system) {
           {"stage_ms", stage_times(done)},
           {"mapping_ms", mapping_times(run)},
           {"loops", loops(run)},
-          {"maps", maps(system.maps())},
+          {"maps", submaps_json(system.submaps())},
           {"merges", merges(run)},
           {"frames_per_second", static_cast<double>(run.frames.size()) / std::max(run.wall_seconds, 1e-9)},
           {"wall_s", run.wall_seconds},

@@ -67,7 +67,7 @@ class Poses {
   // Of its first map.
   explicit Poses(const System& run) {
     for (const PoseOfFrame& pose : run.trajectory()) {
-      if (pose.map == 0) T_wc_.emplace(pose.stamp, pose.T_wc);
+      if (pose.submap_index == 0) T_wc_.emplace(pose.stamp, pose.T_wc);
     }
   }
   // Within 5 ms; nullptr: there is none.
@@ -262,7 +262,7 @@ Placing place(io::Sequence& sequence, const std::vector<View>& mapped, const Ref
               System& system) {
   Placing placing;
   const Camera camera = sequence.camera();
-  const uint32_t part = system.maps().front().part;
+  const uint32_t submap = system.submaps().front().id;
   for_each_frame(sequence, [&](const io::Frame& frame) {
     const SE3 *T_wc = truth.poses->at(frame.stamp), *run_T_wc = run.poses->at(frame.stamp);
     if (!T_wc || !run_T_wc) return;
@@ -271,7 +271,7 @@ Placing place(io::Sequence& sequence, const std::vector<View>& mapped, const Ref
     const Stopwatch watch;
     const auto found = system.locate(input(frame));
     placing.times.push_back(watch.ms());
-    p.found = found && found->part == part;
+    p.found = found && found->submap == submap;
     if (!p.found) return;
     p.of_truth = pose_error(truth.T_reference_map * found->T_wc, *T_wc);
     p.of_run = pose_error(run.T_reference_map * found->T_wc, *run_T_wc);
@@ -292,10 +292,10 @@ void print(const Placing& placing) {
   constexpr std::array<int, 6> kBounds{0, 20, 40, 60, 80, 100};  // percent
   for (size_t k = 0; k + 1 < kBounds.size(); ++k) {
     const double from = kBounds[k] / 100.0, to = kBounds[k + 1] / 100.0;
-    std::vector<Placed> part;
-    std::copy_if(placing.frames.begin(), placing.frames.end(), std::back_inserter(part),
+    std::vector<Placed> seen;
+    std::copy_if(placing.frames.begin(), placing.frames.end(), std::back_inserter(seen),
                  [&](const Placed& p) { return p.seen >= from && (p.seen < to || to == 1); });
-    print((std::to_string(kBounds[k]) + " to " + std::to_string(kBounds[k + 1]) + " %").c_str(), part);
+    print((std::to_string(kBounds[k]) + " to " + std::to_string(kBounds[k + 1]) + " %").c_str(), seen);
   }
   print("all", placing.frames);
   print_tracked("mapping frames", placing.mapped);

@@ -179,9 +179,9 @@ TEST(ApiMaps, APoseSaysInWhichMapItIs) {
     ASSERT_TRUE(found && *found) << map;
     EXPECT_EQ((*found)->map, map);
     const auto points = (*slam)->points();
-    EXPECT_GT(std::count_if(points.begin(), points.end(), [&](const Point& p) { return p.map == map; }), 100);
+    EXPECT_GT(std::count_if(points.begin(), points.end(), [&](const Point& p) { return p.submap == map; }), 100);
     for (const auto& poses : {(*slam)->trajectory(), (*slam)->key_frames()}) {
-      for (const StampedPoseResult& pose : poses) EXPECT_EQ(pose.map, pose.stamp >= from_seconds(10));
+      for (const StampedPoseResult& pose : poses) EXPECT_EQ(pose.submap, pose.stamp >= from_seconds(10));
     }
   }
 }
@@ -200,16 +200,16 @@ TEST(ApiMaps, APoseAfterAJumpIsDoubtfulForASecond) {
   for (int i = 0; i <= 60; ++i) {
     const FrameResult result = show(i);
     ASSERT_TRUE(result.tracked) << i;
-    EXPECT_FALSE(result.doubtful) << i;
+    EXPECT_FALSE(result.tentative) << i;
   }
   FrameResult result;
   int i = 20;
   while (i < 30 && !result.tracked) result = show(i++);
   EXPECT_TRUE(result.tracked);
-  EXPECT_TRUE(result.doubtful);
+  EXPECT_TRUE(result.tentative);
   for (const int end = i + 10; i < end; ++i) result = show(i);
   EXPECT_TRUE(result.tracked);
-  EXPECT_FALSE(result.doubtful);
+  EXPECT_FALSE(result.tentative);
 }
 
 TEST(ApiErrors, SayWhatIsWrong) {

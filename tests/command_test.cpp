@@ -165,7 +165,7 @@ TEST_F(CommandRun, TellsPosesThatWereTakenBackAsLostLong) {
     if (line["reason"].get<std::string>().find("taken back") == std::string::npos) continue;
     ++taken_back;
     EXPECT_EQ(line["state"], "lost");
-    EXPECT_EQ(line["doubtful"], true);
+    EXPECT_EQ(line["tentative"], true);
     EXPECT_FALSE(line.contains("map")) << "it has no pose";
   }
   EXPECT_GE(taken_back, 1);

@@ -44,7 +44,7 @@ struct Walked {
   int merges = 0;
   size_t most_maps = 0;           // at a time
   size_t told = 0;                // frames told to be tracked
-  std::vector<int64_t> doubtful;  // of them
+  std::vector<int64_t> tentative;  // of them
 
   Walked(Walk& the_walk, const SystemOptions& options)
       : walk(the_walk), system(walk.recording.synth.camera(), options, vocabulary()) {
@@ -55,10 +55,10 @@ struct Walked {
     for (; done_ < static_cast<int>(walk.steps.size()); ++done_) {
       const FrameReport report = system.process(walk.input(done_));
       count(report.mapping);
-      most_maps = std::max(most_maps, system.maps().size());
+      most_maps = std::max(most_maps, system.submaps().size());
       EXPECT_EQ(system.map().read()->check(), "") << "after step " << done_;
       told += report.track.state == TrackState::tracking;
-      if (report.track.doubtful) doubtful.push_back(done_);
+      if (report.track.tentative) tentative.push_back(done_);
       EXPECT_EQ(report.track.state == TrackState::tracking, report.track.reason.empty()) << report.track.reason;
     }
     count(system.finish());
@@ -68,7 +68,7 @@ struct Walked {
   double error_of(int map, bool with_scale) const {
     std::vector<PoseOfFrame> poses;
     for (const PoseOfFrame& pose : system.trajectory()) {
-      if (pose.map == map) poses.push_back(pose);
+      if (pose.submap_index == map) poses.push_back(pose);
     }
     return error_to(
         poses, [&](int64_t step) { return walk.truth(step); }, with_scale);
@@ -111,11 +111,11 @@ TEST_P(Maps, AnUnknownPlaceBeginsAMapThatIsJoinedToTheOldOne) {
   Walked run(walk, impatient(sensor));
   EXPECT_EQ(run.most_maps, 2u);
   EXPECT_EQ(run.merges, 1);
-  const std::vector<MapSummary> maps = run.system.maps();
-  ASSERT_EQ(maps.size(), 1u);
-  EXPECT_EQ(maps[0].part, 0u) << "the older one stays where it is";
-  EXPECT_GE(maps[0].frames, walk.steps.size() - 30);
-  EXPECT_EQ(run.system.trajectory().size(), maps[0].frames);
+  const std::vector<SubmapSummary> submaps = run.system.submaps();
+  ASSERT_EQ(submaps.size(), 1u);
+  EXPECT_EQ(submaps[0].id, 0u) << "the older one stays where it is";
+  EXPECT_GE(submaps[0].frames, walk.steps.size() - 30);
+  EXPECT_EQ(run.system.trajectory().size(), submaps[0].frames);
   EXPECT_LT(run.error_of(0, sensor == Sensor::monocular), 0.1);
 }
 
@@ -129,12 +129,12 @@ TEST_P(Maps, MapsAreJoinedInRealTimeToo) {
   Walked run(walk, options);
   EXPECT_GE(run.most_maps, 2u);
   // Key frames of a busy machine may have been too few to be sure: along all that is mapped, until it is.
-  for (int more = 0; more < 5 && run.system.maps().size() > 1; ++more) {
+  for (int more = 0; more < 5 && run.system.submaps().size() > 1; ++more) {
     walk.go(2, 90);
     walk.go(90, 2);
     run.go_on();
   }
-  EXPECT_EQ(run.system.maps().size(), 1u);
+  EXPECT_EQ(run.system.submaps().size(), 1u);
   EXPECT_GE(run.merges, 1);
 }
 
@@ -180,7 +180,7 @@ TEST(FurtherMap, NoneIsBegunWhereItMustNot) {
       tracked += system.process(walk.input(step)).track.state == TrackState::tracking;
     }
     system.finish();
-    EXPECT_EQ(system.maps().size(), c.maps);
+    EXPECT_EQ(system.submaps().size(), c.maps);
     EXPECT_EQ(tracked > 0, c.maps > 1);
   }
 }
@@ -193,13 +193,13 @@ TEST(FurtherMap, ALoadedMapStaysTheFirst) {
   ASSERT_TRUE(system.set_map(map_before(walk, impatient(Sensor::rgbd)), recording.synth.camera()));
   for (int step = 12; step < 42; ++step) system.process(walk.input(step));
   system.finish();
-  const std::vector<MapSummary> maps = system.maps();
-  ASSERT_EQ(maps.size(), 2u);
-  EXPECT_TRUE(maps[0].loaded);
-  EXPECT_FALSE(maps[1].loaded);
-  EXPECT_EQ(maps[0].frames, 0u);
-  EXPECT_GE(maps[1].frames, 20u);
-  for (const PoseOfFrame& pose : system.trajectory()) EXPECT_EQ(pose.map, 1);
+  const std::vector<SubmapSummary> submaps = system.submaps();
+  ASSERT_EQ(submaps.size(), 2u);
+  EXPECT_TRUE(submaps[0].loaded);
+  EXPECT_FALSE(submaps[1].loaded);
+  EXPECT_EQ(submaps[0].frames, 0u);
+  EXPECT_GE(submaps[1].frames, 20u);
+  for (const PoseOfFrame& pose : system.trajectory()) EXPECT_EQ(pose.submap_index, 1);
   EXPECT_TRUE(system.online_trajectory().empty()) << "of the first map alone";
 }
 
@@ -226,8 +226,8 @@ void expect_found_again(const Cut& where, Size size, double metres, double degre
   Recording recording(where.sensor, 160, 8, "room", size);
   Walk walk = cut(recording, 8, where.from, where.to, where.to + 20);
   Walked run(walk, options_for(where.sensor));
-  const std::vector<MapSummary> maps = run.system.maps();
-  ASSERT_EQ(maps.size(), 1u);
+  const std::vector<SubmapSummary> submaps = run.system.submaps();
+  ASSERT_EQ(submaps.size(), 1u);
   const auto poses = run.system.trajectory();
   const auto first =
       std::find_if(poses.begin(), poses.end(), [&](const PoseOfFrame& p) { return p.frame >= where.from; });
@@ -257,14 +257,14 @@ TEST_P(Maps, MapsAreNotJoinedByEqualPostersLong) {
   Walked run(walk, impatient(sensor));
   EXPECT_EQ(run.most_maps, 2u) << "else there was nothing to join";
   EXPECT_EQ(run.merges, 0);
-  ASSERT_EQ(run.system.maps().size(), 2u);
+  ASSERT_EQ(run.system.submaps().size(), 2u);
   for (const int map : {0, 1}) {
-    EXPECT_GT(run.system.maps()[static_cast<size_t>(map)].frames, 30u);
+    EXPECT_GT(run.system.submaps()[static_cast<size_t>(map)].frames, 30u);
     EXPECT_LT(run.error_of(map, sensor == Sensor::monocular), 0.05) << "map " << map;
   }
 }
 
-// Four seconds cut out of a walk along that hall. (Without `tracker.min_usual_share` every sensor takes a poster for
+// Four seconds cut out of a walk along that hall. (Without `tracker.min_expected_match_ratio` every sensor takes a poster for
 // another here.)
 Walk cut_along_posters(Recording& recording) { return cut(recording, 10, 60, 100, 160); }
 
@@ -276,9 +276,9 @@ TEST_P(Maps, APosterIsNotTakenForAnother) {
   Walked run(walk, options_for(sensor));
   EXPECT_EQ(run.merges, 0);
   size_t frames = 0;
-  for (int map = 0; map < static_cast<int>(run.system.maps().size()); ++map) {
+  for (int map = 0; map < static_cast<int>(run.system.submaps().size()); ++map) {
     EXPECT_LT(run.error_of(map, monocular), 0.1) << "map " << map;
-    frames += run.system.maps()[static_cast<size_t>(map)].frames;
+    frames += run.system.submaps()[static_cast<size_t>(map)].frames;
   }
   EXPECT_GE(frames, walk.steps.size() - (monocular ? 80 : 35)) << "patience, and the start of a map";
   EXPECT_EQ(run.system.trajectory().size(), frames);
@@ -296,25 +296,25 @@ TEST(Jump, IsNotToAnotherPosterInRealTimeEitherLong) {
     EXPECT_EQ(run.merges, 0);
     std::map<int, PoseOfFrame> first;  // of each map
     for (const PoseOfFrame& pose : run.system.trajectory()) {
-      const PoseOfFrame& begin = first.emplace(pose.map, pose).first->second;
+      const PoseOfFrame& begin = first.emplace(pose.submap_index, pose).first->second;
       const SE3 moved = begin.T_wc.inverse() * pose.T_wc,
                 truly = walk.truth(begin.frame).inverse() * walk.truth(pose.frame);
-      EXPECT_LT((moved.t() - truly.t()).norm(), 0.8) << "frame " << pose.frame << " in map " << pose.map;
+      EXPECT_LT((moved.t() - truly.t()).norm(), 0.8) << "frame " << pose.frame << " in map " << pose.submap_index;
     }
     EXPECT_GE(run.system.trajectory().size(), 60u);
   }
 }
 
-// Another cut of that walk leads to a poster that is believed for a while: those poses are doubtful, and taken back.
+// Another cut of that walk leads to a poster that is believed for a while: those poses are tentative, and taken back.
 TEST(Jump, ThatProvesWrongIsTakenBack) {
   Recording recording(Sensor::rgbd, 135, 10, "posters");
   Walk walk = cut(recording, 10, 50, 90, 135);
   Walked run(walk, options_for(Sensor::rgbd));
-  EXPECT_GT(run.doubtful.size(), 0u);
+  EXPECT_GT(run.tentative.size(), 0u);
   const std::vector<PoseOfFrame> poses = run.system.trajectory();
-  EXPECT_EQ(poses.size(), run.told - run.doubtful.size());
+  EXPECT_EQ(poses.size(), run.told - run.tentative.size());
   for (const PoseOfFrame& pose : poses)
-    EXPECT_FALSE(std::binary_search(run.doubtful.begin(), run.doubtful.end(), pose.frame)) << pose.frame;
+    EXPECT_FALSE(std::binary_search(run.tentative.begin(), run.tentative.end(), pose.frame)) << pose.frame;
   EXPECT_LT(run.error_of(0, false), 0.1);
 }
 
@@ -323,7 +323,7 @@ TEST(Jump, ThatIsRightIsBelievedLong) {
   Recording recording(Sensor::rgbd, 200, 10, "posters");
   Walk walk = cut(recording, 10, 100, 140, 200);
   Walked run(walk, options_for(Sensor::rgbd));
-  EXPECT_GT(run.doubtful.size(), 0u);
+  EXPECT_GT(run.tentative.size(), 0u);
   EXPECT_GE(run.system.trajectory().size(), walk.steps.size() - 5);
   EXPECT_LT(run.error_of(0, false), 0.1);
 }
@@ -349,12 +349,12 @@ TEST(Jump, LostInDoubtIsInDoubtAgain) {
       for (int i = 20; i < 30 && result.state != TrackState::tracking; ++i) result = show(recording.frame(i));
       return result;
     };
-    EXPECT_TRUE(jump().doubtful);
+    EXPECT_TRUE(jump().tentative);
     const int believed_for_now = step - 1;
     EXPECT_EQ(show(recording.black(0)).state, TrackState::lost);
     const TrackResult again = jump();
     EXPECT_EQ(again.state, TrackState::tracking);
-    EXPECT_TRUE(again.doubtful);
+    EXPECT_TRUE(again.tentative);
     system.finish();
     for (const PoseOfFrame& pose : system.trajectory()) EXPECT_NE(pose.frame, believed_for_now);
   }

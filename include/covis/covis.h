@@ -12,8 +12,8 @@
 // Conventions: metres, radians, nanoseconds; camera x right, y down, z forward; a Pose is T_wc, camera to world; the
 // world is the camera of the first key frame. Monocular maps have no metric scale: the median depth of the first is 1.
 //
-// A camera lost for long begins a map of its own world beside the old one; the two are joined, and the later number
-// goes, when it sees a place of the old one again. Maps count from 0; poses and points of different maps can't be
+// A camera lost for long begins a submap with a world of its own beside the old one; the two are joined, and the later number
+// goes, when it sees a place of the old one again. Submaps count from 0; poses and points of different submaps can't be
 // compared.
 #pragma once
 
@@ -62,10 +62,10 @@ struct DepthImage {  // metres along z, registered to the grey image; 0 or not f
 struct FrameResult {
   bool tracked = false;
   Pose pose;    // meaningful when tracked
-  int map = 0;  // the map whose world the pose is in
+  int submap = 0;  // the submap whose world the pose is in
   // Found again far from where it was last: right if the next second bears it out. If not, the frames since then lose
   // their poses (trajectory() leaves them out), and this or a later frame is lost or elsewhere.
-  bool doubtful = false;
+  bool tentative = false;
   std::string state;   // "not_initialised", "tracking" or "lost"
   std::string reason;  // why there is no pose
   int inliers = 0;     // map points that agree with the pose
@@ -75,17 +75,17 @@ struct FrameResult {
 struct StampedPoseResult {
   int64_t stamp = 0;  // nanoseconds, as given
   Pose pose;
-  int map = 0;
+  int submap = 0;
 };
 
 struct Location {
   Pose pose;
-  int map = 0;
+  int submap = 0;
 };
 
 struct Point {
   double x = 0, y = 0, z = 0;
-  int map = 0;
+  int submap = 0;
 };
 
 class COVIS_API Slam {
@@ -109,7 +109,7 @@ class COVIS_API Slam {
   tl::expected<FrameResult, std::string> track_stereo(int64_t stamp, const GreyImage& left, const GreyImage& right);
   tl::expected<FrameResult, std::string> track_rgbd(int64_t stamp, const GreyImage& image, const DepthImage& depth);
 
-  // The pose of one image in the present maps, from nothing but the image; no pose when its place is not recognised.
+  // The pose of one image in the present map, from nothing but the image; no pose when its place is not recognised.
   // Leaves tracking and mapping as they are; waits until the key frames asked for are mapped. Needs a vocabulary to
   // find places far from the last one. Errors as above.
   using Located = tl::expected<std::optional<Location>, std::string>;
@@ -119,7 +119,7 @@ class COVIS_API Slam {
 
   // Waits until everything asked of mapping is done.
   void finish();
-  // All tracked frames with every correction so far, without those that were doubtful and proved wrong.
+  // All tracked frames with every correction so far, without those that were tentative and proved wrong.
   std::vector<StampedPoseResult> trajectory() const;
   std::vector<StampedPoseResult> key_frames() const;
   std::vector<Point> points() const;

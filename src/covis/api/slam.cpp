@@ -24,7 +24,7 @@ std::vector<StampedPoseResult> to_results(const std::vector<PoseOfFrame>& poses)
   std::vector<StampedPoseResult> results;
   results.reserve(poses.size());
   for (const PoseOfFrame& pose : poses)
-    results.push_back({pose.stamp, to_pose(pose.T_wc), static_cast<int>(pose.part)});
+    results.push_back({pose.stamp, to_pose(pose.T_wc), static_cast<int>(pose.submap)});
   return results;
 }
 
@@ -94,8 +94,8 @@ struct Slam::Impl {
     result.key_frame = track.key_frame;
     if (result.tracked) {
       result.pose = to_pose(track.T_cw.inverse());
-      result.map = static_cast<int>(track.part);
-      result.doubtful = track.doubtful;
+      result.submap = static_cast<int>(track.submap);
+      result.tentative = track.tentative;
     }
     return result;
   }
@@ -104,7 +104,7 @@ struct Slam::Impl {
     if (!input) return Failure(input.error());
     const auto found = system.locate(*input);
     if (!found) return std::nullopt;
-    return Location{to_pose(found->T_wc), static_cast<int>(found->part)};
+    return Location{to_pose(found->T_wc), static_cast<int>(found->submap)};
   }
 
   Camera camera;
@@ -184,7 +184,7 @@ std::vector<Point> Slam::points() const {
   points.reserve(map->point_count());
   map->for_each_point([&](MapPointId, const MapPoint& point) {
     points.push_back({point.position_w.x(), point.position_w.y(), point.position_w.z(),
-                      static_cast<int>(map->at(point.reference).part)});
+                      static_cast<int>(map->at(point.reference).submap)});
   });
   return points;
 }

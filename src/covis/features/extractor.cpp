@@ -113,7 +113,7 @@ void OrbExtractor::share_budget() {
 void OrbExtractor::describe(int l) {
   Level& level = levels_[static_cast<size_t>(l)];
   const ImageView<const uint8_t> from = level.view;
-  KeyPoints& points = level.key_points;
+  KeyPoints& points = level.keypoints;
   points.clear();
   points.reserve(static_cast<size_t>(options_.features) + 3);  // memory is used only when they come
   level.quadtree.distribute(level.corners, kEdgeBorder, kEdgeBorder, from.width - kEdgeBorder,
@@ -133,10 +133,10 @@ void OrbExtractor::describe(int l) {
 }
 
 const KeyPoints& OrbExtractor::finish() {
-  key_points_.clear();
-  key_points_.reserve(most_key_points());
-  for (const Level& level : levels_) key_points_.append(level.key_points);
-  return key_points_;
+  keypoints_.clear();
+  keypoints_.reserve(most_keypoints());
+  for (const Level& level : levels_) keypoints_.append(level.keypoints);
+  return keypoints_;
 }
 
 }  // namespace covis

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is kept of an image: key points and descriptors in flat arrays, immutable once made and shared by
+// What is kept of an image: keypoints and descriptors in flat arrays, immutable once made and shared by
 // std::shared_ptr<const Features> (architecture.md, decision 4). Monocular, stereo and RGB-D differ only in u_right and
 // depth. Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, section III-A.
 #pragma once
@@ -52,7 +52,7 @@ struct ImageBounds {
 
 inline constexpr int kMaxFeatures = 65535;  // of an image
 
-// Key points bucketed by undistorted position. Most cells are empty: only the others have an offset, cells counted by
+// Keypoints bucketed by undistorted position. Most cells are empty: only the others have an offset, cells counted by
 // rows. The k-th of them holds indices[offsets[k] .. offsets[k + 1]), in rising order of index.
 struct FeatureGrid {
   static constexpr int kColumns = 64, kRows = 48;
@@ -69,7 +69,7 @@ struct FeatureGrid {
 };
 
 struct Features {
-  // Empty, with room for so many key points; for their raw pixels only when asked.
+  // Empty, with room for so many keypoints; for their raw pixels only when asked.
   void start(size_t room, bool distorted);
 
   AlignedVector<float> x, y;          // undistorted pixel, level-0 scale, as the camera that was given would see it
@@ -87,7 +87,7 @@ struct Features {
   const AlignedVector<float>& image_y() const { return raw_y.empty() ? y : raw_y; }
   bool has_depth(int i) const { return depth[static_cast<size_t>(i)] > 0; }
 
-  // Calls visit(index) for each key point with |x - px| <= radius, |y - py| <= radius and min_level <= level <=
+  // Calls visit(index) for each keypoint with |x - px| <= radius, |y - py| <= radius and min_level <= level <=
   // max_level, in a fixed order. Touches only the grid cells under the window.
   template <class Visit>
   void for_each_in_window(float px, float py, float radius, int min_level, int max_level, Visit&& visit) const {

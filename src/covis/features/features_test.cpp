@@ -341,7 +341,7 @@ TEST(ScalePyramid, PredictsTheCeilingOfTheLogarithm) {
   }
 }
 
-// Key points anywhere in the image, or on a small spot of it and its corners.
+// Keypoints anywhere in the image, or on a small spot of it and its corners.
 Features spread_out(Random& random, int count, bool anywhere) {
   Features f;
   for (int i = 0; i < count; ++i) {
@@ -386,7 +386,7 @@ TEST_P(FeatureGridWindows, FindWhatBruteForceFinds) {
 INSTANTIATE_TEST_SUITE_P(Features, FeatureGridWindows,
                          testing::Combine(testing::Values(0, 1, 800, 9000), testing::Bool()));
 
-// Cells by rows, key points of a cell as they come: matches that tie are decided by it.
+// Cells by rows, keypoints of a cell as they come: matches that tie are decided by it.
 TEST(FeatureGrid, WindowsVisitInAFixedOrder) {
   Random random(8);
   Features f = spread_out(random, 2000, true);

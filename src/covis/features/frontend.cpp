@@ -84,13 +84,13 @@ ImageBounds find_bounds(const Camera& camera) {
 
 Fields fields(OrbOptions& o) {
   return {
-      {"orb.features", &o.features, "key points wanted in an image", 50, 30000},
+      {"orb.features", &o.features, "keypoints wanted in an image", 50, 30000},
       {"orb.levels", &o.levels, "pyramid levels", 1, 16},
       {"orb.scale_factor", &o.scale_factor, "scale between levels", 1.05, 2},
       {"orb.fast_threshold", &o.fast_threshold, "FAST contrast, first try in a cell, grey levels", 1, 255},
       {"orb.fast_threshold_low", &o.fast_threshold_low, "second try where the first found nothing, grey levels", 1,
        255},
-      {"orb.subpixel", &o.subpixel, "place key points at the top of the corner score's parabola, not at the pixel"}};
+      {"orb.subpixel", &o.subpixel, "place keypoints at the top of the corner score's parabola, not at the pixel"}};
 }
 
 struct Frontend::Impl {
@@ -114,13 +114,13 @@ struct Frontend::Impl {
   Timing timing;
 };
 
-// Undistorted features of the left extractor's key points, without depth.
+// Undistorted features of the left extractor's keypoints, without depth.
 std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_image) {
-  const KeyPoints& k = left.key_points();
+  const KeyPoints& k = left.keypoints();
   std::shared_ptr<Features> f = ring.next();
   f->pyramid = left.pyramid();
   const size_t n = k.size();
-  f->start(std::max(n, left.most_key_points()), distorted());
+  f->start(std::max(n, left.most_keypoints()), distorted());
   for (size_t i = 0; i < n; ++i) {
     Eigen::Vector2f at(k.x[i], k.y[i]);
     if (distorted()) {

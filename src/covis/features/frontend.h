@@ -14,12 +14,12 @@
 namespace covis {
 
 struct OrbOptions {
-  int features = 1000;         // key points wanted in an image
+  int features = 1000;         // keypoints wanted in an image
   int levels = 8;              // pyramid levels
   double scale_factor = 1.2;   // between levels
   int fast_threshold = 20;     // FAST contrast, first try in a cell
   int fast_threshold_low = 7;  // second try where the first found nothing
-  bool subpixel = true;        // place key points at the top of the corner score's parabola, not at the pixel
+  bool subpixel = true;        // place keypoints at the top of the corner score's parabola, not at the pixel
 };
 Fields fields(OrbOptions& options);
 
@@ -41,7 +41,7 @@ class Frontend {
   };
   const Timing& timing() const;
 
-  // Greatest number of key points wanted (the monocular initialiser asks for more than tracking does).
+  // Greatest number of keypoints wanted (the monocular initialiser asks for more than tracking does).
   void set_feature_budget(int features);
 
   // Images must have the camera's size (asserted; readers check it before).

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The 256 point pairs of the ORB descriptor (Rublee et al., "ORB", ICCV 2011, section 4): figures as distributed with
-// OpenCV (Apache-2.0). Each row: x0, y0, x1, y1, pixels from the key point.
+// OpenCV (Apache-2.0). Each row: x0, y0, x1, y1, pixels from the keypoint.
 #pragma once
 
 #include <array>

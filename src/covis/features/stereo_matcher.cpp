@@ -35,14 +35,14 @@ void slide(const uint8_t* a, ptrdiff_t stride_a, const uint8_t* b, ptrdiff_t str
 
 void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, double fx, double bf,
                           AlignedVector<float>& u_right, AlignedVector<float>& depth) {
-  const KeyPoints& l = left.key_points();
-  const KeyPoints& r = right.key_points();
+  const KeyPoints& l = left.keypoints();
+  const KeyPoints& r = right.keypoints();
   const ScalePyramid& pyramid = *left.pyramid();
   u_right.assign(l.size(), -1.0f);
   depth.assign(l.size(), 0.0f);
   const int height = left.level(0).height;
 
-  // Right key points by the rows they may answer: 2 pixels at their scale either way.
+  // Right keypoints by the rows they may answer: 2 pixels at their scale either way.
   const auto rows_of = [&](size_t j) {
     const float reach = 2 * pyramid.scale[r.level[j]];
     return std::pair{std::max(0, static_cast<int>(std::floor(r.y[j] - reach))),
@@ -63,7 +63,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
   }
 
   accepted_.clear();
-  const auto max_disparity = static_cast<float>(fx);  // depth of one base line
+  const auto max_disparity = static_cast<float>(fx);  // depth of one baseline
   for (size_t i = 0; i < l.size(); ++i) {
     const auto row = static_cast<size_t>(std::clamp(static_cast<int>(std::lround(l.y[i])), 0, height - 1));
     int best = kMaxHamming;
@@ -81,7 +81,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     }
     if (best_j == r.size()) continue;
 
-    // Sub-pixel, at the left key point's level.
+    // Sub-pixel, at the left keypoint's level.
     const int level = l.level[i];
     const auto a = left.level(level), b = right.level(level);
     const Eigen::Vector2f in_a = left.to_level(level, l.x[i], l.y[i]);
@@ -89,7 +89,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     const int xr = static_cast<int>(std::lround(right.to_level(level, r.x[best_j], r.y[best_j]).x()));
     if (xr - kSlide - kHalfPatch < 0 || xr + kSlide + kHalfPatch >= b.width) continue;
     Sads sad;
-    // Of a row of 11 bytes 16 are read: key points keep clear of the last rows.
+    // Of a row of 11 bytes 16 are read: keypoints keep clear of the last rows.
     slide(a.row(y - kHalfPatch) + xl - kHalfPatch, a.stride, b.row(y - kHalfPatch) + xr - kSlide - kHalfPatch, b.stride,
           sad);
     const int at = static_cast<int>(std::min_element(sad.begin(), sad.end()) - sad.begin()) - kSlide;
@@ -101,7 +101,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     if (!(curvature > 0)) continue;
     const float offset = (s0 - s2) / (2 * curvature);
     if (std::abs(offset) > 1) continue;
-    // Between the patches, that is between whole pixels: the key points' own fractions do not enter.
+    // Between the patches, that is between whole pixels: the keypoints' own fractions do not enter.
     float disparity = (static_cast<float>(xl - xr - at) - offset) * left.stretch(level);
     if (disparity < 0 || disparity > max_disparity) continue;
     disparity = std::max(disparity, 0.01f);

@@ -14,7 +14,7 @@ inline Descriptor random_descriptor(Random& random) {
   return {{random.next(), random.next(), random.next(), random.next()}};
 }
 
-// Without key points.
+// Without keypoints.
 inline Features no_features() {
   Features f;
   f.pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
@@ -40,7 +40,7 @@ inline void add(Features& f, const TestKeyPoint& k, double bf = 40) {
   f.descriptor.push_back(k.descriptor);
 }
 
-// To be called after the last key point.
+// To be called after the last keypoint.
 inline void finish(Features& f, const ImageBounds& bounds = {0, 0, 640, 480}) { f.grid.build(bounds, f.x, f.y); }
 
 // Anywhere in an image of 640 x 480, of all levels, all of one depth (0: none).

@@ -148,7 +148,7 @@ std::string difference(const Camera& camera, const Camera& other) {
   compare("fy", p.fy, q.fy);
   compare("cx", p.cx, q.cx);
   compare("cy", p.cy, q.cy);
-  compare("base line", p.baseline(), q.baseline());
+  compare("baseline", p.baseline(), q.baseline());
   if (camera.distortion != other.distortion) {
     text += text.empty() ? "another lens" : ", another lens";
   } else if (camera.distortion != Distortion::none) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras. Key points are undistorted once, when features are made, into the pinhole `Pinhole` of the same camera;
+// Cameras. Keypoints are undistorted once, when features are made, into the pinhole `Pinhole` of the same camera;
 // everything after the features knows Pinhole only. Pixel centres at whole numbers; x right, y down, z forward.
 // Sources: Brown, "Close-range camera calibration", 1971; Kannala and Brandt, "A generic camera model and calibration
 // method for conventional, wide-angle, and fish-eye lenses", PAMI 2006, eq. 6 with odd powers to theta^9.
@@ -12,10 +12,10 @@
 
 namespace covis {
 
-// Intrinsics of an ideal camera, and the stereo base line (0 when monocular): bf = fx * baseline, pixels * metres.
+// Intrinsics of an ideal camera, and the stereo baseline (0 when monocular): bf = fx * baseline, pixels * metres.
 struct Pinhole {
   double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
-  double bf = 0;                          // fx times the (real or virtual) base line in metres; 0: no depth sensor
+  double bf = 0;                          // fx times the (real or virtual) baseline in metres; 0: no depth sensor
 
   double baseline() const { return bf / fx; }
   Eigen::Vector2d project(const Eigen::Vector3d& p_c) const {
@@ -32,7 +32,7 @@ enum class Distortion { none, brown_conrady, kannala_brandt };
 // copied freely, and the set of lenses is closed.
 struct Camera {
   int width = 0, height = 0;  // pixels
-  Pinhole pinhole;            // intrinsics of the image and, by definition, of the undistorted key points
+  Pinhole pinhole;            // intrinsics of the image and, by definition, of the undistorted keypoints
   Distortion distortion = Distortion::none;
   std::array<double, 5> coefficients{};  // brown_conrady: k1 k2 p1 p2 k3; kannala_brandt: k1 k2 k3 k4
 

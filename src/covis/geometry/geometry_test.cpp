@@ -339,7 +339,7 @@ TEST(Camera, WhatDiffersIsNamed) {
   b = a;
   b.pinhole.bf = 50;
   b.distortion = Distortion::none;
-  EXPECT_EQ(difference(a, b), "base line 0.1 instead of 0.08, another lens");
+  EXPECT_EQ(difference(a, b), "baseline 0.1 instead of 0.08, another lens");
 }
 
 }  // namespace

@@ -36,9 +36,9 @@ struct Values {
             {"fy", &fy, "focal length, pixels", 1, 100000},
             {"cx", &cx, "principal point, pixels", -20000, 20000},
             {"cy", &cy, "principal point, pixels", -20000, 20000},
-            {"baseline", &baseline, "base line of the stereo pair, or the virtual one of an RGB-D camera, metres", 1e-4,
+            {"baseline", &baseline, "baseline of the stereo pair, or the virtual one of an RGB-D camera, metres", 1e-4,
              100},
-            {"bf", &bf, "base line times fx, pixels x metres", 1e-3, 1e6},
+            {"bf", &bf, "baseline times fx, pixels x metres", 1e-3, 1e6},
             {"fps", &fps, "frames a second", 0.01, 10000},
             {"depth_scale", &depth_scale, "units of a depth image a metre", 1e-3, 1e6},
             {"model", &model, "pinhole, brown_conrady or kannala_brandt"}};

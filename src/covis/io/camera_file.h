@@ -12,7 +12,7 @@ namespace covis::io {
 
 struct CameraFile {
   std::filesystem::path file;  // where it was read from
-  Camera camera;               // pinhole.bf is fx * baseline when a base line is given, else 0
+  Camera camera;               // pinhole.bf is fx * baseline when a baseline is given, else 0
   double baseline = 0;         // metres; 0: not given
   double fps = 0;              // Hz; 0: not given
   double depth_scale = 0;      // units of a depth image a metre; 0: not given

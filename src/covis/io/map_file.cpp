@@ -324,7 +324,7 @@ Result<MapInfo> read_map_info(const std::filesystem::path& path) {
   const Counts& c = about->counts;
   MapInfo info{about->header, file->major(), file->minor(),  file->size(),
                c.key_frames,  c.points,      c.observations, c.features};
-  info.parts = static_cast<uint64_t>(std::count_if(key_frames->begin(), key_frames->end(),
+  info.submaps = static_cast<uint64_t>(std::count_if(key_frames->begin(), key_frames->end(),
                                                    [](const KeyFrameState& k) { return k.parent == MapState::kNone; }));
   if (key_frames->empty()) return info;
   Eigen::AlignedBox3d box;

@@ -37,7 +37,7 @@ struct MapInfo {
   uint16_t major = 0, minor = 0;  // version of the format
   uint64_t file_size = 0;         // bytes
   uint64_t key_frames = 0, points = 0, observations = 0, features = 0;
-  uint64_t parts = 0;                                // maps that are not joined
+  uint64_t submaps = 0;                                // maps that are not joined
   Eigen::Vector3d extent = Eigen::Vector3d::Zero();  // metres: sides of the box around the key frames' centres
   double seconds = 0;                                // from the first to the last key frame's stamp
 };

@@ -78,7 +78,7 @@ TEST_F(MapFile, RawPixelsAreInTheFileAndKeptOnlyWhereTheyDiffer) {
     if (differ) features->raw_y[17] += 0.5f;
     Map map;
     map.set_camera(refined_camera());
-    map.begin_part(0, 0, SE3(), features);
+    map.begin_submap(0, 0, SE3(), features);
     const std::string bytes = bytes_of(map);
     const auto loaded = load_map(file());
     ASSERT_TRUE(loaded) << loaded.error().message;
@@ -128,7 +128,7 @@ TEST_F(MapFile, LoadedMapGoesOn) {
     on.erase_key_frame(id);
     ASSERT_EQ(on.check(), "");
   }
-  EXPECT_EQ(on.key_frame_count(), on.parts().size()) << "roots stay";
+  EXPECT_EQ(on.key_frame_count(), on.submaps().size()) << "roots stay";
 }
 
 // Early versions could leave key frames of two cameras in a map.

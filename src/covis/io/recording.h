@@ -47,7 +47,7 @@ Result<Recording> read_images(const Request& request);
 std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);
 // What to say when nothing tells the camera's figures: names --camera and shows a minimal file.
 Error no_calibration(const std::filesystem::path& folder, const std::string& looked_for);
-// The virtual base line of an RGB-D camera without one, metres.
+// The virtual baseline of an RGB-D camera without one, metres.
 inline constexpr double kVirtualBaseline = 0.08;
 
 }  // namespace covis::io

@@ -45,7 +45,7 @@ Result<StereoRectification> StereoRectification::create(const Camera& left, cons
                 std::to_string(right_in_left.x()) + ", " + std::to_string(right_in_left.y()) + ", " +
                 std::to_string(right_in_left.z()) + ") m in the left camera");
   }
-  // x along the base line, z as near as can be to the mean of both optical axes.
+  // x along the baseline, z as near as can be to the mean of both optical axes.
   const Eigen::Vector3d x = right_in_left / baseline;
   const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ() + T_rl.R().transpose() * Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d y = axis.cross(x).normalized();

@@ -80,7 +80,7 @@ TEST_P(RectificationOf, BothImagesAreThoseOfIdealCamerasSideBySide) {
   EXPECT_EQ(camera.distortion, Distortion::none);
   EXPECT_NEAR(camera.pinhole.baseline(), T_rl.t().norm(), 1e-12);
 
-  // The right rectified camera is turned like the left one, and a base line along x from it.
+  // The right rectified camera is turned like the left one, and a baseline along x from it.
   const SE3 T_l_lr = rectification->T_left_rectified();
   const SE3 T_l_rr = T_l_lr * SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(camera.pinhole.baseline(), 0, 0));
   EXPECT_LT(T_l_lr.t().norm(), 1e-12);

@@ -60,9 +60,9 @@ inline Map random_map(uint64_t seed, int steps, int features = 30) {
       const Timestamp stamp = Timestamp{1403715273262142976} + Timestamp{50000000} * step;
       const SE3 pose = random_pose(random);
       const FeaturesPtr made = random_features(random, features);
-      const bool begins = map.parts().empty() || random.below(6) == 0;
-      map.attach_to_tree(begins ? map.begin_part(step, stamp, pose, made)
-                                : map.add_key_frame(step, stamp, pose, made, any(map.parts()).number));
+      const bool begins = map.submaps().empty() || random.below(6) == 0;
+      map.attach_to_tree(begins ? map.begin_submap(step, stamp, pose, made)
+                                : map.add_key_frame(step, stamp, pose, made, any(map.submaps()).id));
     } else if (map.point_count() < 5 || what < 45) {
       map.add_point({random.uniform(-1, 1), random.uniform(-1, 1), 5}, any(map.key_frames()),
                     random.below(static_cast<uint32_t>(features)));
@@ -80,8 +80,8 @@ inline Map random_map(uint64_t seed, int steps, int features = 30) {
       map.erase_key_frame(any(map.key_frames()));
     } else {
       const KeyFrameId a = any(map.key_frames()), b = any(map.key_frames());
-      if (a != b && map.at(a).part == map.at(b).part) map.add_loop_edge(a, b);
-      if (random.below(4) == 0) map.join_parts(a, b, Sim3(random_pose(random), 1.5));
+      if (a != b && map.at(a).submap == map.at(b).submap) map.add_loop_edge(a, b);
+      if (random.below(4) == 0) map.join_submaps(a, b, Sim3(random_pose(random), 1.5));
     }
   }
   return map;
@@ -120,10 +120,10 @@ inline void expect_equal(const Map& a, const Map& b) {
     const auto at = std::find(a_frames.begin(), a_frames.end(), id);
     return at == a_frames.end() ? KeyFrameId{} : b_frames[static_cast<size_t>(at - a_frames.begin())];
   };
-  ASSERT_EQ(a.parts().size(), b.parts().size());
-  for (size_t p = 0; p < a.parts().size(); ++p) {
-    EXPECT_EQ(frame(a.parts()[p].root), b.parts()[p].root);
-    EXPECT_EQ(a.parts()[p].key_frames, b.parts()[p].key_frames);
+  ASSERT_EQ(a.submaps().size(), b.submaps().size());
+  for (size_t p = 0; p < a.submaps().size(); ++p) {
+    EXPECT_EQ(frame(a.submaps()[p].root), b.submaps()[p].root);
+    EXPECT_EQ(a.submaps()[p].key_frames, b.submaps()[p].key_frames);
   }
   for (size_t i = 0; i < a_frames.size(); ++i) {
     const KeyFrame &k = a.at(a_frames[i]), &l = b.at(b_frames[i]);

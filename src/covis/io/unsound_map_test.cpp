@@ -52,8 +52,8 @@ std::vector<Unsound> unsound_trees(const Places& at) {
           {"serial", [](MapState& s) { s.next_serial = 1; }},
           {"serial", [](MapState& s) { s.key_frames[1].serial = s.key_frames[2].serial; }},
           {"parent", [=](MapState& s) { s.key_frames[1].parent = at.last + 1; }},
-          // A key frame without a parent begins a part, but what is seen from there is seen from no other.
-          {"part", [=](MapState& s) { s.key_frames[at.child].parent = MapState::kNone; }},
+          // A key frame without a parent begins a submap, but what is seen from there is seen from no other.
+          {"submap", [=](MapState& s) { s.key_frames[at.child].parent = MapState::kNone; }},
           {"its own parent", [=](MapState& s) { s.key_frames[at.last].parent = at.last; }},
           {"",
            [=](MapState& s) {

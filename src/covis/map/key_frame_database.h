@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The inverted index word -> key frames, and the query for places seen before, which serves loops and
-// relocalisation. Part of the map: Map::set_words()
+// relocalisation. P of the map: Map::set_words()
 // and Map::erase_key_frame() keep it, Map::check() tests it.
 // Source: Gálvez-López and Tardós, "Bags of Binary Words", T-RO 2012, section IV-B; Mur-Artal, Montiel, Tardós,
 // "ORB-SLAM", T-RO 2015, sections III-E (share of words, groups) and VII-A.

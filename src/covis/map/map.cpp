@@ -23,12 +23,12 @@ void erase_sorted(std::vector<KeyFrameId>& list, KeyFrameId id) {
 }  // namespace
 
 KeyFrameId Map::add_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features,
-                              std::optional<uint32_t> part) {
-  if (parts_.empty()) return begin_part(frame, stamp, T_cw, std::move(features));
-  return insert_key_frame(frame, stamp, T_cw, std::move(features), part.value_or(parts_.front().number));
+                              std::optional<uint32_t> submap) {
+  if (submaps_.empty()) return begin_submap(frame, stamp, T_cw, std::move(features));
+  return insert_key_frame(frame, stamp, T_cw, std::move(features), submap.value_or(submaps_.front().id));
 }
 
-KeyFrameId Map::insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features, uint32_t part) {
+KeyFrameId Map::insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features, uint32_t submap) {
   if (!T_cw.all_finite()) {
     ++refused_non_finite_;
     log(LogLevel::error, "a key frame with a pose that is not finite was refused");
@@ -36,13 +36,13 @@ KeyFrameId Map::insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw
   }
   KeyFrame key_frame;
   key_frame.serial = next_serial_++;
-  key_frame.part = part;
+  key_frame.submap = submap;
   key_frame.frame = frame;
   key_frame.stamp = stamp;
   key_frame.T_cw = T_cw;
   key_frame.points.resize(static_cast<size_t>(features->size()));
   key_frame.features = std::move(features);
-  ++part_at(part).key_frames;
+  ++submap_at(submap).key_frames;
   return key_frames_.insert(std::move(key_frame));
 }
 
@@ -64,7 +64,7 @@ void Map::attach_to_tree(KeyFrameId id) {
   if (!parent.valid()) {
     uint32_t newest_serial = 0;
     for_each_key_frame([&](KeyFrameId other, const KeyFrame& k) {
-      if (k.part == key_frame.part && k.serial < key_frame.serial && (!parent.valid() || k.serial > newest_serial)) {
+      if (k.submap == key_frame.submap && k.serial < key_frame.serial && (!parent.valid() || k.serial > newest_serial)) {
         parent = other;
         newest_serial = k.serial;
       }
@@ -87,7 +87,7 @@ bool Map::erase_key_frame(KeyFrameId id) {
   erase_sorted(key_frames_.at(parent).children, id);
   for (const KeyFrameId& other : key_frame->loop_edges) erase_sorted(key_frames_.at(other).loop_edges, id);
   if (key_frame->words) database_.erase(id, *key_frame->words);
-  --part_at(key_frame->part).key_frames;
+  --submap_at(key_frame->submap).key_frames;
   erased_frames_[id] = {parent, key_frame->T_cw * at(parent).T_cw.inverse(), key_frame->scale, at(parent).scale};
   return key_frames_.erase(id);
 }
@@ -164,7 +164,7 @@ void Map::unprotect(KeyFrameId id) {
 }
 
 void Map::add_loop_edge(KeyFrameId a, KeyFrameId b) {
-  assert(a != b && at(a).part == at(b).part);
+  assert(a != b && at(a).submap == at(b).submap);
   insert_sorted(key_frames_.at(a).loop_edges, b);
   insert_sorted(key_frames_.at(b).loop_edges, a);
 }
@@ -205,7 +205,7 @@ void Map::clear() {
   replaced_by_.clear();
   erased_frames_.clear();
   database_.clear();
-  parts_.clear();
+  submaps_.clear();
 }
 
 }  // namespace covis

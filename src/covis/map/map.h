@@ -4,9 +4,9 @@
 // finds nothing. Every invariant is kept by the methods here and tested by check(). Source: Mur-Artal, Montiel, Tardós,
 // "ORB-SLAM", T-RO 2015, sections III-C and III-D; erasure: VI-E.
 //
-// It may have several parts: what was mapped after the camera was lost in an unknown place stands beside the rest until
-// the parts are joined (the "Atlas" of Elvira, Tardós, Montiel, IROS 2019, within one container). Each part has a world
-// and a spanning tree of its own, and no point is seen from two parts. A map made without a loss has one part.
+// It may have several submaps: what was mapped after the camera was lost in an unknown place stands beside the rest until
+// the submaps are joined (the "Atlas" of Elvira, Tardós, Montiel, IROS 2019, within one container). Each submap has a world
+// and a spanning tree of its own, and no point is seen from two submaps. A map made without a loss has one submap.
 //
 // All of it was seen by one camera: key frames hold pixels, the map the intrinsics, which may be refined as it grows.
 //
@@ -61,7 +61,7 @@ struct Neighbour {
 
 struct KeyFrame {
   uint32_t serial = 0;  // counts key frames as they are made, never reused
-  uint32_t part = 0;    // number of the part it belongs to
+  uint32_t submap = 0;    // id of the submap it belongs to
   int64_t frame = 0;    // index of the frame in the recording
   Timestamp stamp = 0;
   SE3 T_cw;
@@ -69,7 +69,7 @@ struct KeyFrame {
   std::shared_ptr<const Words> words;  // what the vocabulary says of it; null without one
   std::vector<MapPointId> points;      // for each feature its map point, or an invalid handle
   std::vector<Neighbour> shared;     // every key frame sharing at least one point, sorted by handle; exact at all times
-  KeyFrameId parent;                 // in the part's spanning tree; invalid for its root
+  KeyFrameId parent;                 // in the submap's spanning tree; invalid for its root
   std::vector<KeyFrameId> children;  // sorted by handle
   std::vector<KeyFrameId> loop_edges;  // sorted by handle
   int protections = 0;                 // while positive the key frame can't be erased
@@ -77,9 +77,9 @@ struct KeyFrame {
                      // relative to it before a change have translations in the old unit
 };
 
-// Numbers count parts as they are begun and are not used again.
-struct MapPart {
-  uint32_t number = 0;
+// Ids count submaps as they are begun and are never reused.
+struct Submap {
+  uint32_t id = 0;
   KeyFrameId root;
   size_t key_frames = 0;
 };
@@ -89,14 +89,14 @@ struct MapState;  // map_state.h
 class Map {
  public:
   // ---- Key frames ----
-  // Adds a key frame without points to a part there is; without one to the oldest. The first of all begins a part as
-  // begin_part() does. Refuses (invalid handle) a pose that is not finite.
+  // Adds a key frame without points to a submap there is; without one to the oldest. The first of all begins a submap as
+  // begin_submap() does. Refuses (invalid handle) a pose that is not finite.
   KeyFrameId add_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features,
-                           std::optional<uint32_t> part = {});
-  // Adds a key frame as the root of a new part.
-  KeyFrameId begin_part(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features);
+                           std::optional<uint32_t> submap = {});
+  // Adds a key frame as the root of a new submap.
+  KeyFrameId begin_submap(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features);
   // Makes the best covisible key frame (most shared points; ties: lower serial) its parent; the newest other key frame
-  // of its part when it shares nothing. Call once, after the observations of a new key frame are in.
+  // of its submap when it shares nothing. Call once, after the observations of a new key frame are in.
   void attach_to_tree(KeyFrameId id);
   // Erases it with its observations and edges; points left with fewer than two observers go too (one is enough if that
   // observer has depth for it). Children are re-attached as in §2 of algorithms.md. False (and nothing done) for a
@@ -110,7 +110,7 @@ class Map {
   // Makes it known to the database. Once.
   void set_words(KeyFrameId id, std::shared_ptr<const Words> words);
   // The correction of a loop: the pose, and the factor by which lengths near this key frame grew. Counted by moves(),
-  // as is join_parts(): what was read of the map before such a move does not fit what is read after it.
+  // as is join_submaps(): what was read of the map before such a move does not fit what is read after it.
   bool correct_pose(KeyFrameId id, const SE3& T_cw, double growth);
   void protect(KeyFrameId id);
   void unprotect(KeyFrameId id);
@@ -118,7 +118,7 @@ class Map {
   const KeyFrameDatabase& database() const { return database_; }
   size_t key_frame_count() const { return key_frames_.size(); }
   std::vector<KeyFrameId> key_frames() const;               // by rising serial
-  std::vector<KeyFrameId> key_frames(uint32_t part) const;  // of one part
+  std::vector<KeyFrameId> key_frames(uint32_t submap) const;  // of one submap
 
   // A live key frame that stands for `id`, and T_ar that takes r = the returned one's camera to a = the asked one's
   // camera: itself and the identity when live; for an erased one the nearest living ancestor. Nothing for a handle that
@@ -140,21 +140,21 @@ class Map {
   void count_move() { ++moves_; }
 
   // ---- The camera ----
-  // Of the undistorted key points of every key frame, which stay as they are when it is refined. Counted by moves().
+  // Of the undistorted keypoints of every key frame, which stay as they are when it is refined. Counted by moves().
   const Pinhole& camera() const { return camera_; }
   void set_camera(const Pinhole& camera);
 
-  // ---- Parts ----
-  const std::vector<MapPart>& parts() const { return parts_; }  // by rising number: the oldest first
-  const MapPart* part(uint32_t number) const;                   // nullptr: there is none (any more)
-  KeyFrameId root() const { return parts_.empty() ? KeyFrameId{} : parts_.front().root; }  // of the oldest part
+  // ---- Submaps ----
+  const std::vector<Submap>& submaps() const { return submaps_; }  // by rising id: the oldest first
+  const Submap* submap(uint32_t id) const;                   // nullptr: there is none (any more)
+  KeyFrameId root() const { return submaps_.empty() ? KeyFrameId{} : submaps_.front().root; }  // of the oldest submap
   bool is_root(KeyFrameId id) const;
-  // Joins the part of `child` to that of `parent`: all of it is moved by S (p_there = S * p_here), its tree hangs on
-  // `child` from now on, and `child` below `parent`. False (nothing done) when either is stale, both are of one part,
+  // Joins the submap of `child` to that of `parent`: all of it is moved by S (p_there = S * p_here), its tree hangs on
+  // `child` from now on, and `child` below `parent`. False (nothing done) when either is stale, both are of one submap,
   // or S is not finite.
-  bool join_parts(KeyFrameId child, KeyFrameId parent, const Sim3& S);
-  // Everything of a part goes. False when there is none of this number.
-  bool erase_part(uint32_t number);
+  bool join_submaps(KeyFrameId child, KeyFrameId parent, const Sim3& S);
+  // Everything of a submap goes. False when there is none of this id.
+  bool erase_submap(uint32_t id);
 
   // ---- Covisibility (derived from `shared`) ----
   int weight(KeyFrameId a, KeyFrameId b) const;            // points both observe
@@ -173,7 +173,7 @@ class Map {
   // not finite, or a feature that has a point already.
   MapPointId add_point(const Eigen::Vector3d& position_w, KeyFrameId reference, uint32_t feature);
   // False when either is stale, the feature has a point, or the key frame already observes this point or is of another
-  // part.
+  // submap.
   bool add_observation(MapPointId point, KeyFrameId key_frame, uint32_t feature);
   // Removes one observation; the point goes too when too few are left (as in erase_key_frame). False when there is
   // none.
@@ -181,7 +181,7 @@ class Map {
   bool erase_point(MapPointId id);
   // Moves the observations of `old` to `by` (where `by` is already seen by that key frame, the feature is let go), adds
   // up visible and found, refreshes `by`, erases `old` and forwards its handle. False when either is stale, both are
-  // the same, or of different parts.
+  // the same, or of different submaps.
   bool replace_point(MapPointId old, MapPointId by);
   // The live handle that `id` has become through replacements; invalid when it was erased.
   MapPointId forwarded(MapPointId id) const;
@@ -212,7 +212,7 @@ class Map {
   uint64_t refused_non_finite() const { return refused_non_finite_; }  // commits refused for a non-finite pose or point
 
   // The first broken invariant found, described; empty when all hold: observations mutual, weights exact and mutual,
-  // each part's tree a tree that holds every key frame of it, no link to an erased thing or another part, everything
+  // each submap's tree a tree that holds every key frame of it, no link to an erased thing or another submap, everything
   // finite, counts consistent.
   std::string check() const;
 
@@ -235,17 +235,17 @@ class Map {
   std::unordered_map<KeyFrameId, Ancestor> erased_frames_;  // looked up, never iterated
   KeyFrameDatabase database_;
   Pinhole camera_;
-  std::vector<MapPart> parts_;  // by rising number; each has a key frame
-  uint32_t next_part_ = 0;
+  std::vector<Submap> submaps_;  // by rising id; each has a key frame
+  uint32_t next_submap_ = 0;
   uint32_t next_serial_ = 0;
   uint64_t refused_non_finite_ = 0, moves_ = 0;
 
-  MapPart& part_at(uint32_t number);
-  KeyFrameId insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features, uint32_t part);
+  Submap& submap_at(uint32_t id);
+  KeyFrameId insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features, uint32_t submap);
   void hang_tree_on(KeyFrameId id);
   void add_weight(KeyFrameId a, KeyFrameId b, int delta);
   void rebuild_shared();                                   // of all key frames, from the observations
-  void find_parts(const std::vector<KeyFrameId>& frames);  // from the trees; frames by rising serial
+  void find_submaps(const std::vector<KeyFrameId>& frames);  // from the trees; frames by rising serial
   void unlink_observations(MapPointId id);
   void reattach_children(KeyFrameId id);
 };

@@ -30,8 +30,8 @@ std::string check_point(const Map& map, MapPointId id, const MapPoint& point) {
     if (!key_frame) return name(id) + " is observed by an erased " + name(o.key_frame);
     if (o.feature >= key_frame->points.size() || key_frame->points[o.feature] != id)
       return name(id) + " and " + name(o.key_frame) + " disagree on an observation";
-    if (key_frame->part != map.at(point.observations.front().key_frame).part)
-      return name(id) + " is seen from two parts";
+    if (key_frame->submap != map.at(point.observations.front().key_frame).submap)
+      return name(id) + " is seen from two submaps";
     reference_observes |= o.key_frame == point.reference;
   }
   if (!reference_observes) return name(id) + "'s reference does not observe it";
@@ -86,13 +86,13 @@ std::string check_links(const Map& map, KeyFrameId id, const KeyFrame& key_frame
   }
   for (const KeyFrameId& other : key_frame.loop_edges) {
     if (!map.find(other)) return name(id) + " has a loop edge to an erased key frame";
-    if (map.at(other).part != key_frame.part) return name(id) + " has a loop edge to another part";
+    if (map.at(other).submap != key_frame.submap) return name(id) + " has a loop edge to another submap";
     const auto& back = map.at(other).loop_edges;
     if (!std::binary_search(back.begin(), back.end(), id)) return name(id) + " has a loop edge that is not mutual";
   }
-  const MapPart* part = map.part(key_frame.part);
-  if (!part) return name(id) + " is of a part that is not there";
-  if (id == part->root) return key_frame.parent.valid() ? name(id) + " is a root and has a parent" : "";
+  const Submap* submap = map.submap(key_frame.submap);
+  if (!submap) return name(id) + " is of a submap that is not there";
+  if (id == submap->root) return key_frame.parent.valid() ? name(id) + " is a root and has a parent" : "";
   if (!key_frame.parent.valid()) {
     // Just added and not attached yet: the newest only.
     return key_frame.serial + 1 == map.next_serial() && key_frame.children.empty() ? "" : name(id) + " has no parent";
@@ -102,10 +102,10 @@ std::string check_links(const Map& map, KeyFrameId id, const KeyFrame& key_frame
     return name(id) + "'s parent is erased or does not know it";
   // Up the tree to the root, in no more steps than there are key frames.
   KeyFrameId at = id;
-  for (size_t steps = 0; at != part->root; ++steps) {
+  for (size_t steps = 0; at != submap->root; ++steps) {
     if (steps > map.key_frame_count()) return name(id) + " is on a cycle of the spanning tree";
     at = map.at(at).parent;
-    if (!map.find(at)) return name(id) + " is not connected to its part's root";
+    if (!map.find(at)) return name(id) + " is not connected to its submap's root";
   }
   return {};
 }
@@ -130,20 +130,20 @@ std::string check_database(const Map& map) {
   return problem;
 }
 
-std::string check_parts(const Map& map) {
+std::string check_submaps(const Map& map) {
   size_t total = 0;
-  for (const MapPart& part : map.parts()) {
-    const KeyFrame* root = map.find(part.root);
-    if (!root || root->part != part.number) return "the root of part " + std::to_string(part.number) + " is erased";
+  for (const Submap& submap : map.submaps()) {
+    const KeyFrame* root = map.find(submap.root);
+    if (!root || root->submap != submap.id) return "the root of submap " + std::to_string(submap.id) + " is erased";
     size_t key_frames = 0;
-    map.for_each_key_frame([&](KeyFrameId, const KeyFrame& k) { key_frames += k.part == part.number; });
-    if (key_frames != part.key_frames) return "part " + std::to_string(part.number) + " has a wrong count";
+    map.for_each_key_frame([&](KeyFrameId, const KeyFrame& k) { key_frames += k.submap == submap.id; });
+    if (key_frames != submap.key_frames) return "submap " + std::to_string(submap.id) + " has a wrong count";
     total += key_frames;
   }
-  if (total != map.key_frame_count()) return "a key frame belongs to no part";
-  return strictly_sorted(map.parts(), [](const MapPart& a, const MapPart& b) { return a.number < b.number; })
+  if (total != map.key_frame_count()) return "a key frame belongs to no submap";
+  return strictly_sorted(map.submaps(), [](const Submap& a, const Submap& b) { return a.id < b.id; })
              ? ""
-             : "the parts are not sorted";
+             : "the submaps are not sorted";
 }
 
 }  // namespace
@@ -161,7 +161,7 @@ std::string Map::check() const {
   for_each_point([&](MapPointId id, const MapPoint& point) {
     if (problem.empty()) problem = check_point(*this, id, point);
   });
-  if (problem.empty()) problem = check_parts(*this);
+  if (problem.empty()) problem = check_submaps(*this);
   if (problem.empty()) problem = check_database(*this);
   return problem;
 }

@@ -15,10 +15,10 @@ namespace {
 struct Model {
   std::map<KeyFrameId, std::map<uint32_t, MapPointId>> frames;
   std::map<MapPointId, std::map<KeyFrameId, uint32_t>> points;
-  std::map<KeyFrameId, uint32_t> part;
+  std::map<KeyFrameId, uint32_t> submap;
   std::set<KeyFrameId> roots;
 
-  uint32_t part_of(MapPointId p) { return part[points[p].begin()->first]; }
+  uint32_t submap_of(MapPointId p) { return submap[points[p].begin()->first]; }
   void observe(MapPointId p, KeyFrameId k, uint32_t feature) {
     frames[k][feature] = p;
     points[p][k] = feature;
@@ -52,10 +52,10 @@ void expect_equal(const Map& map, const Model& model) {
     weights.erase(k);
     for (const auto& [other, weight] : weights) ASSERT_EQ(map.weight(k, other), weight);
     ASSERT_EQ(map.at(k).shared.size(), weights.size());
-    ASSERT_EQ(map.at(k).part, model.part.at(k));
+    ASSERT_EQ(map.at(k).submap, model.submap.at(k));
     ASSERT_EQ(map.is_root(k), model.roots.contains(k));
   }
-  ASSERT_EQ(map.parts().size(), model.roots.size());
+  ASSERT_EQ(map.submaps().size(), model.roots.size());
 }
 
 // A map and its model, and an operation at a time on both. What the operation says must be what the model expects.
@@ -73,8 +73,8 @@ class Both {
     if (what < 93) return replace_point();
     if (what < 97) return erase_key_frame();
     if (what < 98) return add_loop_edge();
-    if (random_.below(8) != 0) return join_parts();
-    erase_part();
+    if (random_.below(8) != 0) return join_submaps();
+    erase_submap();
   }
   void expect_equal() const { covis::expect_equal(map_, model_); }
 
@@ -93,12 +93,12 @@ class Both {
     const bool begins = model_.frames.empty() || random_.below(5) == 0;
     const SE3 pose = pose_at(random_.uniform(-5, 5));
     const FeaturesPtr features = random_features(random_, kFeatures, depth_ ? 2 : 0);
-    const uint32_t part = begins ? parts_begun_++ : model_.part[any_frame()];
+    const uint32_t submap = begins ? parts_begun_++ : model_.submap[any_frame()];
     const KeyFrameId k =
-        begins ? map_.begin_part(step, step, pose, features) : map_.add_key_frame(step, step, pose, features, part);
+        begins ? map_.begin_submap(step, step, pose, features) : map_.add_key_frame(step, step, pose, features, submap);
     map_.attach_to_tree(k);
     model_.frames[k];
-    model_.part[k] = part;
+    model_.submap[k] = submap;
     if (begins) model_.roots.insert(k);
   }
   void add_point() {
@@ -113,7 +113,7 @@ class Both {
     const MapPointId p = any_point();
     const uint32_t feature = any_feature();
     const bool possible =
-        !model_.frames[k].contains(feature) && !model_.points[p].contains(k) && model_.part[k] == model_.part_of(p);
+        !model_.frames[k].contains(feature) && !model_.points[p].contains(k) && model_.submap[k] == model_.submap_of(p);
     ASSERT_EQ(map_.add_observation(p, k, feature), possible);
     if (possible) model_.observe(p, k, feature);
   }
@@ -131,7 +131,7 @@ class Both {
   }
   void replace_point() {
     const MapPointId old = any_point(), by = any_point();
-    const bool possible = old != by && model_.part_of(old) == model_.part_of(by);
+    const bool possible = old != by && model_.submap_of(old) == model_.submap_of(by);
     ASSERT_EQ(map_.replace_point(old, by), possible);
     if (!possible) return;
     const auto observers = model_.points[old];
@@ -149,33 +149,33 @@ class Both {
     const auto features = model_.frames[k];
     for (const auto& [feature, p] : features) model_.erase_observation(p, k, depth_);
     model_.frames.erase(k);
-    model_.part.erase(k);
+    model_.submap.erase(k);
     ASSERT_TRUE(map_.resolve(k));
   }
   void add_loop_edge() {
     const KeyFrameId a = any_frame(), b = any_frame();
-    if (a != b && model_.part[a] == model_.part[b]) map_.add_loop_edge(a, b);
+    if (a != b && model_.submap[a] == model_.submap[b]) map_.add_loop_edge(a, b);
   }
-  void join_parts() {
+  void join_submaps() {
     const KeyFrameId child = any_frame(), parent = any_frame();
     const Sim3 S(so3_exp({random_.uniform(-1, 1), 0, 1}), {1, random_.uniform(-1, 1), 2}, random_.uniform(0.5, 2));
-    const uint32_t from = model_.part[child], to = model_.part[parent];
-    ASSERT_EQ(map_.join_parts(child, parent, S), from != to);
+    const uint32_t from = model_.submap[child], to = model_.submap[parent];
+    ASSERT_EQ(map_.join_submaps(child, parent, S), from != to);
     if (from == to) return;
-    std::erase_if(model_.roots, [&](KeyFrameId k) { return model_.part[k] == from; });
-    for (auto& [k, part] : model_.part) {
-      if (part == from) part = to;
+    std::erase_if(model_.roots, [&](KeyFrameId k) { return model_.submap[k] == from; });
+    for (auto& [k, submap] : model_.submap) {
+      if (submap == from) submap = to;
     }
   }
-  void erase_part() {
-    const uint32_t part = random_.below(parts_begun_);
+  void erase_submap() {
+    const uint32_t submap = random_.below(parts_begun_);
     const bool there =
-        std::any_of(model_.part.begin(), model_.part.end(), [&](const auto& k) { return k.second == part; });
-    ASSERT_EQ(map_.erase_part(part), there);
-    std::erase_if(model_.points, [&](const auto& p) { return model_.part[p.second.begin()->first] == part; });
-    std::erase_if(model_.frames, [&](const auto& k) { return model_.part[k.first] == part; });
-    std::erase_if(model_.roots, [&](KeyFrameId k) { return model_.part[k] == part; });
-    std::erase_if(model_.part, [&](const auto& k) { return k.second == part; });
+        std::any_of(model_.submap.begin(), model_.submap.end(), [&](const auto& k) { return k.second == submap; });
+    ASSERT_EQ(map_.erase_submap(submap), there);
+    std::erase_if(model_.points, [&](const auto& p) { return model_.submap[p.second.begin()->first] == submap; });
+    std::erase_if(model_.frames, [&](const auto& k) { return model_.submap[k.first] == submap; });
+    std::erase_if(model_.roots, [&](KeyFrameId k) { return model_.submap[k] == submap; });
+    std::erase_if(model_.submap, [&](const auto& k) { return k.second == submap; });
   }
 
   Random random_;

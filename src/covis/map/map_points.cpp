@@ -40,7 +40,7 @@ bool Map::add_observation(MapPointId id, KeyFrameId key_frame_id, uint32_t featu
   MapPoint* point = points_.find(id);
   KeyFrame* key_frame = key_frames_.find(key_frame_id);
   if (!point || !key_frame || feature >= key_frame->points.size() || key_frame->points[feature].valid()) return false;
-  if (at(point->reference).part != key_frame->part) return false;
+  if (at(point->reference).submap != key_frame->submap) return false;
   const auto place = std::ranges::lower_bound(point->observations, key_frame_id, {}, &Observation::key_frame);
   if (place != point->observations.end() && place->key_frame == key_frame_id) return false;
   for (const Observation& other : point->observations) add_weight(key_frame_id, other.key_frame, 1);
@@ -90,7 +90,7 @@ bool Map::erase_point(MapPointId id) {
 
 bool Map::replace_point(MapPointId old, MapPointId by) {
   if (old == by || !points_.find(old) || !points_.find(by)) return false;
-  if (at(at(old).reference).part != at(at(by).reference).part) return false;
+  if (at(at(old).reference).submap != at(at(by).reference).submap) return false;
   const std::vector<Observation> observations = points_.at(old).observations;
   const uint32_t visible = points_.at(old).visible, found = points_.at(old).found;
   unlink_observations(old);

@@ -101,7 +101,7 @@ std::string problem_of(const MapState& state) {
     const std::string problem = problem_of(state, state.points[i]);
     if (!problem.empty()) return point_name(i) + " " + problem;
   }
-  // The oldest part's root is the first that has no parent.
+  // The oldest submap's root is the first that has no parent.
   uint32_t root = 0;
   while (root < state.key_frames.size() && state.key_frames[root].parent != kNone) ++root;
   if (state.root != (root < state.key_frames.size() ? root : kNone)) return "it has no root";
@@ -163,17 +163,17 @@ void Map::rebuild_shared() {
   }
 }
 
-// Each key frame without a parent is the root of a part, numbered as they come.
-void Map::find_parts(const std::vector<KeyFrameId>& frames) {
+// Each key frame without a parent is the root of a submap, numbered as they come.
+void Map::find_submaps(const std::vector<KeyFrameId>& frames) {
   for (const KeyFrameId& root : frames) {
     if (at(root).parent.valid()) continue;
     std::vector<KeyFrameId> tree{root};
     for (size_t k = 0; k < tree.size(); ++k) {
       KeyFrame& key_frame = key_frames_.at(tree[k]);
-      key_frame.part = next_part_;
+      key_frame.submap = next_submap_;
       tree.insert(tree.end(), key_frame.children.begin(), key_frame.children.end());
     }
-    parts_.push_back({next_part_++, root, tree.size()});
+    submaps_.push_back({next_submap_++, root, tree.size()});
   }
 }
 
@@ -220,7 +220,7 @@ Result<Map> Map::from_state(MapState state) {
   for (size_t i = 0; i < points.size(); ++i) map.points_.at(points[i]).reference = frames[state.points[i].reference];
   map.next_serial_ = state.next_serial;
   map.camera_ = state.camera;
-  map.find_parts(frames);
+  map.find_submaps(frames);
   map.rebuild_shared();
   if (const std::string problem = map.check(); !problem.empty()) return fail(problem);
   return map;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Matching by prediction: for each query, the most similar key point inside a window of the image. Serves the motion
+// Matching by prediction: for each query, the most similar keypoint inside a window of the image. Serves the motion
 // model, the local map, the monocular initialiser and fusion. Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO
 // 2015, sections V-B, V-D and VI-D.
 #pragma once

@@ -30,7 +30,7 @@ FocalEstimate estimate_focal(const BundleProblem& problem, BundleAdjuster& adjus
 std::optional<double> adjusted_cost(BundleProblem& problem, BundleAdjuster& adjuster,
                                     const std::atomic<bool>* interrupt = nullptr);
 
-// The camera with its focal lengths times `factor`; what depends on the base line stays.
+// The camera with its focal lengths times `factor`; what depends on the baseline stays.
 Pinhole with_focal(const Pinhole& camera, double factor);
 
 }  // namespace covis

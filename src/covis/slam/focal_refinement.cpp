@@ -9,9 +9,9 @@
 
 namespace covis {
 
-// Not while there are several parts, which all would have to follow.
+// Not while there are several submaps, which all would have to follow.
 std::optional<int> FocalSchedule::ask(const Map& map) {
-  if (map.next_serial() < next_ || map.key_frame_count() > kLargest || map.parts().size() != 1) return std::nullopt;
+  if (map.next_serial() < next_ || map.key_frame_count() > kLargest || map.submaps().size() != 1) return std::nullopt;
   next_ = map.next_serial() + std::max(kLeastStep, map.next_serial() / kStepShare);
   return kLeastAge + static_cast<int>(map.key_frame_count()) / kAgeShare;
 }

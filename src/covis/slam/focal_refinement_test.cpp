@@ -106,7 +106,7 @@ TEST(FocalRefinement, GivesTheMapTheCameraItTells) {
     EXPECT_EQ(m->camera().fy, m->camera().fx);
     EXPECT_EQ(m->camera().cx, 320);
     EXPECT_GT(m->moves(), moves);
-    EXPECT_LT(reprojection_error(*m), 0.45) << "key points are half a pixel off at most, 0.38 in the mean";
+    EXPECT_LT(reprojection_error(*m), 0.45) << "keypoints are half a pixel off at most, 0.38 in the mean";
   }
 }
 
@@ -152,9 +152,9 @@ TEST(FocalRefinement, IsLeftWhereAnotherPartWasBegunOrThePartIsGone) {
     {
       const auto m = map.write();
       if (gone) {
-        m->erase_part(m->parts().front().number);
+        m->erase_submap(m->submaps().front().id);
       } else {
-        m->begin_part(99, 99, SE3(), m->at(m->root()).features);
+        m->begin_submap(99, 99, SE3(), m->at(m->root()).features);
       }
       moves = m->moves();
     }
@@ -186,7 +186,7 @@ TEST(FocalRefinement, IsAskedForAsTheMapGrowsWhileItIsOneAndNotLarge) {
   schedule.restart(map);
   EXPECT_FALSE(schedule.ask(map));
   Map two;
-  for (int64_t k = 0; k < 30; ++k) two.begin_part(k, k, SE3(), features);
+  for (int64_t k = 0; k < 30; ++k) two.begin_submap(k, k, SE3(), features);
   EXPECT_FALSE(FocalSchedule().ask(two));
 }
 

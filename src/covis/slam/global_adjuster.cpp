@@ -11,7 +11,7 @@
 
 namespace covis {
 
-void GlobalAdjuster::start(const SharedMap& shared, KeyFrameId of_part, int iterations,
+void GlobalAdjuster::start(const SharedMap& shared, KeyFrameId of_submap, int iterations,
                            std::optional<double> given_fx) {
   abandon();
   given_fx_ = given_fx;
@@ -19,7 +19,7 @@ void GlobalAdjuster::start(const SharedMap& shared, KeyFrameId of_part, int iter
   problem_ = {};
   {
     const auto map = shared.read();
-    const std::vector<KeyFrameId> frames = map->key_frames(map->at(of_part).part);
+    const std::vector<KeyFrameId> frames = map->key_frames(map->at(of_submap).submap);
     if (frames.size() < 2) return;
     problem_.gather(*map, frames, frames.size());
   }
@@ -49,8 +49,8 @@ GlobalAdjuster::Outcome GlobalAdjuster::commit(SharedMap& shared) {
   Outcome outcome{.focal = given_fx_.has_value(), .ms = ms_};
   if (good_) {
     const auto map = shared.write();
-    // A part begun meanwhile was not adjusted to another camera.
-    outcome.taken_over = (!outcome.focal || map->parts().size() == 1) && take_over(*map);
+    // A submap begun meanwhile was not adjusted to another camera.
+    outcome.taken_over = (!outcome.focal || map->submaps().size() == 1) && take_over(*map);
   } else if (!outcome.focal) {
     log(LogLevel::warning, "the full bundle adjustment after a loop failed; the map stays as it was");
   }
@@ -62,14 +62,14 @@ GlobalAdjuster::Outcome GlobalAdjuster::commit(SharedMap& shared) {
   return outcome;
 }
 
-// False when the part was given up meanwhile.
+// False when the submap was given up meanwhile.
 bool GlobalAdjuster::take_over(Map& map) const {
   const auto& frames = problem_.key_frames;
   const auto alive = std::find_if(frames.begin(), frames.end(), [&](KeyFrameId id) { return map.find(id); });
   if (alive == frames.end()) return false;
   if (given_fx_) map.set_camera(problem_.problem.camera);
   map.count_move();
-  const MapPart part = *map.part(map.at(*alive).part);
+  const Submap submap = *map.submap(map.at(*alive).submap);
   std::vector<SE3> before, after;  // by slot
   std::vector<uint8_t> adjusted;   // by slot: has an adjusted pose
   const auto room = [&](KeyFrameId id) {
@@ -89,7 +89,7 @@ bool GlobalAdjuster::take_over(Map& map) const {
     adjusted[id.slot] = 1;
   }
   // From the root down: what is newer than the copy keeps its place beside its parent.
-  std::vector<KeyFrameId> open{part.root};
+  std::vector<KeyFrameId> open{submap.root};
   for (size_t k = 0; k < open.size(); ++k) {
     const KeyFrame& key_frame = map.at(open[k]);
     if (!adjusted[open[k].slot] && key_frame.parent.valid()) {
@@ -100,7 +100,7 @@ bool GlobalAdjuster::take_over(Map& map) const {
   }
   std::vector<std::pair<MapPointId, Eigen::Vector3d>> places;
   map.for_each_point([&](MapPointId id, const MapPoint& point) {
-    if (map.at(point.reference).part != part.number) return;
+    if (map.at(point.reference).submap != submap.id) return;
     const auto at = std::lower_bound(problem_.points.begin(), problem_.points.end(), id);
     if (at != problem_.points.end() && *at == id) {
       places.emplace_back(id, problem_.problem.points[static_cast<size_t>(at - problem_.points.begin())]);

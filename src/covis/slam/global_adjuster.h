@@ -18,10 +18,10 @@ class GlobalAdjuster {
  public:
   ~GlobalAdjuster() { abandon(); }
 
-  // Copies the part of the map that the key frame belongs to, under a read guard, and begins. With `given_fx`, the
+  // Copies the submap that the key frame belongs to, under a read guard, and begins. With `given_fx`, the
   // focal length the camera came with, that is adjusted too (focal_refinement.h); where the map does not tell it, or
   // agrees with what it is, nothing comes of it.
-  void start(const SharedMap& map, KeyFrameId of_part, int iterations, std::optional<double> given_fx = {});
+  void start(const SharedMap& map, KeyFrameId of_submap, int iterations, std::optional<double> given_fx = {});
   bool running() const { return thread_.joinable(); }
   // The result is there: commit() will not wait.
   bool ready() const { return done_.load(); }

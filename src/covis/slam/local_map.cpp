@@ -22,7 +22,7 @@ T& at_slot(std::vector<T>& marks, uint32_t slot) {
 void KeyFrameView::copy(const Map& map, KeyFrameId key_frame) {
   const KeyFrame& source = map.at(key_frame);
   id = key_frame;
-  part = source.part;
+  submap = source.submap;
   T_cw = source.T_cw;
   scale = source.scale;
   features = source.features;
@@ -64,7 +64,7 @@ void LocalMap::update(const Map& map, const std::vector<MapPointId>& matched, Ke
   if (!key_frames.empty()) {
     reference.copy(map, key_frames.front());
     // A point seen by two key frames with depth is as sure as one seen by three without.
-    const bool young = map.part(reference.part)->key_frames <= 2 || map.camera().bf > 0;
+    const bool young = map.submap(reference.submap)->key_frames <= 2 || map.camera().bf > 0;
     reference_points = map.tracked_points(reference.id, young ? 2 : 3);
     reference_all_points = young ? reference_points : map.tracked_points(reference.id, 2);
   }

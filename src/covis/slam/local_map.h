@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of the map near the camera, copied in one short read into flat arrays: the tracker works on this copy and
+// The p of the map near the camera, copied in one short read into flat arrays: the tracker works on this copy and
 // takes no lock while it does. Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section V-D.
 #pragma once
 
@@ -14,7 +14,7 @@ namespace covis {
 // A copy of one key frame: enough to track against without the map.
 struct KeyFrameView {
   KeyFrameId id;
-  uint32_t part = 0;  // of the map
+  uint32_t submap = 0;  // of the map
   SE3 T_cw;
   double scale = 1;  // KeyFrame::scale
   FeaturesPtr features;

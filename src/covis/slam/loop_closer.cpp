@@ -79,7 +79,7 @@ std::vector<KeyFrameId> LoopCloser::candidates(const Map& map, KeyFrameId curren
   for (const auto& candidate : map.database().query(map, *key_frame.words, excluded, min_score)) {
     // What was mapped a moment ago is no place come back to.
     const KeyFrame& place = map.at(candidate.key_frame);
-    if (place.part == key_frame.part && place.serial + kBetweenLoops > key_frame.serial) continue;
+    if (place.submap == key_frame.submap && place.serial + kBetweenLoops > key_frame.serial) continue;
     if (result.size() < kCandidates) result.push_back(candidate.key_frame);
   }
   return result;
@@ -213,7 +213,7 @@ std::optional<LoopCloser::Found> LoopCloser::verify(const View& current, KeyFram
   {
     const auto map = map_.read();
     found.place = copy_place(*map, candidate);
-    found.elsewhere = map->at(candidate).part != map->at(current.id).part;
+    found.elsewhere = map->at(candidate).submap != map->at(current.id).submap;
   }
   const Place& place = found.place;
   const std::vector<Sim3Match> matches = match_points(current, place);
@@ -288,7 +288,7 @@ bool LoopCloser::seen_from_there(const Map& map, const View& current, const Foun
 }
 
 // The best covisible key frames, moved along with the current one, must find the place's points too: two of the first
-// five, or as many as there are; to join parts there must be one at least.
+// five, or as many as there are; to join submaps there must be one at least.
 bool LoopCloser::neighbours_agree(const Map& map, const View& current, const Found& found) {
   constexpr int kAsked = 5, kWanted = 2;
   int asked = 0, agree = 0;
@@ -322,7 +322,7 @@ bool LoopCloser::drift_explains(const Map& map, const View& current, const Found
   const uint32_t first = map.at(found.place.key_frame).serial, last = map.at(current.id).serial;
   double path = 0;
   std::optional<Eigen::Vector3d> before;
-  for (const KeyFrameId& id : map.key_frames(map.at(current.id).part)) {
+  for (const KeyFrameId& id : map.key_frames(map.at(current.id).submap)) {
     const KeyFrame& key_frame = map.at(id);
     if (key_frame.serial < std::min(first, last) || key_frame.serial > std::max(first, last)) continue;
     const Eigen::Vector3d centre = key_frame.T_cw.centre();

@@ -11,7 +11,7 @@
 //   4. the neighbours of the key frame, moved along, find the old place's points too,
 //   5. the correction is one that drift can explain: a share of the path travelled since. What looks alike but is
 //      another place (the same poster on two walls, two equal rooms) fails here.
-// A place in another part of the map joins the two parts. Of their relation nothing is known that drift could explain,
+// A place in another submap joins the two submaps. Of their relation nothing is known that drift could explain,
 // so that tests 3 and 4 ask for more instead, and the old place's views must find the new one's points as well.
 //
 // Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VII; verification at once by several covisible
@@ -38,7 +38,7 @@ class LoopCloser {
  public:
   LoopCloser(SharedMap& map, const SystemOptions& options) : map_(map), options_(options) {}
 
-  // Looks whether `current`, just mapped, closes a loop or joins its part of the map to another, and does it. True when
+  // Looks whether `current`, just mapped, closes a loop or joins its submap to another, and does it. True when
   // the map was corrected or joined.
   bool process(KeyFrameId current, LoopReport& report);
   void reset() { last_loop_serial_.reset(); }
@@ -63,7 +63,7 @@ class LoopCloser {
   };
   struct Found {
     Place place;
-    bool elsewhere = false;                                // the place is of another part of the map
+    bool elsewhere = false;                                // the place is of another submap
     Sim3 S_cw;                                             // the current key frame as the old place's map would have it
     std::vector<std::pair<uint32_t, MapPointId>> matches;  // feature of the current key frame, point of the place
   };

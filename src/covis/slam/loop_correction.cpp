@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Closing a recognised loop: the pose graph over Sim(3), the points carried along, and both places' points made one
-// (ORB-SLAM, VII-C and VII-D). Joining two parts of the map that turn out to show one place.
+// (ORB-SLAM, VII-C and VII-D). Joining two submaps that turn out to show one place.
 #include <algorithm>
 
 #include "covis/core/log.h"
@@ -17,8 +17,8 @@ void LoopCloser::correct(const View& current, const Found& found, LoopReport& re
   std::vector<SE3> before;
   {
     const auto map = map_.read();
-    frames = map->key_frames(map->at(current.id).part);
-    std::vector<int32_t> index;  // by slot; -1: of another part
+    frames = map->key_frames(map->at(current.id).submap);
+    std::vector<int32_t> index;  // by slot; -1: of another submap
     map->for_each_key_frame([&](KeyFrameId id, const KeyFrame&) { index.resize(id.slot + size_t{1}, -1); });
     for (size_t k = 0; k < frames.size(); ++k) index[frames[k].slot] = static_cast<int32_t>(k);
     std::vector<uint8_t> moved(frames.size(), 0);  // goes with the current key frame
@@ -76,15 +76,15 @@ void LoopCloser::correct(const View& current, const Found& found, LoopReport& re
   for (const auto& [id, position] : places) map->refresh_point_geometry(id);
 }
 
-// The younger part goes to the older one's world, as a whole. Nothing contradicts where it comes to lie, so that there
+// The younger submap goes to the older one's world, as a whole. Nothing contradicts where it comes to lie, so that there
 // is no error to spread by a pose graph; the full bundle adjustment that follows does the rest.
 bool LoopCloser::join(const View& current, const Found& found, LoopReport& report) {
   const auto map = map_.write();
   const KeyFrameId place = found.place.key_frame;
-  const uint32_t here = map->at(current.id).part, there = map->at(place).part;
+  const uint32_t here = map->at(current.id).submap, there = map->at(place).submap;
   const Sim3 S = found.S_cw.inverse() * Sim3(current.T_cw);  // from the current world to that of the place
-  report.merged_key_frames = static_cast<int>(map->part(std::max(here, there))->key_frames);
-  return here > there ? map->join_parts(current.id, place, S) : map->join_parts(place, current.id, S.inverse());
+  report.merged_key_frames = static_cast<int>(map->submap(std::max(here, there))->key_frames);
+  return here > there ? map->join_submaps(current.id, place, S) : map->join_submaps(place, current.id, S.inverse());
 }
 
 void LoopCloser::fuse(const View& current, const Found& found, LoopReport& report) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A part of the map as a bundle adjustment problem, and its way back.
+// A p of the map as a bundle adjustment problem, and its way back.
 #pragma once
 
 #include <cstddef>

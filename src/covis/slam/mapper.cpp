@@ -32,7 +32,7 @@ MappingReport Mapper::process(const KeyFrameRequest& request, const std::atomic<
   report.create_ms = lap(watch);
   report.points_fused = fuse_neighbours(report.key_frame);
   report.fuse_ms = lap(watch);
-  const bool enough = key_frames_of_its_part(report.key_frame) > 2;
+  const bool enough = key_frames_of_its_submap(report.key_frame) > 2;
   if (enough && !(interrupt && interrupt->load())) {
     local_bundle_adjustment(report.key_frame, interrupt, report);
     report.ba_ms = lap(watch);
@@ -47,9 +47,9 @@ MappingReport Mapper::process(const KeyFrameRequest& request, const std::atomic<
   return report;
 }
 
-size_t Mapper::key_frames_of_its_part(KeyFrameId id) const {
+size_t Mapper::key_frames_of_its_submap(KeyFrameId id) const {
   const auto map = map_.read();
-  return map->part(map->at(id).part)->key_frames;
+  return map->submap(map->at(id).submap)->key_frames;
 }
 
 KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
@@ -70,8 +70,8 @@ KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
     map->count_found(point, count.found);
   }
   const KeyFrameId id = reference ? map->add_key_frame(request.frame, request.stamp, T_cw, std::move(features),
-                                                       map->at(reference->key_frame).part)
-                                  : map->begin_part(request.frame, request.stamp, T_cw, std::move(features));
+                                                       map->at(reference->key_frame).submap)
+                                  : map->begin_submap(request.frame, request.stamp, T_cw, std::move(features));
   if (!id.valid()) return id;
   for (uint32_t feature = 0; feature < request.points.size(); ++feature) {
     const MapPointId point = map->forwarded(request.points[feature]);
@@ -167,7 +167,7 @@ void Mapper::take_over_adjustment(MappingReport& report) {
 }
 
 void Mapper::adjust_focal(KeyFrameId current) {
-  // Stereo's base line times focal length would have to follow.
+  // Stereo's baseline times focal length would have to follow.
   if (options_.sensor == Sensor::stereo || !options_.mapper.refine_focal || global_.running()) return;
   const std::optional<int> age = focal_.ask(*map_.read());
   if (!age) return;
@@ -187,10 +187,10 @@ void Mapper::finish() {
   if (global_.running()) global_.commit(map_);
 }
 
-void Mapper::discard(uint32_t part) {
+void Mapper::discard(uint32_t submap) {
   const auto map = map_.write();
-  map->erase_part(part);
-  if (!map->parts().empty()) return;
+  map->erase_submap(submap);
+  if (!map->submaps().empty()) return;
   closer_.reset();
   focal_.restart(*map);
 }

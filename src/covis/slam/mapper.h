@@ -37,13 +37,13 @@ class Mapper {
   // The whole of local mapping for one key frame. `interrupt` (may be null) becomes true when another waits: bundle
   // adjustment is then cut short.
   MappingReport process(const KeyFrameRequest& request, const std::atomic<bool>* interrupt);
-  // Two key frames and their points, adjusted and scaled to a median depth of 1, as a new part of the map. The report's
+  // Two key frames and their points, adjusted and scaled to a median depth of 1, as a new submap. The report's
   // key frame is invalid, and nothing made, when too little survives.
   MappingReport initialise(const InitialMapRequest& request);
   // Waits for what runs in the background and takes it over.
   void finish();
-  // A part of the map is forgotten (a monocular one that failed in its first moments).
-  void discard(uint32_t part);
+  // A submap is forgotten (a monocular one that failed in its first moments).
+  void discard(uint32_t submap);
 
  private:
   struct Recent {
@@ -52,7 +52,7 @@ class Mapper {
   };
 
   KeyFrameId insert(const KeyFrameRequest& request);
-  size_t key_frames_of_its_part(KeyFrameId id) const;
+  size_t key_frames_of_its_submap(KeyFrameId id) const;
   void add_words(KeyFrameId id);
   int cull_recent_points(KeyFrameId current);
   int create_points(KeyFrameId current);

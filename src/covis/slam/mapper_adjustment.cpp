@@ -116,13 +116,13 @@ MappingReport Mapper::initialise(const InitialMapRequest& request) {
   auto map = map_.write();
   const SE3 T_21(problem.poses[1].R(), Eigen::Vector3d(problem.poses[1].t() * scale));
   // As in insert(), of copies.
-  report.first = map->begin_part(request.first.frame, request.first.stamp, SE3(),
+  report.first = map->begin_submap(request.first.frame, request.first.stamp, SE3(),
                                  std::make_shared<Features>(*request.first.features));
-  const uint32_t part = map->at(report.first).part;
+  const uint32_t submap = map->at(report.first).submap;
   report.key_frame = map->add_key_frame(request.second.frame, request.second.stamp, T_21,
-                                        std::make_shared<Features>(*request.second.features), part);
+                                        std::make_shared<Features>(*request.second.features), submap);
   if (!report.key_frame.valid()) {
-    map->erase_part(part);
+    map->erase_submap(submap);
     report.first = {};
     return report;
   }

@@ -157,8 +157,8 @@ TEST_F(MapperTest, AdjustmentBringsADisturbedKeyFrameBack) {
 
 TEST_F(MapperTest, APartThatIsDiscardedIsForgotten) {
   const KeyFrameId first = process(request(0, {}, 1, true)).key_frame;
-  const uint32_t part = shared.read()->at(first).part;
-  mapper.discard(part);
+  const uint32_t submap = shared.read()->at(first).submap;
+  mapper.discard(submap);
   EXPECT_EQ(shared.read()->key_frame_count(), 0u);
   EXPECT_EQ(shared.read()->point_count(), 0u);
   EXPECT_FALSE(process(request(4, {})).key_frame == first);
@@ -171,12 +171,12 @@ TEST_F(MapperTest, WithoutAReferenceAPartOfItsOwnIsBegun) {
   {
     const auto map = shared.read();
     EXPECT_EQ(map->check(), "");
-    ASSERT_EQ(map->parts().size(), 2u);
+    ASSERT_EQ(map->submaps().size(), 2u);
     EXPECT_TRUE(map->is_root(first));
-    EXPECT_EQ(map->at(second).part, map->at(first).part);
+    EXPECT_EQ(map->at(second).submap, map->at(first).submap);
   }
-  const uint32_t part = shared.read()->at(first).part;
-  mapper.discard(part);
+  const uint32_t submap = shared.read()->at(first).submap;
+  mapper.discard(submap);
   EXPECT_NE(shared.read()->find(old), nullptr) << "nothing else is thrown away";
   EXPECT_EQ(shared.read()->find(first), nullptr);
   EXPECT_EQ(shared.read()->check(), "");

@@ -23,7 +23,7 @@ struct KeyFrameRequest {
   FeaturesPtr features;
   KeyFrameId reference;        // the pose is given relative to this key frame, which mapping may have moved; …
   double reference_scale = 1;  // KeyFrame::scale of it when the pose was told
-  SE3 T_cr;  // … from its camera to the frame's. Without a reference it begins a part of the map: T_cw.
+  SE3 T_cr;  // … from its camera to the frame's. Without a reference it begins a submap: T_cw.
   std::vector<MapPointId> points;    // for each feature the point it was matched to, or an invalid handle
   std::vector<uint32_t> new_points;  // features whose depth makes a new point
   std::vector<PointCount> counts;
@@ -48,8 +48,8 @@ struct InitialMapRequest {
 // What loop closing did for a key frame.
 struct LoopReport {
   KeyFrameId loop;            // the key frame it was tied to; invalid: no loop
-  bool merged = false;        // the loop was none: it joined two parts of the map
-  int merged_key_frames = 0;  // key frames of the part that was moved
+  bool merged = false;        // the loop was none: it joined two submaps
+  int merged_key_frames = 0;  // key frames of the submap that was moved
   int candidates = 0, matches = 0, inliers = 0, found_again = 0, fused = 0;  // the best candidate's
   double path = 0;          // travelled since that place, in the map's unit
   double correction = 0;    // of the key frame's place, in the map's unit

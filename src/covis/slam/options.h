@@ -24,10 +24,10 @@ struct TrackerOptions {
   int min_inliers = 30;               // matched map points to accept a pose
   int min_inliers_recovered = 40;     // the same within one second of a recovery
   double min_recovered_share = 0.05;  // of the map points in view that must be matched to accept a recovered pose
-  double min_usual_share = 0.6;       // and of those seen from about there before, of as many as usually are: things of
+  double min_expected_match_ratio = 0.6;       // and of those seen from about there before, of as many as usually are: things of
                                       // which there are several alike match, what stands round them does not
   double new_map_after = 2;           // seconds after a loss at which a new map is begun beside the old one; 0: never
-  double close_depth_baselines = 40;  // depth in base lines up to which a point is close
+  double close_depth_baselines = 40;  // depth in baselines up to which a point is close
   int min_close_points = 100;  // close points a frame makes at least (also farther ones), and the need-more bound
   int new_close_points = 70;   // untracked close points that make a key frame worth it
   double key_frame_ratio =
@@ -41,8 +41,8 @@ struct TrackerOptions {
   int weak_inliers = 80;           // with fewer inliers the next frames get twice the features, until 2.5 times as many
   int init_features = 500;         // features of a first frame (stereo, RGB-D)
   int init_min_matches = 100;      // monocular: matches of the two first views
-  double init_window = 100;        // pixels, monocular: how far a key point may move between them
-  int init_levels = 3;             // greatest pyramid level of the key points matched there
+  double init_window = 100;        // pixels, monocular: how far a keypoint may move between them
+  int init_levels = 3;             // greatest pyramid level of the keypoints matched there
   double init_min_parallax = 1.0;  // degrees
   int init_min_points = 50;        // triangulated points of an initial map before adjustment
 };

@@ -11,9 +11,9 @@ namespace {
 
 constexpr size_t kRecords = 1 << 14;  // of frames, room for which is made at once: memory is used only when they come
 
-int index_of(const std::vector<MapSummary>& maps, uint32_t part) {
-  for (size_t m = 0; m < maps.size(); ++m) {
-    if (maps[m].part == part) return static_cast<int>(m);
+int index_of(const std::vector<SubmapSummary>& submaps, uint32_t submap) {
+  for (size_t m = 0; m < submaps.size(); ++m) {
+    if (submaps[m].id == submap) return static_cast<int>(m);
   }
   return -1;
 }
@@ -71,7 +71,7 @@ std::optional<System::Location> System::locate(const Input& input) {
   if (own_camera_) tracker.use_camera(*own_camera_);
   const auto found = tracker.locate(extract(input, options_.tracker.weak_inliers > 0), input.frame);
   if (!found) return std::nullopt;
-  return Location{found->T_cw.inverse(), found->part};
+  return Location{found->T_cw.inverse(), found->submap};
 }
 
 FrameReport System::process(const Input& input) {
@@ -101,9 +101,9 @@ FrameReport System::process(const Input& input) {
   FrameRecord& fresh = records_.emplace_back();
   fresh.frame = input.frame;
   fresh.stamp = input.stamp;
-  if (outcome.discard_part) {
+  if (outcome.discard_submap) {
     collect(report, true);
-    discard(*outcome.discard_part);
+    discard(*outcome.discard_submap);
   }
   const bool first = outcome.result.method == TrackMethod::initialised;
   if (!first && outcome.result.state == TrackState::tracking) {
@@ -113,7 +113,7 @@ FrameReport System::process(const Input& input) {
     record.reference_scale = outcome.result.reference_scale;
     record.T_cr = outcome.result.T_cr;
     record.T_wc_online = outcome.result.T_cw.inverse();
-    record.part_online = outcome.result.part;
+    record.submap_online = outcome.result.submap;
   }
   if (outcome.key_frame) {
     // Here, so that frames that make no key frame never allocate.
@@ -129,7 +129,7 @@ FrameReport System::process(const Input& input) {
     if (const FrameRecord& record = records_.back(); record.tracked) {
       report.track.T_cw = record.T_wc_online.inverse();
       report.track.reference = record.reference;
-      report.track.part = record.part_online;
+      report.track.submap = record.submap_online;
       report.track.inliers = report.mapping.back().points_created;
     } else {
       report.track.method = TrackMethod::none;
@@ -165,7 +165,7 @@ void System::take(const MappingReport& report) {
     if (!record->tracked && online) {
       record->online = true;
       record->T_wc_online = key_frame->T_cw.inverse();
-      record->part_online = key_frame->part;
+      record->submap_online = key_frame->submap;
     }
     record->tracked = true;
     record->reference = id;
@@ -181,15 +181,15 @@ void System::retract(int64_t from) {
     record->tracked = record->online = false;
 }
 
-void System::discard(uint32_t part) {
+void System::discard(uint32_t submap) {
   {
     const auto map = map_.read();
     for (FrameRecord& record : records_) {
       const auto resolved = map->resolve(record.reference);
-      if (resolved && map->at(resolved->key_frame).part == part) record.tracked = record.online = false;
+      if (resolved && map->at(resolved->key_frame).submap == submap) record.tracked = record.online = false;
     }
   }
-  mapping_.mapper().discard(part);
+  mapping_.mapper().discard(submap);
 }
 
 std::vector<MappingReport> System::finish() {
@@ -202,7 +202,7 @@ std::vector<MappingReport> System::finish() {
   return std::move(report.mapping);
 }
 
-// Calls visit(record, T_wc, part) for each frame that has a pose.
+// Calls visit(record, T_wc, submap) for each frame that has a pose.
 template <class Visit>
 void System::for_each_pose(const Map& map, Visit&& visit) const {
   for (const FrameRecord& record : records_) {
@@ -210,53 +210,53 @@ void System::for_each_pose(const Map& map, Visit&& visit) const {
     const auto resolved = map.resolve(record.reference);
     if (!resolved) continue;
     const SE3 T_cw = resolved->carry(record.T_cr, record.reference_scale) * map.at(resolved->key_frame).T_cw;
-    visit(record, T_cw.inverse(), map.at(resolved->key_frame).part);
+    visit(record, T_cw.inverse(), map.at(resolved->key_frame).submap);
   }
 }
 
-std::vector<MapSummary> System::maps() const { return maps(*map_.read()); }
+std::vector<SubmapSummary> System::submaps() const { return submaps(*map_.read()); }
 
-std::vector<MapSummary> System::maps(const Map& map) const {
-  std::vector<MapSummary> maps;
-  for (const MapPart& part : map.parts())
-    maps.push_back({part.number, part.number < tracker_.kept_parts(), 0, part.key_frames, 0});
-  const auto of = [&](uint32_t part) -> MapSummary& { return maps[static_cast<size_t>(index_of(maps, part))]; };
-  map.for_each_point([&](MapPointId, const MapPoint& point) { ++of(map.at(point.reference).part).points; });
-  for_each_pose(map, [&](const FrameRecord&, const SE3&, uint32_t part) { ++of(part).frames; });
-  std::stable_sort(maps.begin(), maps.end(), [](const MapSummary& a, const MapSummary& b) {
+std::vector<SubmapSummary> System::submaps(const Map& map) const {
+  std::vector<SubmapSummary> submaps;
+  for (const Submap& submap : map.submaps())
+    submaps.push_back({submap.id, submap.id < tracker_.kept_submaps(), 0, submap.key_frames, 0});
+  const auto of = [&](uint32_t submap) -> SubmapSummary& { return submaps[static_cast<size_t>(index_of(submaps, submap))]; };
+  map.for_each_point([&](MapPointId, const MapPoint& point) { ++of(map.at(point.reference).submap).points; });
+  for_each_pose(map, [&](const FrameRecord&, const SE3&, uint32_t submap) { ++of(submap).frames; });
+  std::stable_sort(submaps.begin(), submaps.end(), [](const SubmapSummary& a, const SubmapSummary& b) {
     return a.loaded != b.loaded ? a.loaded : a.frames > b.frames;
   });
-  return maps;
+  return submaps;
 }
 
 std::vector<PoseOfFrame> System::trajectory() const {
   const auto map = map_.read();
-  const std::vector<MapSummary> of = maps(*map);
+  const std::vector<SubmapSummary> of = submaps(*map);
   std::vector<PoseOfFrame> poses;
-  for_each_pose(*map, [&](const FrameRecord& record, const SE3& T_wc, uint32_t part) {
-    poses.push_back({record.frame, record.stamp, T_wc, index_of(of, part), part});
+  for_each_pose(*map, [&](const FrameRecord& record, const SE3& T_wc, uint32_t submap) {
+    poses.push_back({record.frame, record.stamp, T_wc, index_of(of, submap), submap});
   });
   return poses;
 }
 
 std::vector<PoseOfFrame> System::online_trajectory() const {
-  const std::vector<MapSummary> of = maps();
+  const std::vector<SubmapSummary> of = submaps();
   std::vector<PoseOfFrame> poses;
   for (const FrameRecord& record : records_) {
-    if (record.online && index_of(of, record.part_online) == 0)
-      poses.push_back({record.frame, record.stamp, record.T_wc_online, 0, record.part_online});
+    if (record.online && index_of(of, record.submap_online) == 0)
+      poses.push_back({record.frame, record.stamp, record.T_wc_online, 0, record.submap_online});
   }
   return poses;
 }
 
 std::vector<PoseOfFrame> System::key_frames() const {
   const auto map = map_.read();
-  const std::vector<MapSummary> of = maps(*map);
+  const std::vector<SubmapSummary> of = submaps(*map);
   std::vector<PoseOfFrame> poses;
   for (const KeyFrameId& id : map->key_frames()) {
     const KeyFrame& key_frame = map->at(id);
-    const uint32_t part = key_frame.part;
-    poses.push_back({key_frame.frame, key_frame.stamp, key_frame.T_cw.inverse(), index_of(of, part), part});
+    const uint32_t submap = key_frame.submap;
+    poses.push_back({key_frame.frame, key_frame.stamp, key_frame.T_cw.inverse(), index_of(of, submap), submap});
   }
   return poses;
 }

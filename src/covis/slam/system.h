@@ -40,7 +40,7 @@ struct FrameRecord {
   double reference_scale = 1;  // KeyFrame::scale of the reference when it was told
   SE3 T_cr;                    // relative to the reference: carries every later correction
   SE3 T_wc_online;             // as it was when tracked, …
-  uint32_t part_online = 0;    // … in the world of this part of the map
+  uint32_t submap_online = 0;    // … in the world of this submap
 };
 
 struct FrameReport {
@@ -53,13 +53,13 @@ struct PoseOfFrame {
   int64_t frame = 0;
   Timestamp stamp = 0;
   SE3 T_wc;
-  int map = 0;        // in whose world: index into System::maps() …
-  uint32_t part = 0;  // … and MapSummary::part
+  int submap_index = 0;  // in whose world: index into System::submaps() …
+  uint32_t submap = 0;  // … and SubmapSummary::id
 };
 
-// A map of its own: a part of the whole (Map::parts()) as those outside see it.
-struct MapSummary {
-  uint32_t part = 0;    // its number
+// A map of its own: a submap of the whole (Map::submaps()) as those outside see it.
+struct SubmapSummary {
+  uint32_t id = 0;
   bool loaded = false;  // it was put in place by set_map(), or joined to what was
   size_t frames = 0;    // of the recording that have a pose in it
   size_t key_frames = 0, points = 0;
@@ -93,18 +93,18 @@ class System {
   // recognised. Waits until key frames asked for are mapped; leaves tracking and mapping as they are.
   struct Location {
     SE3 T_wc;
-    uint32_t part = 0;  // in whose world: MapSummary::part
+    uint32_t submap = 0;  // in whose world: SubmapSummary::id
   };
   std::optional<Location> locate(const Input& input);
 
   // Waits for mapping to end. process() may go on afterwards.
   std::vector<MappingReport> finish();
 
-  // The maps there are: loaded ones first, then those with more frames, then the older ones. More than one: the camera
-  // was lost and the maps made before and after were not joined (yet).
-  std::vector<MapSummary> maps() const;
+  // The submaps there are: loaded ones first, then those with more frames, then the older ones. More than one: the camera
+  // was lost and the submaps made before and after were not joined (yet).
+  std::vector<SubmapSummary> submaps() const;
   // Poses of all tracked frames, with every correction (final) or as they were given (online; of the first map alone).
-  // World: the camera of the map's first key frame.
+  // World: the camera of the submap's first key frame.
   std::vector<PoseOfFrame> trajectory() const;
   std::vector<PoseOfFrame> online_trajectory() const;
   std::vector<PoseOfFrame> key_frames() const;
@@ -116,8 +116,8 @@ class System {
   void collect(FrameReport& report, bool wait);
   void take(const MappingReport& report);
   void retract(int64_t from);  // the poses of this frame and later ones
-  void discard(uint32_t part);
-  std::vector<MapSummary> maps(const Map& map) const;
+  void discard(uint32_t submap);
+  std::vector<SubmapSummary> submaps(const Map& map) const;
   template <class Visit>
   void for_each_pose(const Map& map, Visit&& visit) const;
 

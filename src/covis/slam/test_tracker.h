@@ -41,7 +41,7 @@ class TrackerTest : public testing::Test {
   void do_mapping(const Tracker::Outcome& outcome, int i) {
     if (outcome.key_frame) tracker.key_frame_made(mapper.process(*outcome.key_frame, nullptr), i);
     if (outcome.initial_map) tracker.key_frame_made(mapper.initialise(*outcome.initial_map), i);
-    if (outcome.discard_part) mapper.discard(*outcome.discard_part);
+    if (outcome.discard_submap) mapper.discard(*outcome.discard_submap);
   }
   TrackResult track(FeaturesPtr features, int i) {
     const Tracker::Outcome outcome = track_alone(std::move(features), i);

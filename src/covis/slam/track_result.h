@@ -12,9 +12,9 @@ namespace covis {
 
 enum class TrackState { not_initialised, tracking, lost };
 
-// How the first pose of a tracked frame was found. `bridged`: in localisation only, from the last frame's own depth
+// How the first pose of a tracked frame was found. `dead_reckoned`: in localisation only, from the last frame's own depth
 // where the map has too little.
-enum class TrackMethod { none, initialised, motion_model, reference_key_frame, recovered, bridged };
+enum class TrackMethod { none, initialised, motion_model, reference_key_frame, recovered, dead_reckoned };
 
 constexpr std::string_view name(TrackState state) {
   switch (state) {
@@ -40,8 +40,8 @@ constexpr std::string_view name(TrackMethod method) {
       return "reference_key_frame";
     case TrackMethod::recovered:
       return "recovered";
-    case TrackMethod::bridged:
-      return "bridged";
+    case TrackMethod::dead_reckoned:
+      return "dead_reckoned";
   }
   return "";
 }
@@ -49,12 +49,12 @@ constexpr std::string_view name(TrackMethod method) {
 // What tracking a frame took.
 struct TrackFigures {
   TrackMethod method = TrackMethod::none;
-  int features = 0;            // key points of the frame
+  int features = 0;            // keypoints of the frame
   int predicted_matches = 0;   // matches of the motion model or the reference key frame
   int local_points = 0;        // points of the local map
   int local_in_view = 0;       // of them predicted in view
   int inliers = 0;             // map points that agree with the pose
-  bool doubtful = false;       // has jumped to where it is less than a second ago: the pose may be taken back
+  bool tentative = false;       // has jumped to where it is less than a second ago: the pose may be taken back
   bool key_frame = false;      // a key frame was asked for
   double motion_ms = 0;        // first pose: search and optimisation
   double local_update_ms = 0;  // copying the local map
@@ -68,7 +68,7 @@ struct TrackResult : TrackFigures {
   SE3 T_cw;                    // meaningful when tracking
   KeyFrameId reference;        // key frame the pose hangs on
   double reference_scale = 1;  // KeyFrame::scale of it
-  uint32_t part = 0;           // of the map, to which it belongs: poses of different parts have different worlds
+  uint32_t submap = 0;           // of the map, to which it belongs: poses of different submaps have different worlds
   SE3 T_cr;                    // from its camera to this frame's
 };
 

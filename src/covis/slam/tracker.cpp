@@ -56,7 +56,7 @@ std::optional<Tracker::Located> Tracker::locate(FeaturesPtr features, int64_t fr
   refresh_camera(*map_.read());
   TrackResult result;
   if (!recover(result, true)) return std::nullopt;
-  return Located{current_.T_cw, local_map_.reference.part};
+  return Located{current_.T_cw, local_map_.reference.submap};
 }
 
 void Tracker::start_lost() {
@@ -65,7 +65,7 @@ void Tracker::start_lost() {
   has_velocity_ = false;
   const auto map = map_.read();
   refresh_camera(*map);
-  kept_parts_ = map->parts().empty() ? 0 : map->parts().back().number + 1;
+  kept_submaps_ = map->submaps().empty() ? 0 : map->submaps().back().id + 1;
   last_ = {};
   last_place_.reset();
   jumped_at_.reset();
@@ -118,7 +118,7 @@ bool Tracker::find_pose(TrackResult& result, bool map_is_live) {
   bool found = false;
   if (state_ == TrackState::tracking) {
     // What is bridged drifts: the map is looked for again and again.
-    if (bridged_frames_ > 0 && bridged_frames_ % kTryEvery == 0 && recover(result, map_is_live)) return true;
+    if (dead_reckoned_frames_ > 0 && dead_reckoned_frames_ % kTryEvery == 0 && recover(result, map_is_live)) return true;
     found = track_by_motion(result) || track_by_reference(result);
     found = found && (track_local_map(result, map_is_live) || bridge(result));
   }
@@ -127,8 +127,8 @@ bool Tracker::find_pose(TrackResult& result, bool map_is_live) {
 
 bool Tracker::bridge(TrackResult& result) {
   if (!may_bridge() || all_inliers() < options_.tracker.min_inliers) return false;
-  ++bridged_frames_;
-  result.method = TrackMethod::bridged;
+  ++dead_reckoned_frames_;
+  result.method = TrackMethod::dead_reckoned;
   return true;
 }
 
@@ -139,8 +139,8 @@ int Tracker::all_inliers() const {
 
 void Tracker::accept(TrackResult& result) {
   count_points();
-  const bool same_part = local_map_.reference.part == part_;
-  has_velocity_ = state_ == TrackState::tracking && current_.stamp > last_.stamp && same_part;
+  const bool same_submap = local_map_.reference.submap == submap_;
+  has_velocity_ = state_ == TrackState::tracking && current_.stamp > last_.stamp && same_submap;
   if (has_velocity_) {
     velocity_ = (current_.T_cw * last_.T_cw.inverse()).normalized();
     velocity_time_ = current_.stamp - last_.stamp;
@@ -150,20 +150,20 @@ void Tracker::accept(TrackResult& result) {
   beginning_ = false;
   if (jumped_at_ && !lately(jumped_at_->stamp)) jumped_at_.reset();
   if (!jumped_at_) lost_since_.reset();
-  if (result.method != TrackMethod::bridged) bridged_frames_ = 0;
+  if (result.method != TrackMethod::dead_reckoned) dead_reckoned_frames_ = 0;
   // Twice the features give more inliers by themselves: the way back asks for more than that.
   const int weak = options_.tracker.weak_inliers;
   weak_ = weak_ ? 2 * result.inliers < 5 * weak : result.inliers < weak;
   reference_ = local_map_.reference.id;
   reference_scale_ = local_map_.reference.scale;
-  part_ = local_map_.reference.part;
+  submap_ = local_map_.reference.submap;
   last_T_cr_ = current_.T_cw * local_map_.reference.T_cw.inverse();
   last_place_ = current_.T_cw;
-  result.doubtful = jumped_at_.has_value();
+  result.tentative = jumped_at_.has_value();
   result.T_cw = current_.T_cw;
   result.reference = reference_;
   result.reference_scale = reference_scale_;
-  result.part = part_;
+  result.submap = submap_;
   result.T_cr = last_T_cr_;
   result.reason = {};
 }
@@ -215,8 +215,8 @@ void Tracker::refresh_last_frame(const Map& map) {
     last_.T_cw = (last_T_cr_ * map.at(reference_).T_cw).normalized();
     if (last_place_) last_place_ = last_.T_cw;
   }
-  // Not when the camera was meanwhile found in another part of the map.
-  if (const KeyFrame* made = map.find(new_reference_); made && made->part == part_) {
+  // Not when the camera was meanwhile found in another submap.
+  if (const KeyFrame* made = map.find(new_reference_); made && made->submap == submap_) {
     set_reference(map, new_reference_);
     last_T_cr_ = last_.T_cw * map.at(reference_).T_cw.inverse();
   }
@@ -237,7 +237,7 @@ void Tracker::refresh_last_frame(const Map& map) {
 void Tracker::set_reference(const Map& map, KeyFrameId key_frame) {
   reference_ = key_frame;
   reference_scale_ = map.at(key_frame).scale;
-  part_ = map.at(key_frame).part;
+  submap_ = map.at(key_frame).submap;
 }
 
 int Tracker::optimize() {

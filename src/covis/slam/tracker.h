@@ -50,7 +50,7 @@ class Tracker {
     std::optional<KeyFrameRequest> key_frame;
     std::optional<InitialMapRequest> initial_map;
     std::optional<int64_t> retract_from;   // frames from this one on had poses at a place that proves wrong
-    std::optional<uint32_t> discard_part;  // a monocular map was lost in its first moments: forget this part
+    std::optional<uint32_t> discard_submap;  // a monocular map was lost in its first moments: forget this submap
   };
 
   // Tracks one frame. map_is_live: the map may be read now; otherwise (mapping works on a key frame whose result is not
@@ -61,11 +61,11 @@ class Tracker {
   // request that was refused pass an invalid key frame in the report.
   void key_frame_made(const MappingReport& report, int64_t frame);
 
-  // The pose of one image in the map, from nothing: its T_cw and part of the map, or nothing when its place is not
+  // The pose of one image in the map, from nothing: its T_cw and submap, or nothing when its place is not
   // recognised. Leaves the state of tracking aside: use a tracker of its own for it.
   struct Located {
     SE3 T_cw;
-    uint32_t part = 0;
+    uint32_t submap = 0;
   };
   std::optional<Located> locate(FeaturesPtr features, int64_t frame);
   // The frames are of another camera than the map: only for localisation in it.
@@ -83,8 +83,8 @@ class Tracker {
   // Whether the last frame had so few points that the next should have all that mapping can give.
   bool near_loss() const { return near_loss_; }
   TrackState state() const { return state_; }
-  // Parts of the map below this number were put in place: they are never given up.
-  uint32_t kept_parts() const { return kept_parts_; }
+  // Submaps of the map below this number were put in place: they are never given up.
+  uint32_t kept_submaps() const { return kept_submaps_; }
 
  private:
   void initialise(Outcome& outcome);
@@ -103,15 +103,15 @@ class Tracker {
   bool well_determined() const;
   void take_back_jump();  // when there was one: it led to a wrong place
   bool jumped() const;
-  bool looks_as_usual(const Map& map, bool doubtful);
+  bool looks_as_usual(const Map& map, bool tentative);
   // Localisation only: whether the last frame's depth carries the pose over a place the map has too little, or nothing,
   // of.
   bool bridge(TrackResult& result);
   bool may_bridge() const { return options_.localize && !monocular(); }
   void accept(TrackResult& result);
   void lose(Outcome& outcome, bool map_is_live);
-  // The present part of the map when, monocular and in its first moments, it is not worth keeping.
-  std::optional<uint32_t> young_part() const;
+  // The present submap when, monocular and in its first moments, it is not worth keeping.
+  std::optional<uint32_t> young_submap() const;
   bool new_map_due() const;
 
   void refresh_camera(const Map& map) { camera_ = own_camera_.value_or(map.camera()); }
@@ -164,7 +164,7 @@ class Tracker {
   Timestamp velocity_time_ = 0;    // … in this time
   KeyFrameId reference_;           // the key frame poses are relative to
   double reference_scale_ = 1;     // KeyFrame::scale of it when last seen
-  uint32_t part_ = 0;              // of the map, to which it belongs
+  uint32_t submap_ = 0;              // of the map, to which it belongs
   SE3 last_T_cr_;                  // last frame relative to it
   std::optional<SE3> last_place_;  // T_cw of the last frame that had a pose, unless that was taken back
   KeyFrameId new_reference_;       // a key frame just made, to become the reference
@@ -174,7 +174,7 @@ class Tracker {
   int64_t begun_frame_ = -1;  // the last frame that asked for a map to be begun
   Timestamp last_key_frame_stamp_ = 0;
   Timestamp last_recovery_ = std::numeric_limits<Timestamp>::min() / 2;
-  // The frame with which it jumped to where it is, until it has been there for a second: a doubtful place.
+  // The frame with which it jumped to where it is, until it has been there for a second: a tentative place.
   struct Jump {
     Timestamp stamp = 0;
     int64_t frame = 0;
@@ -184,10 +184,10 @@ class Tracker {
   int lost_frames_ = 0;
   std::optional<Timestamp> lost_since_;
   bool beginning_ = false;  // lost for long: a new map is to be begun beside the old one
-  int bridged_frames_ = 0;  // in a row
+  int dead_reckoned_frames_ = 0;  // in a row
   bool weak_ = false;       // few inliers lately
   bool near_loss_ = false;  // few with the last frame
-  uint32_t kept_parts_ = 0;
+  uint32_t kept_submaps_ = 0;
   size_t recovery_cursor_ = 0;  // whose turn it is among all key frames
 
   std::vector<PointCount> counts_;  // by point slot

@@ -75,12 +75,12 @@ void Tracker::lose(Outcome& outcome, bool map_is_live) {
   if (jumped_at_) last_place_.reset();  // no place to go on from
   take_back_jump();
   if (!map_is_live) return;
-  constexpr int kYoungPartPatience = 15;  // frames it is waited for
-  const std::optional<uint32_t> young = young_part();
-  if (young && lost_frames_ > kYoungPartPatience) {
-    outcome.discard_part = young;
+  constexpr int kYoungSubmapPatience = 15;  // frames it is waited for
+  const std::optional<uint32_t> young = young_submap();
+  if (young && lost_frames_ > kYoungSubmapPatience) {
+    outcome.discard_submap = young;
     log(LogLevel::warning, "the initial map was lost at once and is given up; initialising again");
-    beginning_ = map_.read()->parts().size() > 1;
+    beginning_ = map_.read()->submaps().size() > 1;
     if (!beginning_) state_ = TrackState::not_initialised;
     initializer_.reset();
     local_map_.clear();
@@ -97,15 +97,15 @@ void Tracker::lose(Outcome& outcome, bool map_is_live) {
   }
 }
 
-std::optional<uint32_t> Tracker::young_part() const {
-  constexpr size_t kYoungPart = 5;  // key frames
+std::optional<uint32_t> Tracker::young_submap() const {
+  constexpr size_t kYoungSubmap = 5;  // key frames
   if (!monocular()) return std::nullopt;
   const auto map = map_.read();
   const auto resolved = map->resolve(reference_);
   if (!resolved) return std::nullopt;
-  const MapPart& part = *map->part(map->at(resolved->key_frame).part);
-  if (part.number < kept_parts_ || part.key_frames > kYoungPart) return std::nullopt;
-  return part.number;
+  const Submap& submap = *map->submap(map->at(resolved->key_frame).submap);
+  if (submap.id < kept_submaps_ || submap.key_frames > kYoungSubmap) return std::nullopt;
+  return submap.id;
 }
 
 // Without places recognised, or loops closed, both maps would never be joined.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tracker where the map moves, has several parts, or knows too little.
+// The tracker where the map moves, has several submaps, or knows too little.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -114,7 +114,7 @@ TEST_F(SeveralMapsTest, AReportOfTheOldMapDoesNotPassForTheNewOnes) {
   tracker.key_frame_made(report, i);
   const TrackResult result = track(elsewhere(1), i + 1);
   ASSERT_EQ(result.state, TrackState::tracking) << result.reason;
-  EXPECT_EQ(result.part, shared.read()->at(report.key_frame).part);
+  EXPECT_EQ(result.submap, shared.read()->at(report.key_frame).submap);
   EXPECT_EQ(result.reference, report.key_frame);
   EXPECT_LT(distance(result, frames.T_cw(1)), 0.01);
 }
@@ -133,22 +133,22 @@ TEST_F(SeveralMapsTest, AKeyFrameOfAnotherPartDoesNotBecomeTheReference) {
     }
   }
   ASSERT_TRUE(withheld);
-  ASSERT_EQ(shared.read()->parts().size(), 2u);
+  ASSERT_EQ(shared.read()->submaps().size(), 2u);
   TrackResult result = track(frames.features(2), i);
   EXPECT_EQ(result.method, TrackMethod::recovered);
-  EXPECT_EQ(result.part, 0u);
+  EXPECT_EQ(result.submap, 0u);
   tracker.key_frame_made(mapper.process(*withheld, nullptr), static_cast<int>(withheld->frame));
   for (int k = 2; k < 5; ++k) {
     result = track(frames.features(k), ++i);
     ASSERT_EQ(result.state, TrackState::tracking) << result.reason;
     EXPECT_NE(result.method, TrackMethod::recovered);
-    EXPECT_EQ(result.part, 0u);
+    EXPECT_EQ(result.submap, 0u);
     EXPECT_LT(distance(result, frames.T_cw(k)), 0.01);
   }
 }
 
 // Localisation where the map knows too little: depth carries the pose. The map is looked for again meanwhile, in vain;
-// a part that looks the same, with its own world, must not become the pose's.
+// a submap that looks the same, with its own world, must not become the pose's.
 TEST_F(TrackerTest, BridgingIsLeftAsItIsByALookForTheMap) {
   for (int i = 0; i < 12; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
   KeyFrameRequest same_place;
@@ -159,7 +159,7 @@ TEST_F(TrackerTest, BridgingIsLeftAsItIsByALookForTheMap) {
     if (same_place.features->depth[i] > 0) same_place.new_points.push_back(i);
   }
   ASSERT_TRUE(mapper.process(same_place, nullptr).key_frame.valid());
-  ASSERT_EQ(shared.read()->parts().size(), 2u);
+  ASSERT_EQ(shared.read()->submaps().size(), 2u);
 
   SystemOptions localize = options;
   localize.localize = true;
@@ -168,15 +168,15 @@ TEST_F(TrackerTest, BridgingIsLeftAsItIsByALookForTheMap) {
   int i = 0;
   const auto follow = [&](int k) { return localizer.track(frames.features(k), i, frames.stamp(i), true, true).result; };
   for (; i < 10; ++i) ASSERT_EQ(follow(i).state, TrackState::tracking) << "frame " << i;  // for more than a second
-  {  // Too few points for a pose are left, in each part enough to be looked at.
+  {  // Too few points for a pose are left, in each submap enough to be looked at.
     const auto map = shared.write();
     std::vector<std::vector<MapPointId>> points(2);
     map->for_each_point(
-        [&](MapPointId id, const MapPoint& point) { points[map->at(point.reference).part].push_back(id); });
-    for (const auto& of_part : points) {
-      const size_t every = of_part.size() / 29;
-      for (size_t k = 0; k < of_part.size(); ++k) {
-        if (k % every != 0 || k / every >= 29) map->erase_point(of_part[k]);
+        [&](MapPointId id, const MapPoint& point) { points[map->at(point.reference).submap].push_back(id); });
+    for (const auto& of_submap : points) {
+      const size_t every = of_submap.size() / 29;
+      for (size_t k = 0; k < of_submap.size(); ++k) {
+        if (k % every != 0 || k / every >= 29) map->erase_point(of_submap[k]);
       }
     }
   }
@@ -185,8 +185,8 @@ TEST_F(TrackerTest, BridgingIsLeftAsItIsByALookForTheMap) {
   for (; i < 17; ++i) {
     const TrackResult result = follow(i);
     ASSERT_EQ(result.state, TrackState::tracking) << "frame " << i << ": " << result.reason;
-    bridged += result.method == TrackMethod::bridged;
-    EXPECT_EQ(result.part, 0u) << "frame " << i;
+    bridged += result.method == TrackMethod::dead_reckoned;
+    EXPECT_EQ(result.submap, 0u) << "frame " << i;
     EXPECT_LT(distance(result, frames.T_cw(i)), 0.03) << "frame " << i;
   }
   EXPECT_GE(bridged, 5) << "the map is looked for at the fifth";

@@ -57,7 +57,7 @@ bool Tracker::track_by_motion(TrackResult& result) {
 int Tracker::search_last_frame(double window) {
   const Features& from = *last_.features;
   const Features& to = *current_.features;
-  // Moving along the optical axis by more than the base line, a point can only be found at levels finer or coarser than
+  // Moving along the optical axis by more than the baseline, a point can only be found at levels finer or coarser than
   // before.
   const double forward = (last_.T_cw * current_.T_cw.centre()).z();
   const bool ahead = !monocular() && forward > camera_.baseline();

@@ -100,7 +100,7 @@ bool Tracker::recover_from(const KeyFrameView& view, TrackResult& result, bool m
   return false;
 }
 
-// Whether what stands round the things that match is there too: all the more after a jump, and while that is doubtful.
+// Whether what stands round the things that match is there too: all the more after a jump, and while that is tentative.
 bool Tracker::is_right_place(bool map_is_live, bool recovered) {
   const bool jump = jumped();
   if (map_is_live && !looks_as_usual(*map_.read(), jump || jumped_at_)) return false;
@@ -121,7 +121,7 @@ void Tracker::take_back_jump() {
 bool Tracker::jumped() const {
   constexpr double kTurn = 0.966;  // cosine of 15 degrees
   constexpr double kWay = 0.2;     // of the mean depth of what it sees
-  if (!last_place_ || local_map_.reference.part != part_) return true;
+  if (!last_place_ || local_map_.reference.submap != submap_) return true;
   const SE3 T_cl = current_.T_cw * last_place_->inverse();
   return T_cl.t().norm() > kWay * mean_depth() || (T_cl.R().trace() - 1) / 2 < kTurn;
 }
@@ -135,7 +135,7 @@ bool Tracker::well_determined() const {
 
 // Whether the points in view that were seen from about here before are matched about as often as they usually are.
 // Where only things like those of the map are seen, they match, but not what stands round them in the map.
-bool Tracker::looks_as_usual(const Map& map, bool doubtful) {
+bool Tracker::looks_as_usual(const Map& map, bool tentative) {
   constexpr double kEnough = 60;  // usually matched points, for their share to tell
   constexpr uint32_t kKnown = 5;  // frames that had a point in view, for its usual share to be known
   struct Tally {
@@ -146,7 +146,7 @@ bool Tracker::looks_as_usual(const Map& map, bool doubtful) {
   // What was seen from about here decides: 0.6 of it is exceeded by some 98 % of right places and 3 % of wrong ones
   // (docs/results.md). Where that is too little, what was seen from the same side says less, and must not speak against
   // it; more is asked of a single image, which no later ones bear out.
-  const double share = (doubtful ? 1 : 0.5) * options_.tracker.min_usual_share;
+  const double share = (tentative ? 1 : 0.5) * options_.tracker.min_expected_match_ratio;
   const bool single_image = state_ == TrackState::not_initialised;  // locate()'s: a tracker of its own, never begun
   Tally from_here{share}, from_near{(single_image ? 0.5 : 0.25) * share},
       young_too{(single_image ? 0.25 : 0.17) * share};
@@ -184,7 +184,7 @@ bool Tracker::looks_as_usual(const Map& map, bool doubtful) {
   if (enough(from_here)) return passes(from_here);
   if (enough(from_near) && !passes(from_near)) return false;
   if (enough(young_too)) return passes(young_too);
-  return !doubtful || share == 0;  // seen from where nothing was seen from before
+  return !tentative || share == 0;  // seen from where nothing was seen from before
 }
 
 }  // namespace covis

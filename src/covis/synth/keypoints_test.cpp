@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a tracker lives on: as many key points as it asks for, spread over the image, and found again in the next frames
+// What a tracker lives on: as many keypoints as it asks for, spread over the image, and found again in the next frames
 // where the truth says.
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kWidth = 640, kHeight = 480, kCell = 80;
 
-int cells_with_key_points(const KeyPoints& points) {
+int cells_with_keypoints(const KeyPoints& points) {
   std::vector<int> cells(kWidth / kCell * kHeight / kCell, 0);
   for (size_t k = 0; k < points.size(); ++k) {
     ++cells[static_cast<size_t>(points.y[k] / kCell) * (kWidth / kCell) + static_cast<size_t>(points.x[k] / kCell)];
@@ -24,7 +24,7 @@ int cells_with_key_points(const KeyPoints& points) {
   return static_cast<int>(std::count_if(cells.begin(), cells.end(), [](int n) { return n > 0; }));
 }
 
-// The key point most like the wanted one within four pixels of where it should be: how far off it is, if it is alike
+// The keypoint most like the wanted one within four pixels of where it should be: how far off it is, if it is alike
 // enough to be the same. Pixels are those of the wanted one's level.
 std::optional<double> found_near(const Eigen::Vector2d& at, const Descriptor& wanted, double scale,
                                  const KeyPoints& points) {
@@ -67,7 +67,7 @@ TEST_P(KeyPointsOfWorld, AreManyAndFoundAgain) {
     const KeyPoints& a = extractor1.extract(image1.view());
     const KeyPoints& b = extractor2.extract(image2.view());
     EXPECT_GE(a.size(), 950u) << i;
-    EXPECT_GE(cells_with_key_points(a), 36) << i;
+    EXPECT_GE(cells_with_keypoints(a), 36) << i;
     total += a.size();
     for (size_t k = 0; k < a.size(); ++k) {
       const float z = depth1(static_cast<int>(std::lround(a.x[k])), static_cast<int>(std::lround(a.y[k])));

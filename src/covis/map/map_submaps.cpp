@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts of a map: beginning, joining, erasing.
+// The submaps of a map: beginning, joining, erasing.
 #include <algorithm>
 #include <cassert>
 
@@ -8,47 +8,47 @@
 namespace covis {
 namespace {
 
-template <class Parts>
-auto find_part(Parts& parts, uint32_t number) {
-  const auto at = std::lower_bound(parts.begin(), parts.end(), number,
-                                   [](const MapPart& part, uint32_t wanted) { return part.number < wanted; });
-  return at != parts.end() && at->number == number ? at : parts.end();
+template <class Submaps>
+auto find_submap(Submaps& submaps, uint32_t id) {
+  const auto at = std::lower_bound(submaps.begin(), submaps.end(), id,
+                                   [](const Submap& submap, uint32_t wanted) { return submap.id < wanted; });
+  return at != submaps.end() && at->id == id ? at : submaps.end();
 }
 
 }  // namespace
 
-const MapPart* Map::part(uint32_t number) const {
-  const auto at = find_part(parts_, number);
-  return at == parts_.end() ? nullptr : &*at;
+const Submap* Map::submap(uint32_t id) const {
+  const auto at = find_submap(submaps_, id);
+  return at == submaps_.end() ? nullptr : &*at;
 }
 
-std::vector<KeyFrameId> Map::key_frames(uint32_t part) const {
+std::vector<KeyFrameId> Map::key_frames(uint32_t submap) const {
   std::vector<KeyFrameId> ids = key_frames();
-  std::erase_if(ids, [&](KeyFrameId id) { return at(id).part != part; });
+  std::erase_if(ids, [&](KeyFrameId id) { return at(id).submap != submap; });
   return ids;
 }
 
-MapPart& Map::part_at(uint32_t number) {
-  const auto at = find_part(parts_, number);
-  assert(at != parts_.end());
+Submap& Map::submap_at(uint32_t id) {
+  const auto at = find_submap(submaps_, id);
+  assert(at != submaps_.end());
   return *at;
 }
 
 bool Map::is_root(KeyFrameId id) const {
   const KeyFrame* key_frame = find(id);
-  const MapPart* of = key_frame ? part(key_frame->part) : nullptr;
+  const Submap* of = key_frame ? submap(key_frame->submap) : nullptr;
   return of && of->root == id;
 }
 
-KeyFrameId Map::begin_part(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features) {
-  parts_.push_back({next_part_, {}, 0});
-  const KeyFrameId id = insert_key_frame(frame, stamp, T_cw, std::move(features), next_part_);
+KeyFrameId Map::begin_submap(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features) {
+  submaps_.push_back({next_submap_, {}, 0});
+  const KeyFrameId id = insert_key_frame(frame, stamp, T_cw, std::move(features), next_submap_);
   if (!id.valid()) {
-    parts_.pop_back();
+    submaps_.pop_back();
     return id;
   }
-  parts_.back().root = id;
-  ++next_part_;
+  submaps_.back().root = id;
+  ++next_submap_;
   return id;
 }
 
@@ -67,12 +67,12 @@ void Map::hang_tree_on(KeyFrameId id) {
   }
 }
 
-bool Map::join_parts(KeyFrameId child, KeyFrameId parent, const Sim3& S) {
-  if (!find(child) || !find(parent) || at(child).part == at(parent).part || !S.all_finite()) return false;
-  const uint32_t from = at(child).part, to = at(parent).part;
+bool Map::join_submaps(KeyFrameId child, KeyFrameId parent, const Sim3& S) {
+  if (!find(child) || !find(parent) || at(child).submap == at(parent).submap || !S.all_finite()) return false;
+  const uint32_t from = at(child).submap, to = at(parent).submap;
   const Sim3 back = S.inverse();
   for_each_point([&](MapPointId id, const MapPoint& seen) {
-    if (at(seen.reference).part != from) return;
+    if (at(seen.reference).submap != from) return;
     MapPoint& point = points_.at(id);
     point.position_w = S * point.position_w;
     point.normal_w = S.R() * point.normal_w;
@@ -80,31 +80,31 @@ bool Map::join_parts(KeyFrameId child, KeyFrameId parent, const Sim3& S) {
     point.d_max *= static_cast<float>(S.scale());
   });
   for_each_key_frame([&](KeyFrameId id, const KeyFrame& seen) {
-    if (seen.part != from) return;
+    if (seen.submap != from) return;
     KeyFrame& key_frame = key_frames_.at(id);
     key_frame.T_cw = (Sim3(key_frame.T_cw) * back).as_pose();
     key_frame.scale *= S.scale();
-    key_frame.part = to;
+    key_frame.submap = to;
   });
   hang_tree_on(child);
   key_frames_.at(child).parent = parent;
   std::vector<KeyFrameId>& children = key_frames_.at(parent).children;
   children.insert(std::lower_bound(children.begin(), children.end(), child), child);
-  part_at(to).key_frames += part_at(from).key_frames;
-  parts_.erase(find_part(parts_, from));
+  submap_at(to).key_frames += submap_at(from).key_frames;
+  submaps_.erase(find_submap(submaps_, from));
   ++moves_;
   return true;
 }
 
-bool Map::erase_part(uint32_t number) {
-  if (!part(number)) return false;
+bool Map::erase_submap(uint32_t submap_id) {
+  if (!submap(submap_id)) return false;
   std::vector<MapPointId> points;
   for_each_point([&](MapPointId id, const MapPoint& point) {
-    if (at(point.reference).part == number) points.push_back(id);
+    if (at(point.reference).submap == submap_id) points.push_back(id);
   });
   std::vector<KeyFrameId> frames;
   for_each_key_frame([&](KeyFrameId id, const KeyFrame& key_frame) {
-    if (key_frame.part == number) frames.push_back(id);
+    if (key_frame.submap == submap_id) frames.push_back(id);
   });
   // Links lead from one of these to another only.
   for (const MapPointId& id : points) points_.erase(id);
@@ -112,7 +112,7 @@ bool Map::erase_part(uint32_t number) {
     if (const auto& words = at(id).words) database_.erase(id, *words);
     key_frames_.erase(id);
   }
-  parts_.erase(find_part(parts_, number));
+  submaps_.erase(find_submap(submaps_, submap_id));
   return true;
 }
 

@@ -13,40 +13,40 @@ TEST(Map, PartsStandBesideEachOther) {
   MapFixture f;
   const KeyFrameId a = f.frame(0, true), b = f.frame(1, true);
   f.link(a, b, 30, 0);
-  const KeyFrameId c = f.map.begin_part(20, 0, pose_at(0), f.features(400, true));
-  const KeyFrameId d = f.map.add_key_frame(30, 0, pose_at(1), f.features(400, true), f.map.at(c).part);
-  f.map.attach_to_tree(d);  // it shares nothing: below the newest of its own part
+  const KeyFrameId c = f.map.begin_submap(20, 0, pose_at(0), f.features(400, true));
+  const KeyFrameId d = f.map.add_key_frame(30, 0, pose_at(1), f.features(400, true), f.map.at(c).submap);
+  f.map.attach_to_tree(d);  // it shares nothing: below the newest of its own submap
   const MapPointId p = f.map.add_point({0, 0, 5}, a, 300), q = f.map.add_point({0, 0, 5}, c, 300);
   EXPECT_EQ(f.map.at(d).parent, c);
   EXPECT_TRUE(f.map.is_root(a) && f.map.is_root(c));
   EXPECT_EQ(f.map.root(), a);
-  EXPECT_EQ(f.map.parts().size(), 2u);
-  EXPECT_EQ(f.map.key_frames(f.map.at(c).part), (std::vector<KeyFrameId>{c, d}));
+  EXPECT_EQ(f.map.submaps().size(), 2u);
+  EXPECT_EQ(f.map.key_frames(f.map.at(c).submap), (std::vector<KeyFrameId>{c, d}));
   EXPECT_EQ(f.map.check(), "");
   // No point is seen from both, no root is erased.
   EXPECT_FALSE(f.map.add_observation(p, c, 5));
   EXPECT_FALSE(f.map.replace_point(p, q));
   EXPECT_FALSE(f.map.erase_key_frame(c));
   EXPECT_EQ(f.map.check(), "");
-  EXPECT_TRUE(f.map.erase_part(f.map.at(c).part));
-  EXPECT_FALSE(f.map.erase_part(1));
+  EXPECT_TRUE(f.map.erase_submap(f.map.at(c).submap));
+  EXPECT_FALSE(f.map.erase_submap(1));
   EXPECT_EQ(f.map.find(q), nullptr);
   EXPECT_EQ(f.map.key_frame_count(), 2u);
   EXPECT_EQ(f.map.check(), "");
-  const KeyFrameId e = f.map.begin_part(40, 0, SE3(), f.features(10, true));
-  EXPECT_EQ(f.map.at(e).part, 2u) << "numbers are not used again";
+  const KeyFrameId e = f.map.begin_submap(40, 0, SE3(), f.features(10, true));
+  EXPECT_EQ(f.map.at(e).submap, 2u) << "numbers are not used again";
 }
 
-// What a part looks like from within does not change when it is joined to another.
+// What a submap looks like from within does not change when it is joined to another.
 TEST(Map, JoiningMovesAPartAsAWhole) {
   MapFixture f;
   const KeyFrameId a = f.frame(0, true), b = f.frame(1, true);
   f.map.attach_to_tree(b);
-  const uint32_t part = f.map.at(f.map.begin_part(20, 0, pose_at(0), f.features(400, true))).part;
+  const uint32_t submap = f.map.at(f.map.begin_submap(20, 0, pose_at(0), f.features(400, true))).submap;
   const auto add = [&](double x) {
-    return f.map.add_key_frame(static_cast<int64_t>(x), 0, pose_at(x), f.features(400, true), part);
+    return f.map.add_key_frame(static_cast<int64_t>(x), 0, pose_at(x), f.features(400, true), submap);
   };
-  const KeyFrameId root = f.map.key_frames(part).front(), c = add(1), d = add(2), gone = add(3);
+  const KeyFrameId root = f.map.key_frames(submap).front(), c = add(1), d = add(2), gone = add(3);
   f.link(root, c, 40, 0);
   f.link(c, d, 40, 50);
   f.link(d, gone, 40, 100);
@@ -61,15 +61,15 @@ TEST(Map, JoiningMovesAPartAsAWhole) {
   const uint64_t moves = f.map.moves();
 
   const Sim3 S(so3_exp({0.1, 0.7, -0.3}), {4, 5, 6}, 2.5);
-  EXPECT_FALSE(f.map.join_parts(c, d, S)) << "of one part";
-  EXPECT_FALSE(f.map.join_parts(d, b, Sim3(Eigen::Matrix3d::Identity(), {0, NAN, 0}, 1)));
+  EXPECT_FALSE(f.map.join_submaps(c, d, S)) << "of one submap";
+  EXPECT_FALSE(f.map.join_submaps(d, b, Sim3(Eigen::Matrix3d::Identity(), {0, NAN, 0}, 1)));
   EXPECT_EQ(f.map.moves(), moves);
-  EXPECT_TRUE(f.map.join_parts(d, b, S));
+  EXPECT_TRUE(f.map.join_submaps(d, b, S));
   EXPECT_GT(f.map.moves(), moves);
   EXPECT_EQ(f.map.check(), "");
-  EXPECT_EQ(f.map.parts().size(), 1u);
+  EXPECT_EQ(f.map.submaps().size(), 1u);
   EXPECT_EQ(f.map.root(), a);
-  for (const KeyFrameId& id : {root, c, d}) EXPECT_EQ(f.map.at(id).part, f.map.at(a).part);
+  for (const KeyFrameId& id : {root, c, d}) EXPECT_EQ(f.map.at(id).submap, f.map.at(a).submap);
   EXPECT_EQ(f.map.at(d).parent, b);
   EXPECT_EQ(f.map.at(c).parent, d) << "the tree hangs on the key frame that was tied";
   EXPECT_EQ(f.map.at(root).parent, c);
