@@ -167,7 +167,7 @@ TEST(ApiMaps, APoseSaysInWhichMapItIs) {
       ASSERT_TRUE(result) << result.error();
       if (!result->tracked) continue;
       ++tracked;
-      EXPECT_EQ(result->map, map) << i;
+      EXPECT_EQ(result->submap, map) << i;
     }
     EXPECT_GE(tracked, 10);
   }
@@ -177,7 +177,7 @@ TEST(ApiMaps, APoseSaysInWhichMapItIs) {
     const System::Input in = recording->frame(19);
     const auto found = (*slam)->locate_rgbd(grey(in.image), depth(in.depth));
     ASSERT_TRUE(found && *found) << map;
-    EXPECT_EQ((*found)->map, map);
+    EXPECT_EQ((*found)->submap, map);
     const auto points = (*slam)->points();
     EXPECT_GT(std::count_if(points.begin(), points.end(), [&](const Point& p) { return p.submap == map; }), 100);
     for (const auto& poses : {(*slam)->trajectory(), (*slam)->key_frames()}) {

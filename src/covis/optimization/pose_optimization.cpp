@@ -16,6 +16,29 @@ struct PoseSystem {
   int used = 0;
 };
 
+// The residual of observation i, with what its Jacobian shares with it: the measurement model of geometry/measurement.h
+// in the order of operations that is fastest here. Without a point in front of the camera `usable` is false.
+struct Residual {
+  Eigen::Vector3d p;            // the point, camera coordinates
+  double iz = 0, x = 0, y = 0;  // 1 / depth and the point at depth 1
+  Eigen::Vector3d r;            // rows u, v, u_right
+  bool stereo = false, usable = false;
+
+  Residual(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera, size_t i)
+      : p(T_cw.R() * Eigen::Vector3d(o.px[i], o.py[i], o.pz[i]) + T_cw.t()) {
+    if (!(p.z() > kMinDepth)) return;
+    usable = true;
+    iz = 1 / p.z();
+    x = p.x() * iz;
+    y = p.y() * iz;
+    const double u = camera.fx * x + camera.cx;
+    stereo = o.u_right[i] >= 0;
+    r = {o.u[i] - u, o.v[i] - (camera.fy * y + camera.cy), stereo ? o.u_right[i] - (u - camera.bf * iz) : 0};
+  }
+  double chi2(float inv_sigma2) const { return (r.x() * r.x() + r.y() * r.y() + r.z() * r.z()) * inv_sigma2; }
+  double bound() const { return stereo ? kChi2Stereo : kChi2Mono; }
+};
+
 // Residuals and Jacobians of all observations with use[i] != 0, summed up in order.
 template <bool kWithJacobian>
 PoseSystem accumulate(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera,
@@ -23,22 +46,14 @@ PoseSystem accumulate(const SE3& T_cw, const PoseObservations& o, const Pinhole&
   PoseSystem s;
   s.H.setZero();
   s.b.setZero();
-  const Eigen::Matrix3d& R = T_cw.R();
-  const Eigen::Vector3d& t = T_cw.t();
   const auto n = static_cast<size_t>(o.size());
   for (size_t i = 0; i < n; ++i) {
     if (!use[i]) continue;
-    const Eigen::Vector3d p = R * Eigen::Vector3d(o.px[i], o.py[i], o.pz[i]) + t;
-    if (!(p.z() > kMinDepth)) continue;
-    const double iz = 1 / p.z();
-    const double x = p.x() * iz, y = p.y() * iz;
-    const double u = camera.fx * x + camera.cx;
-    const double ru = o.u[i] - u, rv = o.v[i] - (camera.fy * y + camera.cy);
-    const bool stereo = o.u_right[i] >= 0;
-    const double rr = stereo ? o.u_right[i] - (u - camera.bf * iz) : 0;
+    const Residual residual(T_cw, o, camera, i);
+    if (!residual.usable) continue;
     const double w0 = o.inv_sigma2[i];
-    const double chi2 = (ru * ru + rv * rv + rr * rr) * w0;
-    const double bound = stereo ? kChi2Stereo : kChi2Mono;
+    const double chi2 = residual.chi2(o.inv_sigma2[i]);
+    const double bound = residual.bound();
     double w = w0;
     double rho = chi2;
     if (robust && chi2 > bound) {
@@ -51,20 +66,21 @@ PoseSystem accumulate(const SE3& T_cw, const PoseObservations& o, const Pinhole&
     if constexpr (kWithJacobian) {
       // d(pixel)/d(xi) for T <- exp(xi) T: dp = rho - p x phi.
       Eigen::Matrix<double, 3, 6> J;
+      const double iz = residual.iz, x = residual.x, y = residual.y;
       const double a = camera.fx * iz, b = camera.fy * iz;
       J.row(0) << a, 0, -a * x, -camera.fx * x * y, camera.fx * (1 + x * x), -camera.fx * y;
       J.row(1) << 0, b, -b * y, -camera.fy * (1 + y * y), camera.fy * x * y, camera.fy * x;
-      if (stereo) {
+      if (residual.stereo) {
         const double c = camera.bf * iz * iz;
         J.row(2) = J.row(0);
         J(2, 2) += c;
-        J(2, 3) += c * p.y();
-        J(2, 4) -= c * p.x();
+        J(2, 3) += c * residual.p.y();
+        J(2, 4) -= c * residual.p.x();
       } else {
         J.row(2).setZero();
       }
       s.H.noalias() += w * J.transpose() * J;
-      s.b.noalias() += J.transpose() * (w * Eigen::Vector3d(ru, rv, rr));
+      s.b.noalias() += J.transpose() * (w * residual.r);
     }
   }
   return s;
@@ -80,13 +96,8 @@ int classify(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera, 
   for (size_t i = 0; i < inlier.size(); ++i) {
     inlier[i] = 0;
     if (!finite(o, i)) continue;
-    const Eigen::Vector3d p = T_cw * Eigen::Vector3d(o.px[i], o.py[i], o.pz[i]);
-    if (!(p.z() > kMinDepth)) continue;
-    const double u = camera.fx * p.x() / p.z() + camera.cx, v = camera.fy * p.y() / p.z() + camera.cy;
-    const double ru = o.u[i] - u, rv = o.v[i] - v;
-    const bool stereo = o.u_right[i] >= 0;
-    const double rr = stereo ? o.u_right[i] - (u - camera.bf / p.z()) : 0;
-    inlier[i] = (ru * ru + rv * rv + rr * rr) * o.inv_sigma2[i] <= (stereo ? kChi2Stereo : kChi2Mono);
+    const Residual residual(T_cw, o, camera, i);
+    inlier[i] = residual.usable && residual.chi2(o.inv_sigma2[i]) <= residual.bound();
     count += inlier[i];
   }
   return count;

@@ -9,14 +9,10 @@
 #include <vector>
 
 #include "covis/core/aligned.h"
-#include "covis/geometry/camera.h"
+#include "covis/geometry/measurement.h"
 #include "covis/geometry/se3.h"
 
 namespace covis {
-
-// chi-square at 95 % for 2 and 3 degrees of freedom.
-inline constexpr double kChi2Mono = 5.991;
-inline constexpr double kChi2Stereo = 7.815;
 
 // Flat arrays, one entry an observation.
 struct PoseObservations {

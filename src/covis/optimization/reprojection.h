@@ -1,27 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The residual every problem here is made of: z - h(T_cw p), 2 rows (u, v) or 3 (u, v, u_right), with its Jacobians.
-// Source: Solà et al., "A micro Lie theory", 2018; h as in Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, eq. 3 and 4.
+// The Jacobians of the residual that every problem here is made of: z - h(T_cw p), with h of geometry/measurement.h.
+// Source: Solà et al., "A micro Lie theory", 2018.
 #pragma once
 
 #include <Eigen/Core>
 #include <cmath>
 
-#include "covis/geometry/camera.h"
+#include "covis/geometry/measurement.h"
 #include "covis/geometry/se3.h"
 
 namespace covis {
 
 using Matrix3x6d = Eigen::Matrix<double, 3, 6>;
-
-inline constexpr double kMinDepth = 1e-6;  // metres: nearer points, or points behind, have no residual
-
-// Residual of a point in camera coordinates; row 2 is 0 without u_right (negative).
-inline Eigen::Vector3d reprojection_residual(const Eigen::Vector3d& p_c, const Pinhole& camera, float u, float v,
-                                             float u_right) {
-  const double iz = 1 / p_c.z();
-  const double pu = camera.fx * p_c.x() * iz + camera.cx;
-  return {u - pu, v - (camera.fy * p_c.y() * iz + camera.cy), u_right >= 0 ? u_right - (pu - camera.bf * iz) : 0.0};
-}
 
 // d h / d p_c; row 2 is 0 when not stereo.
 inline Eigen::Matrix3d projection_jacobian(const Eigen::Vector3d& p_c, const Pinhole& camera, bool stereo) {

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "covis/core/reserve.h"
-
 namespace covis {
 namespace {
 
@@ -19,29 +17,10 @@ T& at_slot(std::vector<T>& marks, uint32_t slot) {
 
 }  // namespace
 
-void KeyFrameView::copy(const Map& map, KeyFrameId key_frame) {
-  const KeyFrame& source = map.at(key_frame);
-  id = key_frame;
-  submap = source.submap;
-  T_cw = source.T_cw;
-  scale = source.scale;
-  features = source.features;
-  reserve_ahead(points, source.points.size());
-  points = source.points;
-  reserve_ahead(positions, points.size());
-  positions.resize(points.size());
-  for (size_t i = 0; i < points.size(); ++i) {
-    if (points[i].valid()) positions[i] = map.at(points[i]).position_w;
-  }
-}
-
 // Room in advance, memory for which is used only when points and key frames come.
 LocalMap::LocalMap() {
   constexpr size_t kPoints = 1 << 14, kPointSlots = 1 << 17, kKeyFrameSlots = 1 << 12;
-  id.reserve(kPoints);
-  for (auto* array : {&px, &py, &pz}) array->reserve(kPoints);
-  for (auto* array : {&nx, &ny, &nz, &d_min, &d_max}) array->reserve(kPoints);
-  descriptor.reserve(kPoints);
+  points.reserve(kPoints);
   point_seen_.reserve(kPointSlots);
   key_frame_seen_.reserve(kKeyFrameSlots);
   votes_.reserve(kKeyFrameSlots);
@@ -51,7 +30,7 @@ LocalMap::LocalMap() {
 }
 
 void LocalMap::clear() {
-  id.clear();
+  points.clear();
   key_frames.clear();
   reference = {};
   reference_points = reference_all_points = 0;
@@ -109,32 +88,17 @@ void LocalMap::select_key_frames(const Map& map, const std::vector<MapPointId>& 
 }
 
 void LocalMap::copy_points(const Map& map) {
-  id.clear();
+  points.clear();
   for (const KeyFrameId& key_frame : key_frames) {
     for (const MapPointId& point : map.at(key_frame).points) {
       if (!point.valid()) continue;
       uint32_t& seen = at_slot(point_seen_, point.slot);
       if (seen == epoch_) continue;
       seen = epoch_;
-      id.push_back(point);
+      points.id.push_back(point);
     }
   }
-  const size_t n = id.size();
-  for (auto* array : {&px, &py, &pz}) array->resize(n);
-  for (auto* array : {&nx, &ny, &nz, &d_min, &d_max}) array->resize(n);
-  descriptor.resize(n);
-  for (size_t i = 0; i < n; ++i) {
-    const MapPoint& point = map.at(id[i]);
-    px[i] = point.position_w.x();
-    py[i] = point.position_w.y();
-    pz[i] = point.position_w.z();
-    nx[i] = static_cast<float>(point.normal_w.x());
-    ny[i] = static_cast<float>(point.normal_w.y());
-    nz[i] = static_cast<float>(point.normal_w.z());
-    d_min[i] = point.d_min;
-    d_max[i] = point.d_max;
-    descriptor[i] = point.descriptor;
-  }
+  points.copy(map);
 }
 
 }  // namespace covis

@@ -6,23 +6,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "covis/core/aligned.h"
-#include "covis/map/map.h"
+#include "covis/map/key_frame_view.h"
+#include "covis/matching/point_set.h"
 
 namespace covis {
-
-// A copy of one key frame: enough to track against without the map.
-struct KeyFrameView {
-  KeyFrameId id;
-  uint32_t submap = 0;  // of the map
-  SE3 T_cw;
-  double scale = 1;  // KeyFrame::scale
-  FeaturesPtr features;
-  std::vector<MapPointId> points;          // for each feature, invalid: none
-  std::vector<Eigen::Vector3d> positions;  // for each feature, world, meaningful where points is valid
-
-  void copy(const Map& map, KeyFrameId key_frame);
-};
 
 class LocalMap {
  public:
@@ -33,19 +20,13 @@ class LocalMap {
   void update(const Map& map, const std::vector<MapPointId>& matched, KeyFrameId fallback, int max_key_frames);
   void clear();
 
-  // One entry a point, in a fixed order.
-  std::vector<MapPointId> id;
-  AlignedVector<double> px, py, pz;   // world position, metres
-  AlignedVector<float> nx, ny, nz;    // mean viewing direction, from the observers to the point
-  AlignedVector<float> d_min, d_max;  // distances at which it can be seen, metres
-  AlignedVector<Descriptor> descriptor;
-
+  PointSet points;                     // in a fixed order
   std::vector<KeyFrameId> key_frames;  // K1 first
   KeyFrameView reference;
   int reference_all_points = 0;  // points of the reference key frame that another one observes too
   int reference_points = 0;      // points of the reference key frame with enough observers (3, or 2 in a young map)
 
-  int size() const { return static_cast<int>(id.size()); }
+  int size() const { return static_cast<int>(points.size()); }
 
  private:
   void select_key_frames(const Map& map, const std::vector<MapPointId>& matched, KeyFrameId fallback,

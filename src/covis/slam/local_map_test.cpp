@@ -75,7 +75,7 @@ TEST_F(LocalMapTest, NoMoreKeyFramesThanAllowed) {
 TEST_F(LocalMapTest, WithoutMatchesItLiesRoundTheFallback) {
   local.update(map, {}, frames[4], 80);
   EXPECT_THAT(local.key_frames, ElementsAre(frames[4], frames[3]));
-  EXPECT_THAT(local.id, testing::Contains(own));
+  EXPECT_THAT(local.points.id, testing::Contains(own));
   local.update(map, {}, {}, 80);
   EXPECT_EQ(local.size(), 0);
   EXPECT_TRUE(local.key_frames.empty());
@@ -90,17 +90,17 @@ TEST_F(LocalMapTest, StaleHandlesDoNotVote) {
 
 TEST_F(LocalMapTest, CopiesAreThoseOfTheMapAndStayWhenItMoves) {
   local.update(map, shared[1], {}, 80);
-  const Eigen::Vector3d before = map.at(local.id[7]).position_w;
+  const Eigen::Vector3d before = map.at(local.points.id[7]).position_w;
   for (size_t i = 0; i < static_cast<size_t>(local.size()); ++i) {
-    const MapPoint& point = map.at(local.id[i]);
-    EXPECT_EQ(Eigen::Vector3d(local.px[i], local.py[i], local.pz[i]), point.position_w);
-    EXPECT_EQ(local.d_min[i], point.d_min);
-    EXPECT_EQ(local.d_max[i], point.d_max);
-    EXPECT_EQ(local.nz[i], static_cast<float>(point.normal_w.z()));
-    EXPECT_EQ(local.descriptor[i], point.descriptor);
+    const MapPoint& point = map.at(local.points.id[i]);
+    EXPECT_EQ(Eigen::Vector3d(local.points.px[i], local.points.py[i], local.points.pz[i]), point.position_w);
+    EXPECT_EQ(local.points.d_min[i], point.d_min);
+    EXPECT_EQ(local.points.d_max[i], point.d_max);
+    EXPECT_EQ(local.points.nz[i], static_cast<float>(point.normal_w.z()));
+    EXPECT_EQ(local.points.descriptor[i], point.descriptor);
   }
-  ASSERT_TRUE(map.set_position(local.id[7], {9, 9, 9}));
-  EXPECT_EQ(Eigen::Vector3d(local.px[7], local.py[7], local.pz[7]), before);
+  ASSERT_TRUE(map.set_position(local.points.id[7], {9, 9, 9}));
+  EXPECT_EQ(Eigen::Vector3d(local.points.px[7], local.points.py[7], local.points.pz[7]), before);
   local.clear();
   EXPECT_EQ(local.size(), 0);
 }

@@ -9,7 +9,7 @@
 #include "covis/core/random.h"
 #include "covis/core/time.h"
 #include "covis/matching/descriptor_match.h"
-#include "covis/slam/point_geometry.h"
+#include "covis/matching/point_geometry.h"
 
 namespace covis {
 namespace {
@@ -34,7 +34,7 @@ bool LoopCloser::process(KeyFrameId current, LoopReport& report) {
     places = candidates(*map, current);
     report.query_ms = watch.ms();
     if (places.empty()) return false;
-    view = copy_view(*map, current);
+    view.copy(*map, current);
     camera_ = map->camera();
   }
   report.candidates = static_cast<int>(places.size());
@@ -85,39 +85,11 @@ std::vector<KeyFrameId> LoopCloser::candidates(const Map& map, KeyFrameId curren
   return result;
 }
 
-LoopCloser::View LoopCloser::copy_view(const Map& map, KeyFrameId id) const {
-  const KeyFrame& source = map.at(id);
-  View view{id, source.T_cw, source.features, source.points, {}, {}};
-  view.positions.resize(view.points.size());
-  view.has_point.resize(view.points.size());
-  for (size_t i = 0; i < view.points.size(); ++i) {
-    view.has_point[i] = view.points[i].valid();
-    if (view.has_point[i]) view.positions[i] = map.at(view.points[i]).position_w;
-  }
-  return view;
-}
-
 LoopCloser::Place LoopCloser::copy_place(const Map& map, KeyFrameId id) const {
-  const KeyFrame& source = map.at(id);
-  Place place{id, source.T_cw, {id}, {}, {}};
+  Place place{id, map.at(id).T_cw, {id}, {}};
   for (const Neighbour& n : map.best_neighbours(id, kGroupPoints)) place.group.push_back(n.key_frame);
-  for (const KeyFrameId& member : place.group) {
-    for (const MapPointId& point : map.at(member).points) {
-      if (point.valid()) place.points.push_back(point);
-    }
-  }
-  std::sort(place.points.begin(), place.points.end());
-  place.points.erase(std::unique(place.points.begin(), place.points.end()), place.points.end());
-  place.copies.reserve(place.points.size());
-  for (const MapPointId& id_ : place.points) {
-    const MapPoint& p = map.at(id_);
-    MapPoint& copy = place.copies.emplace_back();
-    copy.position_w = p.position_w;
-    copy.normal_w = p.normal_w;
-    copy.descriptor = p.descriptor;
-    copy.d_min = p.d_min;
-    copy.d_max = p.d_max;
-  }
+  place.points.id = points_of(map, place.group);
+  place.points.copy(map);
   return place;
 }
 
@@ -126,14 +98,13 @@ LoopCloser::Place LoopCloser::copy_place(const Map& map, KeyFrameId id) const {
 std::vector<Sim3Match> LoopCloser::match_points(const View& current, const Place& place) const {
   std::vector<MapPointId> matched(current.points.size());
   std::vector<int> distance(current.points.size(), 257);
+  const std::vector<uint8_t> has_point = features_with_point(current.points);
   const auto map = map_.read();
   for (size_t g = 0; g < place.group.size() && g <= kGroupMatching; ++g) {
     const KeyFrame* member = map->find(place.group[g]);
     if (!member) continue;
-    std::vector<uint8_t> use(member->points.size());
-    for (size_t i = 0; i < use.size(); ++i) use[i] = member->points[i].valid();
-    for (const FeatureMatch& m : match_descriptors(*current.features, current.has_point, *member->features, use,
-                                                   {.max_distance = kHammingLow, .ratio = kRatio})) {
+    for (const FeatureMatch& m : match_descriptors(*current.features, has_point, *member->features,
+                                                   features_with_point(member->points), {.max_distance = kHammingLow, .ratio = kRatio})) {
       const auto a = static_cast<size_t>(m.a), b = static_cast<size_t>(m.b);
       const int d = hamming(current.features->descriptor[a], member->features->descriptor[b]);
       if (d >= distance[a] || member->points[b] == current.points[a]) continue;
@@ -145,17 +116,17 @@ std::vector<Sim3Match> LoopCloser::match_points(const View& current, const Place
   const Features& f = *current.features;
   for (size_t i = 0; i < matched.size(); ++i) {
     if (!matched[i].valid()) continue;
-    const auto at = std::lower_bound(place.points.begin(), place.points.end(), matched[i]);
-    if (at == place.points.end() || *at != matched[i]) continue;
-    const MapPoint& point = place.copies[static_cast<size_t>(at - place.points.begin())];
+    const int32_t at = index_of(place.points, matched[i]);
+    if (at < 0) continue;
+    const auto p = static_cast<size_t>(at);
     Sim3Match m;
     m.p_1 = current.T_cw * current.positions[i];
-    m.p_2 = place.T_cw * point.position_w;
+    m.p_2 = place.T_cw * place.points.position(p);
     if (!(m.p_1.z() > 0) || !(m.p_2.z() > 0)) continue;
     // Others of the group may see the point where the key frame itself does not: its place there is where it projects.
     m.z_1 = {f.x[i], f.y[i]};
     m.z_2 = camera_.project(m.p_2);
-    const int level = f.pyramid->predict_level(point.d_max, static_cast<float>(m.p_2.norm()));
+    const int level = f.pyramid->predict_level(place.points.d_max[p], static_cast<float>(m.p_2.norm()));
     m.inv_sigma2_1 = f.pyramid->inv_sigma2[f.level[i]];
     m.inv_sigma2_2 = f.pyramid->inv_sigma2[static_cast<size_t>(level)];
     matches.push_back(m);
@@ -164,35 +135,15 @@ std::vector<Sim3Match> LoopCloser::match_points(const View& current, const Place
 }
 
 LoopCloser::Projection LoopCloser::project(const Place& place, const View& view, const SE3& T_cw, double window) {
-  Projection result;
-  const Features& f = *view.features;
-  const Eigen::Vector3d centre = T_cw.centre();
-  std::vector<WindowQuery> queries;
-  std::vector<size_t> source;
-  for (size_t p = 0; p < place.copies.size(); ++p) {
-    const MapPoint& point = place.copies[p];
-    const auto seen = predict_view({point.position_w, point.normal_w.cast<float>(), point.d_min, point.d_max}, T_cw,
-                                   centre, camera_, f);
-    if (!seen) continue;
-    ++result.in_view;
-    queries.push_back({seen->u, seen->v, seen->u_right,
-                       static_cast<float>(window) * f.pyramid->scale[static_cast<size_t>(seen->level)], seen->level - 1,
-                       seen->level, &point.descriptor});
-    source.push_back(p);
-  }
-  std::vector<int32_t> match;
-  matcher_.match(f, queries, {}, {.max_distance = kHammingLow}, match);
-  for (size_t q = 0; q < match.size(); ++q) {
-    if (match[q] >= 0) result.matches.emplace_back(static_cast<uint32_t>(match[q]), source[q]);
-  }
-  return result;
+  const int in_view = matcher_.match(place.points, {camera_, *view.features, T_cw}, MatchGate::loop(window));
+  return {in_view, matcher_.matches()};
 }
 
 bool LoopCloser::refine(const Place& place, const View& view, SE3& T_cw, Projection& projection) const {
   const Features& f = *view.features;
   PoseObservations observations;
   for (const auto& [feature, p] : projection.matches) {
-    observations.add(place.copies[p].position_w, f.x[feature], f.y[feature], f.u_right[feature],
+    observations.add(place.points.position(p), f.x[feature], f.y[feature], f.u_right[feature],
                      f.pyramid->inv_sigma2[f.level[feature]]);
   }
   std::vector<uint8_t> inlier;
@@ -247,7 +198,7 @@ std::optional<LoopCloser::Found> LoopCloser::verify(const View& current, KeyFram
   if (count < least || count < least_share * projection.in_view) return std::nullopt;
   if (tied_already(current, place, projection)) return std::nullopt;
   found.S_cw = Sim3(T_cw.R(), scale * T_cw.t(), scale);
-  for (const auto& [feature, p] : projection.matches) found.matches.emplace_back(feature, place.points[p]);
+  for (const auto& [feature, p] : projection.matches) found.matches.emplace_back(feature, place.points.id[p]);
   const auto map = map_.read();
   if (!neighbours_agree(*map, current, found)) return std::nullopt;
   if (found.elsewhere) {
@@ -262,7 +213,7 @@ std::optional<LoopCloser::Found> LoopCloser::verify(const View& current, KeyFram
 // Most of what is found again is what the key frame has: the map leads from there to here without a gap.
 bool LoopCloser::tied_already(const View& current, const Place& place, const Projection& projection) {
   const auto shared = std::count_if(projection.matches.begin(), projection.matches.end(), [&](const auto& match) {
-    return current.points[match.first] == place.points[match.second];
+    return current.points[match.feature] == place.points.id[match.point];
   });
   return 2 * static_cast<size_t>(shared) > projection.matches.size();
 }
@@ -280,7 +231,7 @@ bool LoopCloser::seen_from_there(const Map& map, const View& current, const Foun
   const Place here = copy_place(map, current.id);
   const Sim3 S_wc = found.S_cw.inverse() * Sim3(current.T_cw);  // of the worlds: the current one's to the place's
   for (int k = 0; k < kAsked && k < static_cast<int>(found.place.group.size()); ++k) {
-    const View view = copy_view(map, found.place.group[static_cast<size_t>(k)]);
+    const View view(map, found.place.group[static_cast<size_t>(k)]);
     const Projection projection = project(here, view, (Sim3(view.T_cw) * S_wc).as_pose(), 8);
     if (!enough_for_neighbour(projection)) return false;
   }
@@ -293,7 +244,7 @@ bool LoopCloser::neighbours_agree(const Map& map, const View& current, const Fou
   constexpr int kAsked = 5, kWanted = 2;
   int asked = 0, agree = 0;
   for (const Neighbour& n : map.best_neighbours(current.id, kAsked)) {
-    const View view = copy_view(map, n.key_frame);
+    const View view(map, n.key_frame);
     const Sim3 S_nw = Sim3(view.T_cw * current.T_cw.inverse()) * found.S_cw;
     const Projection projection = project(found.place, view, S_nw.as_pose(), 8);
     ++asked;
@@ -309,8 +260,7 @@ bool LoopCloser::nothing_to_correct(const Found& found, const LoopReport& report
   std::vector<double> depths;
   const SE3 T_cw = found.S_cw.as_pose();
   for (const auto& [feature, id] : found.matches) {
-    const auto at = std::lower_bound(found.place.points.begin(), found.place.points.end(), id);
-    depths.push_back((T_cw * found.place.copies[static_cast<size_t>(at - found.place.points.begin())].position_w).z());
+    depths.push_back((T_cw * found.place.points.position(static_cast<size_t>(index_of(found.place.points, id)))).z());
   }
   const auto middle = depths.begin() + static_cast<ptrdiff_t>(depths.size() / 2);
   std::nth_element(depths.begin(), middle, depths.end());

@@ -25,12 +25,13 @@
 
 #include "covis/geometry/sim3.h"
 #include "covis/map/shared_map.h"
-#include "covis/matching/window_match.h"
+#include "covis/map/key_frame_view.h"
+#include "covis/matching/projection_match.h"
 #include "covis/optimization/pose_optimization.h"
 #include "covis/optimization/sim3_optimization.h"
 #include "covis/slam/messages.h"
 #include "covis/slam/options.h"
-#include "covis/slam/point_fuser.h"
+#include "covis/matching/point_fuser.h"
 
 namespace covis {
 
@@ -49,18 +50,9 @@ class LoopCloser {
     KeyFrameId key_frame;
     SE3 T_cw;
     std::vector<KeyFrameId> group;   // the key frame first
-    std::vector<MapPointId> points;  // of the group, sorted
-    std::vector<MapPoint> copies;    // of each point, without observations
+    PointSet points;                 // of the group, in the order of handles
   };
-  // The key frame in question, likewise.
-  struct View {
-    KeyFrameId id;
-    SE3 T_cw;
-    FeaturesPtr features;
-    std::vector<MapPointId> points;          // for each feature
-    std::vector<Eigen::Vector3d> positions;  // for each feature with a point
-    std::vector<uint8_t> has_point;
-  };
+  using View = KeyFrameView;  // the key frame in question, likewise
   struct Found {
     Place place;
     bool elsewhere = false;                                // the place is of another submap
@@ -70,11 +62,10 @@ class LoopCloser {
   // Which of the place's points were found in a view at a pose.
   struct Projection {
     int in_view = 0;
-    std::vector<std::pair<uint32_t, size_t>> matches;  // feature, index into place.points
+    std::vector<PointMatch> matches;
   };
 
   std::vector<KeyFrameId> candidates(const Map& map, KeyFrameId current) const;
-  View copy_view(const Map& map, KeyFrameId id) const;
   Place copy_place(const Map& map, KeyFrameId id) const;
   std::optional<Found> verify(const View& current, KeyFrameId candidate, LoopReport& report);
   std::vector<Sim3Match> match_points(const View& current, const Place& place) const;
@@ -97,7 +88,7 @@ class LoopCloser {
   const SystemOptions options_;
   std::optional<uint32_t> last_loop_serial_;
   Pinhole camera_;  // the map's
-  WindowMatcher matcher_;
+  ProjectionMatcher matcher_;
   PointFuser fuser_;
 };
 

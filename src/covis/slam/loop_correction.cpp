@@ -112,7 +112,8 @@ void LoopCloser::fuse(const View& current, const Found& found, LoopReport& repor
   }
   for (const KeyFrameId& target : targets) {
     report.fused +=
-        fuser_.fuse(map_, target, found.place.points, {.window = 4, .keep_given = true, .check_error = false});
+        fuser_.fuse(map_, target, found.place.points.id,
+                    {.window = 4, .keep = FuseKeep::given, .error = MatchError::not_asked});
   }
   const auto map = map_.write();
   for (const KeyFrameId& target : targets) {

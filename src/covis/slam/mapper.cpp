@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "covis/core/log.h"
-#include "covis/slam/point_geometry.h"
+#include "covis/matching/point_geometry.h"
 
 namespace covis {
 namespace {

@@ -19,7 +19,7 @@
 #include "covis/slam/loop_closer.h"
 #include "covis/slam/messages.h"
 #include "covis/slam/options.h"
-#include "covis/slam/point_fuser.h"
+#include "covis/matching/point_fuser.h"
 
 namespace covis {
 

@@ -6,7 +6,7 @@
 #include "covis/core/log.h"
 #include "covis/slam/map_problem.h"
 #include "covis/slam/mapper.h"
-#include "covis/slam/point_geometry.h"
+#include "covis/matching/point_geometry.h"
 
 namespace covis {
 

@@ -3,37 +3,25 @@
 #include <cmath>
 
 #include "covis/geometry/triangulation.h"
+#include "covis/map/key_frame_view.h"
 #include "covis/matching/epipolar_match.h"
 #include "covis/slam/mapper.h"
-#include "covis/slam/point_geometry.h"
+#include "covis/matching/point_geometry.h"
 
 namespace covis {
 namespace {
 
-// A key frame as point creation needs it, copied out of the map.
-struct View {
-  KeyFrameId id;
-  SE3 T_cw, T_wc;
-  FeaturesPtr features;
+// A key frame as point creation needs it.
+struct View : KeyFrameView {
+  SE3 T_wc;
   std::vector<uint8_t> is_free;  // features without a point
-  double median_depth = 0;       // of its points
+  double median_depth;           // of its points
 
-  View(const Map& map, KeyFrameId key_frame) : id(key_frame) {
-    const KeyFrame& source = map.at(key_frame);
-    T_cw = source.T_cw;
-    T_wc = T_cw.inverse();
-    features = source.features;
-    is_free.resize(source.points.size());
-    std::vector<double> depths;
-    for (size_t i = 0; i < source.points.size(); ++i) {
-      is_free[i] = !source.points[i].valid();
-      if (source.points[i].valid()) depths.push_back((T_cw * map.at(source.points[i]).position_w).z());
-    }
-    if (depths.empty()) return;
-    const auto middle = depths.begin() + static_cast<ptrdiff_t>(depths.size() / 2);
-    std::nth_element(depths.begin(), middle, depths.end());
-    median_depth = *middle;
-  }
+  View(const Map& map, KeyFrameId key_frame)
+      : KeyFrameView(map, key_frame),
+        T_wc(T_cw.inverse()),
+        is_free(features_without_point(points)),
+        median_depth(covis::median_depth(*this)) {}
 };
 
 // Cosine of the angle under which the two eyes of a stereo camera see a feature with depth.

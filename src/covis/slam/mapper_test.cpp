@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "covis/slam/point_geometry.h"
+#include "covis/matching/point_geometry.h"
 #include "covis/slam/test_frames.h"
 
 namespace covis {

@@ -9,7 +9,7 @@
 #include "covis/core/log.h"
 #include "covis/core/reserve.h"
 #include "covis/matching/descriptor_match.h"
-#include "covis/slam/point_geometry.h"
+#include "covis/matching/point_geometry.h"
 
 namespace covis {
 namespace {
@@ -43,7 +43,6 @@ Tracker::Tracker(const SharedMap& map, const SystemOptions& options, std::shared
   counts_.reserve(kPointSlots);
   counted_.reserve(kPointSlots);
   matched_mark_.reserve(kPointSlots);
-  in_view_.reserve(kLocalPoints);
   match_.reserve(kLocalPoints);
   queries_.reserve(kLocalPoints);
   query_source_.reserve(kLocalPoints);
@@ -288,8 +287,8 @@ void Tracker::count_points() {
     }
     return count;
   };
-  for (size_t k = 0; k < local_map_.id.size(); ++k) {
-    if (in_view_[k]) ++slot_count(local_map_.id[k]).visible;
+  for (size_t k = 0; k < local_map_.points.id.size(); ++k) {
+    if (projection_.in_view()[k]) ++slot_count(local_map_.points.id[k]).visible;
   }
   for (size_t i = 0; i < current_.known.size(); ++i) {
     if (current_.known[i] == kMapPoint) ++slot_count(current_.points[i]).found;

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "covis/map/shared_map.h"
-#include "covis/matching/window_match.h"
+#include "covis/matching/projection_match.h"
 #include "covis/optimization/pose_optimization.h"
 #include "covis/slam/local_map.h"
 #include "covis/slam/messages.h"
@@ -194,6 +194,7 @@ class Tracker {
   std::vector<uint32_t> counted_;   // slots with something to tell
 
   // Scratch, kept so that tracking does not allocate.
+  ProjectionMatcher projection_;
   WindowMatcher matcher_;
   std::vector<WindowQuery> queries_;
   std::vector<int32_t> query_source_;  // for each query, the last frame's feature or the local map's point
@@ -202,7 +203,7 @@ class Tracker {
   std::vector<float> angle_a_, angle_b_;
   std::vector<uint8_t> keep_;
   std::vector<uint8_t> taken_;    // features that have a map point
-  std::vector<uint8_t> in_view_;  // for each local point
+  std::vector<uint8_t> known_;    // for each local point
   std::vector<MapPointId> matched_;
   std::vector<uint32_t> matched_mark_;  // by point slot: the epoch of mark_matched()
   uint32_t matched_epoch_ = 0;

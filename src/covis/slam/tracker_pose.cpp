@@ -5,7 +5,7 @@
 #include "covis/core/reserve.h"
 #include "covis/core/time.h"
 #include "covis/matching/descriptor_match.h"
-#include "covis/slam/point_geometry.h"
+#include "covis/matching/point_geometry.h"
 #include "covis/slam/tracker.h"
 
 namespace covis {
@@ -202,45 +202,20 @@ void Tracker::mark_matched() {
 
 int Tracker::search_local_map(double window_factor) {
   const TrackerOptions& o = options_.tracker;
-  const Features& f = *current_.features;
-  const Eigen::Vector3d centre = current_.T_cw.centre();
   mark_matched();
   reserve_ahead(taken_, current_.known.size());
   taken_.assign(current_.known.size(), 0);
   for (size_t i = 0; i < current_.known.size(); ++i) taken_[i] = current_.known[i] == kMapPoint;
-  queries_.clear();
-  query_source_.clear();
-  const auto n = static_cast<size_t>(local_map_.size());
-  reserve_ahead(in_view_, n);
-  in_view_.assign(n, 0);
-  int in_view = 0;
-  for (size_t k = 0; k < n; ++k) {
-    if (matched(local_map_.id[k])) {
-      in_view_[k] = 1;
-      ++in_view;
-      continue;
-    }
-    const auto view = predict_view({{local_map_.px[k], local_map_.py[k], local_map_.pz[k]},
-                                    {local_map_.nx[k], local_map_.ny[k], local_map_.nz[k]},
-                                    local_map_.d_min[k],
-                                    local_map_.d_max[k]},
-                                   current_.T_cw, centre, camera_, f);
-    if (!view) continue;
-    in_view_[k] = 1;
-    ++in_view;
-    const double base = view->cosine > 0.998f ? o.local_window_frontal : o.local_window;
-    const auto radius = static_cast<float>(base * window_factor) * f.pyramid->scale[static_cast<size_t>(view->level)];
-    queries_.push_back(
-        {view->u, view->v, view->u_right, radius, view->level - 1, view->level, &local_map_.descriptor[k]});
-    query_source_.push_back(static_cast<int32_t>(k));
-  }
-  matcher_.match(f, queries_, taken_, {.max_distance = kHammingHigh, .ratio = static_cast<float>(o.local_ratio)},
-                 match_);
-  for (size_t q = 0; q < match_.size(); ++q) {
-    if (match_[q] < 0) continue;
-    const auto k = static_cast<size_t>(query_source_[q]);
-    set_match(static_cast<size_t>(match_[q]), local_map_.id[k], {local_map_.px[k], local_map_.py[k], local_map_.pz[k]},
-              kMapPoint);
+  const size_t n = local_map_.points.size();
+  reserve_ahead(known_, n);
+  known_.resize(n);
+  for (size_t k = 0; k < n; ++k) known_[k] = matched(local_map_.points.id[k]);
+  const MatchGate gate =
+      MatchGate::local_map(o.local_window * window_factor, o.local_window_frontal * window_factor, o.local_ratio);
+  const int in_view =
+      projection_.match(local_map_.points, {camera_, *current_.features, current_.T_cw}, gate, known_, taken_);
+  for (const PointMatch& m : projection_.matches()) {
+    set_match(m.feature, local_map_.points.id[m.point], local_map_.points.position(m.point), kMapPoint);
   }
   return in_view;
 }

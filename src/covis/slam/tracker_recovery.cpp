@@ -152,9 +152,9 @@ bool Tracker::looks_as_usual(const Map& map, bool tentative) {
       young_too{(single_image ? 0.25 : 0.17) * share};
   const Eigen::Vector3d centre = current_.T_cw.centre();
   mark_matched();
-  for (size_t k = 0; k < local_map_.id.size(); ++k) {
-    if (!in_view_[k]) continue;
-    const MapPoint* point = map.find(local_map_.id[k]);
+  for (size_t k = 0; k < local_map_.points.id.size(); ++k) {
+    if (!projection_.in_view()[k]) continue;
+    const MapPoint* point = map.find(local_map_.points.id[k]);
     if (!point) continue;
     const Eigen::Vector3d ray = point->position_w - centre;
     const double distance = ray.norm();
@@ -170,7 +170,7 @@ bool Tracker::looks_as_usual(const Map& map, bool tentative) {
     }
     if (!near) continue;
     const double usual = static_cast<double>(point->found) / point->visible;
-    const int found = matched(local_map_.id[k]);
+    const int found = matched(local_map_.points.id[k]);
     const auto add_to = [&](Tally& tally) {
       tally.usual += usual;
       tally.found += found;

@@ -6,14 +6,17 @@
 #include <vector>
 
 #include "covis/map/shared_map.h"
-#include "covis/matching/window_match.h"
+#include "covis/matching/projection_match.h"
 
 namespace covis {
 
+// Which of two points that turn out to be one stays.
+enum class FuseKeep { more_observed, given };
+
 struct FuseOptions {
-  double window = 3;        // pixels x scale
-  bool keep_given = false;  // of two points the given one stays; else the one with more observations
-  bool check_error = true;  // a match must lie within the 95 % bound of its reprojection error
+  double window = 3;  // pixels x scale
+  FuseKeep keep = FuseKeep::more_observed;
+  MatchError error = MatchError::within_bound;
 };
 
 // Keeps its work space between calls.
@@ -23,11 +26,8 @@ class PointFuser {
   int fuse(SharedMap& map, KeyFrameId target, const std::vector<MapPointId>& points, const FuseOptions& options);
 
  private:
-  WindowMatcher matcher_;
-  std::vector<WindowQuery> queries_;
-  std::vector<Descriptor> descriptors_;
-  std::vector<MapPointId> candidates_;
-  std::vector<int32_t> match_;
+  PointSet candidates_;
+  ProjectionMatcher matcher_;
 };
 
 }  // namespace covis

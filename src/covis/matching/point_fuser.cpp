@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/matching/point_fuser.h"
+
+#include <algorithm>
+
+namespace covis {
+
+int PointFuser::fuse(SharedMap& shared, KeyFrameId target, const std::vector<MapPointId>& points,
+                     const FuseOptions& options) {
+  FeaturesPtr features;
+  SE3 T_cw;
+  Pinhole camera;
+  candidates_.clear();
+  {
+    const auto map = shared.read();
+    const KeyFrame* key_frame = map->find(target);
+    if (!key_frame) return 0;
+    features = key_frame->features;
+    T_cw = key_frame->T_cw;
+    camera = map->camera();
+    const std::vector<MapPointId> observed = points_of(*map, {&target, 1});
+    for (const MapPointId& held : points) {
+      const MapPointId id = map->forwarded(held);
+      const MapPoint* point = map->find(id);
+      if (point && !std::binary_search(observed.begin(), observed.end(), id)) candidates_.add(id, *point);
+    }
+  }
+  matcher_.match(candidates_, {camera, *features, T_cw}, MatchGate::fusion(options.window, options.error));
+  if (matcher_.matches().empty()) return 0;
+
+  const auto map = shared.write();
+  if (!map->find(target)) return 0;
+  int fused = 0;
+  for (const PointMatch& match : matcher_.matches()) {
+    const MapPointId id = map->forwarded(candidates_.id[match.point]);
+    if (!map->find(id)) continue;
+    const MapPointId present = map->at(target).points[match.feature];
+    if (!present.valid()) {
+      if (map->add_observation(id, target, match.feature)) ++fused;
+    } else if (present != id) {
+      const bool keep_present = options.keep == FuseKeep::more_observed &&
+                                map->at(present).observations.size() > map->at(id).observations.size();
+      if (keep_present ? map->replace_point(id, present) : map->replace_point(present, id)) ++fused;
+    }
+  }
+  return fused;
+}
+
+}  // namespace covis

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// The geometry of a point and the keypoint that shows it, which searches, tracking and mapping share.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "covis/features/features.h"
+#include "covis/geometry/measurement.h"
+
+namespace covis {
+
+// The point of a feature with depth, in camera coordinates, metres.
+inline Eigen::Vector3d unproject_depth(const Pinhole& camera, const Features& features, uint32_t feature) {
+  const double z = features.depth[feature];
+  return camera.unproject(features.x[feature], features.y[feature]) * z;
+}
+
+// Whether a point lies within the 95 % bound of the measurement of feature i. False for a point behind the camera.
+inline bool reprojects_well(const Eigen::Vector3d& p_c, const Pinhole& camera, const Features& features, uint32_t i) {
+  if (!(p_c.z() > 0)) return false;
+  const float u_right = features.u_right[i];
+  const Eigen::Vector3d r = reprojection_residual(p_c, camera, features.x[i], features.y[i], u_right);
+  return r.squaredNorm() * features.pyramid->inv_sigma2[features.level[i]] <= chi2_bound(u_right);
+}
+
+}  // namespace covis

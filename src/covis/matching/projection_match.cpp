@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/matching/projection_match.h"
+
+#include "covis/core/reserve.h"
+#include "covis/geometry/measurement.h"
+
+namespace covis {
+
+std::optional<PredictedView> predict_view(const PointSet& points, size_t k, const SE3& T_cw,
+                                          const Eigen::Vector3d& centre_w, const Pinhole& camera,
+                                          const Features& features) {
+  constexpr float kNearestShare = 0.8f, kFarthestShare = 1.2f;  // of the range of distances
+  constexpr float kMinCosine = 0.5f;                  // 60 degrees
+  const Eigen::Vector3d position = points.position(k);
+  const Eigen::Vector3d p_c = T_cw * position;
+  if (!(p_c.z() > 0)) return std::nullopt;
+  const PredictedMeasurement h = predict_measurement(p_c, camera);
+  PredictedView view;
+  view.u = static_cast<float>(h.u);
+  view.v = static_cast<float>(h.v);
+  if (!features.grid.bounds.contains(view.u, view.v)) return std::nullopt;
+  const Eigen::Vector3f ray = (position - centre_w).cast<float>();
+  const float distance = ray.norm();
+  if (distance < kNearestShare * points.d_min[k] || distance > kFarthestShare * points.d_max[k]) return std::nullopt;
+  view.cosine = ray.dot(Eigen::Vector3f(points.nx[k], points.ny[k], points.nz[k])) / distance;
+  if (view.cosine < kMinCosine) return std::nullopt;
+  view.level = features.pyramid->predict_level(points.d_max[k], distance);
+  if (camera.bf > 0) view.u_right = static_cast<float>(view.u - h.disparity);
+  return view;
+}
+
+// Room in advance, memory for which is used only when points come.
+ProjectionMatcher::ProjectionMatcher() {
+  constexpr size_t kPoints = 1 << 14, kFeatures = 1 << 12;
+  queries_.reserve(kPoints);
+  source_.reserve(kPoints);
+  found_.reserve(kPoints);
+  in_view_.reserve(kPoints);
+  matches_.reserve(kFeatures);
+}
+
+std::optional<WindowQuery> ProjectionMatcher::query(const PointSet& points, size_t k, const Frame& frame,
+                                                    const Eigen::Vector3d& centre_w, const MatchGate& gate) const {
+  constexpr float kFrontal = 0.998f;  // cosine of 3.6 degrees
+  const auto view = predict_view(points, k, frame.T_cw, centre_w, frame.camera, frame.features);
+  if (!view) return std::nullopt;
+  const auto window = static_cast<float>(view->cosine > kFrontal ? gate.window_frontal : gate.window);
+  return WindowQuery{view->u,
+                     view->v,
+                     view->u_right,
+                     window * frame.features.pyramid->scale[static_cast<size_t>(view->level)],
+                     view->level - 1,
+                     view->level,
+                     &points.descriptor[k]};
+}
+
+std::optional<WindowQuery> ProjectionMatcher::query_seen(const PointSet& points, size_t k, const Frame& frame,
+                                                         const MatchGate& gate) const {
+  const Eigen::Vector3d p_c = frame.T_cw * points.position(k);
+  if (!(p_c.z() > 0)) return std::nullopt;
+  const PredictedMeasurement h = predict_measurement(p_c, frame.camera);
+  const auto u = static_cast<float>(h.u), v = static_cast<float>(h.v);
+  if (!frame.features.grid.bounds.contains(u, v)) return std::nullopt;
+  const float u_right = frame.camera.bf > 0 ? static_cast<float>(u - h.disparity) : -1.0f;
+  const int level = points.level[k], top = frame.features.pyramid->levels - 1;
+  const float radius = static_cast<float>(gate.window) * frame.features.pyramid->scale[points.level[k]];
+  switch (gate.levels) {
+    case LevelRule::seen_or_larger:
+      return WindowQuery{u, v, u_right, radius, level, top, &points.descriptor[k]};
+    case LevelRule::seen_or_finer:
+      return WindowQuery{u, v, u_right, radius, 0, level, &points.descriptor[k]};
+    default:
+      return WindowQuery{u, v, u_right, radius, level - 1, level + 1, &points.descriptor[k]};
+  }
+}
+
+int ProjectionMatcher::match(const PointSet& points, const Frame& frame, const MatchGate& gate,
+                             std::span<const uint8_t> known, std::span<const uint8_t> taken) {
+  const Eigen::Vector3d centre_w = frame.T_cw.centre();
+  const size_t n = points.size();
+  queries_.clear();
+  source_.clear();
+  reserve_ahead(in_view_, n);
+  in_view_.assign(n, 0);
+  int in_view = 0;
+  for (size_t k = 0; k < n; ++k) {
+    if (!known.empty() && known[k]) {
+      in_view_[k] = 1;
+      ++in_view;
+      continue;
+    }
+    const auto query_k = gate.levels == LevelRule::predicted ? query(points, k, frame, centre_w, gate)
+                                                             : query_seen(points, k, frame, gate);
+    if (!query_k) continue;
+    in_view_[k] = 1;
+    ++in_view;
+    queries_.push_back(*query_k);
+    source_.push_back(static_cast<uint32_t>(k));
+  }
+  WindowMatchOptions options{.max_distance = gate.max_distance, .ratio = gate.ratio};
+  if (gate.error == MatchError::within_bound) {
+    options.max_chi2_mono = static_cast<float>(kChi2Mono);
+    options.max_chi2_stereo = static_cast<float>(kChi2Stereo);
+  }
+  windows_.match(frame.features, queries_, taken, options, found_);
+  matches_.clear();
+  for (size_t q = 0; q < found_.size(); ++q) {
+    if (found_[q] >= 0) matches_.push_back({static_cast<uint32_t>(found_[q]), source_[q]});
+  }
+  return in_view;
+}
+
+int ProjectionMatcher::keep_consistent_rotations(std::span<const float> angle, const Features& features) {
+  angle_then_.clear();
+  angle_now_.clear();
+  for (const PointMatch& m : matches_) {
+    angle_then_.push_back(angle[m.point]);
+    angle_now_.push_back(features.angle[m.feature]);
+  }
+  reserve_ahead(keep_, matches_.size());
+  keep_.assign(matches_.size(), 1);
+  const int kept = check_rotation(angle_then_, angle_now_, keep_);
+  size_t next = 0;
+  for (size_t k = 0; k < keep_.size(); ++k) {
+    if (keep_[k]) matches_[next++] = matches_[k];
+  }
+  matches_.resize(next);
+  return kept;
+}
+
+}  // namespace covis
