@@ -9,7 +9,7 @@ configure_file(${PROJECT_SOURCE_DIR}/include/covis/version.h.in ${PROJECT_BINARY
 
 add_library(covis_library SHARED)
 add_library(covis::covis ALIAS covis_library)
-set(core_modules core geometry features vocabulary map matching optimization slam api)
+set(core_modules core geometry features vocabulary map matching optimization tracking mapping loops slam api)
 foreach(module ${core_modules})
   target_sources(covis_library PRIVATE $<TARGET_OBJECTS:covis_${module}>)
 endforeach()

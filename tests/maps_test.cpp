@@ -85,7 +85,7 @@ struct Walked {
 // Half a second lost, and a map is begun.
 SystemOptions impatient(Sensor sensor) {
   SystemOptions options = options_for(sensor);
-  options.tracker.new_map_after = 0.5;
+  options.tracker.start.new_map_after = 0.5;
   return options;
 }
 

@@ -60,9 +60,9 @@ TEST(System, WhatMappingMadeShowsAfterItsDelayOrAtOnceNearALoss) {
   constexpr int kDelay = 4;
   SystemOptions options = options_for(Sensor::rgbd);
   options.mapping_delay = kDelay;
-  options.tracker.min_inliers = 200;
-  options.tracker.min_close_points = 500;  // to be content with: rarely reached
-  options.tracker.new_close_points = 0;
+  options.tracker.local_map.min_inliers = 200;
+  options.tracker.key_frame.min_close_points = 500;  // to be content with: rarely reached
+  options.tracker.key_frame.new_close_points = 0;
   Recording recording(Sensor::rgbd, 32);
   System system(recording.synth.camera(), options);
   int waited = 0, late = 0, at_once = 0;  // frames since a key frame whose mapping is not to be seen yet; 0: none
@@ -79,7 +79,7 @@ TEST(System, WhatMappingMadeShowsAfterItsDelayOrAtOnceNearALoss) {
       waited = report.mapping.empty() ? waited + 1 : 0;
     }
     if (report.track.key_frame) waited = 1;
-    near_loss = report.track.inliers < 2 * options.tracker.min_inliers;
+    near_loss = report.track.inliers < 2 * options.tracker.local_map.min_inliers;
   }
   EXPECT_GE(late, 1);
   EXPECT_GE(at_once, 1);
@@ -143,7 +143,7 @@ TEST(System, StartsAndStopsAtAnyTime) {
   SystemOptions options = options_for(Sensor::stereo);
   options.orb.features = 200;
   options.orb.levels = 3;
-  options.tracker.init_features = 60;
+  options.tracker.start.init_features = 60;
   size_t key_frames = 0;
   for (int cycle = 0; cycle < 200; ++cycle) {
     System system(recording.synth.camera(), options);

@@ -24,13 +24,16 @@ LAYERS = {
     'map': {'core', 'geometry', 'features', 'vocabulary'},
     'matching': {'core', 'geometry', 'features', 'vocabulary', 'map'},
     'optimization': {'core', 'geometry'},
-    'slam': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization'},
-    'api': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'slam'},
+    'tracking': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization'},
+    'mapping': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization'},
+    'loops': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'mapping'},
+    'slam': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'tracking', 'mapping', 'loops'},
+    'api': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'tracking', 'mapping', 'loops', 'slam'},
     'io': {'core', 'geometry', 'map'},
     'eval': {'core', 'geometry', 'io'},
     'synth': {'core', 'geometry', 'io'},
 }
-CORE = {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'slam', 'api'}
+CORE = {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'tracking', 'mapping', 'loops', 'slam', 'api'}
 # Tests may include any module but those, which would turn the arrows round.
 ABOVE_TESTS = {module: {'slam', 'api'} for module in LAYERS}
 ABOVE_TESTS['slam'] = {'api'}

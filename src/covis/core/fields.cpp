@@ -72,6 +72,9 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
 Result<void> set_field(const Fields& fields, std::string_view name, std::string_view text) {
   const auto field = std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == name; });
   if (field == fields.end()) {
+    const auto renamed = std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.former == name; });
+    if (renamed != fields.end() && !name.empty())
+      return fail("the setting '" + std::string(name) + "' is called '" + renamed->name + "' now");
     std::vector<std::string> names;
     for (const Field& f : fields) names.push_back(f.name);
     return fail("unknown setting '" + std::string(name) + "'; the nearest known one is '" + nearest_name(name, names) +

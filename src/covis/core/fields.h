@@ -19,11 +19,13 @@ struct Field {
   std::string doc;                                         // what it does, with its unit
   double min = std::numeric_limits<double>::lowest();      // least and greatest value allowed (numbers)
   double max = std::numeric_limits<double>::max();
+  std::string former = {};  // the name it had in earlier versions, refused with a message that tells the new one
 };
 
 using Fields = std::vector<Field>;
 
-// Sets the field of that name from text. Errors name the nearest known field, or the range.
+// Sets the field of that name from text. Errors name the nearest known field, the new name of a renamed one, or the
+// range.
 Result<void> set_field(const Fields& fields, std::string_view name, std::string_view text);
 // The field's present value as set_field() takes it.
 std::string field_text(const Field& field);

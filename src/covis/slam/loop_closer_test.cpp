@@ -19,7 +19,7 @@ class LoopCloserTest : public TrackerTest {
 
   static SystemOptions many_key_frames() {
     SystemOptions options = options_of(Sensor::rgbd);
-    options.tracker.key_frame_turn = 0.01;
+    options.tracker.key_frame.key_frame_turn = 0.01;
     options.mapper.cull_redundancy = 1;
     return options;
   }

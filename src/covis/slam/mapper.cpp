@@ -55,13 +55,12 @@ size_t Mapper::key_frames_of_its_submap(KeyFrameId id) const {
 KeyFrameId Mapper::insert(const KeyFrameRequest& request) {
   auto features = std::make_shared<Features>(*request.features);  // a copy: the frame's have room for more
   const auto map = map_.write();
-  SE3 T_cw = request.T_cr;
-  std::optional<Map::Resolved> reference;
-  if (request.reference.valid()) {
-    reference = map->resolve(request.reference);
+  SE3 T_cw = request.pose.T_cr;
+  std::optional<RelativePose> reference;
+  if (request.pose.key_frame.valid()) {
+    reference = request.pose.resolved(*map);
     if (!reference) return {};
-    const SE3 T_cr = reference->carry(request.T_cr, request.reference_scale);
-    T_cw = (T_cr * map->at(reference->key_frame).T_cw).normalized();
+    T_cw = reference->T_cw(*map).normalized();
   }
   for (const PointCount& count : request.counts) {
     const MapPointId point = map->forwarded(count.point);
@@ -129,7 +128,7 @@ int Mapper::cull_recent_points(KeyFrameId current) {
 int Mapper::cull_key_frames(KeyFrameId current) {
   constexpr int kObservers = 3;  // others that must see a point for it to be redundant
   const auto map = map_.write();
-  const double close = options_.tracker.close_depth_baselines * map->camera().baseline();
+  const double close = options_.tracker.key_frame.close_depth_baselines * map->camera().baseline();
   int culled = 0;
   for (const Neighbour& neighbour : map->neighbours(current)) {
     const KeyFrameId id = neighbour.key_frame;

@@ -23,13 +23,13 @@ class MapperTest : public testing::Test {
     r.frame = i;
     r.stamp = frames.stamp(i);
     r.features = frames.features(i);
-    r.T_cr = frames.T_cw(i);
+    r.pose.T_cr = frames.T_cw(i);
     r.points.resize(static_cast<size_t>(r.features->size()));
     if (from.valid()) {
       const auto map = shared.read();
       r.points = points_seen(*map, from, *r.features, frames.T_cw(i), keep);
-      r.reference = from;
-      r.T_cr = frames.T_cw(i) * map->at(from).T_cw.inverse();
+      r.pose.key_frame = from;
+      r.pose.T_cr = frames.T_cw(i) * map->at(from).T_cw.inverse();
     }
     if (new_points) r.new_points = features_with_depth(*r.features);
     return r;
@@ -78,7 +78,7 @@ TEST_F(MapperTest, APoseIsRelativeToWhereItsReferenceIsNow) {
 
 TEST_F(MapperTest, AReferenceThatNeverWasIsRefused) {
   KeyFrameRequest r = request(0, {}, 1, true);
-  r.reference = {77, 3};
+  r.pose.key_frame = {77, 3};
   EXPECT_FALSE(process(r).key_frame.valid());
   EXPECT_EQ(shared.read()->key_frame_count(), 0u);
 }
@@ -150,7 +150,7 @@ TEST_F(MapperTest, AdjustmentBringsADisturbedKeyFrameBack) {
   const KeyFrameId first = process(request(0, {}, 1, true)).key_frame;
   process(request(4, first));
   KeyFrameRequest r = request(8, first);
-  r.T_cr = SE3(so3_exp({0.002, -0.003, 0.001}), Eigen::Vector3d(0.01, 0.005, -0.01)) * r.T_cr;
+  r.pose.T_cr = SE3(so3_exp({0.002, -0.003, 0.001}), Eigen::Vector3d(0.01, 0.005, -0.01)) * r.pose.T_cr;
   const KeyFrameId id = process(r).key_frame;
   EXPECT_LT((shared.read()->at(id).T_cw.inverse().t() - frames.T_cw(8).inverse().t()).norm(), 0.005);
 }
@@ -181,7 +181,7 @@ TEST_F(MapperTest, WithoutAReferenceAPartOfItsOwnIsBegun) {
   EXPECT_EQ(shared.read()->find(first), nullptr);
   EXPECT_EQ(shared.read()->check(), "");
   KeyFrameRequest late = request(20, old);
-  late.reference = first;
+  late.pose.key_frame = first;
   EXPECT_FALSE(process(late).key_frame.valid()) << "asked for beside what is gone";
 }
 
@@ -240,8 +240,8 @@ TEST(MonocularMapper, MakesAMapOfMedianDepthOneAndTriangulatesMore) {
   const SE3 T_cw(mono.T_cw(kThird).R(), Eigen::Vector3d(mono.T_cw(kThird).t() * scale));
   {
     const auto map = shared.read();
-    third.reference = start.key_frame;
-    third.T_cr = T_cw * map->at(start.key_frame).T_cw.inverse();
+    third.pose.key_frame = start.key_frame;
+    third.pose.T_cr = T_cw * map->at(start.key_frame).T_cw.inverse();
     third.points = points_seen(*map, start.key_frame, *third.features, T_cw);
   }
   const MappingReport report = mapper.process(third, nullptr);

@@ -31,8 +31,8 @@ class MappingActorTest : public testing::Test {
     r.features = frames.features(i);
     const auto map = shared.read();
     r.points = points_seen(*map, from, *r.features, frames.T_cw(i));
-    r.reference = from;
-    r.T_cr = frames.T_cw(i) * map->at(from).T_cw.inverse();
+    r.pose.key_frame = from;
+    r.pose.T_cr = frames.T_cw(i) * map->at(from).T_cw.inverse();
     return r;
   }
 

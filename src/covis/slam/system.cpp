@@ -69,7 +69,7 @@ std::optional<System::Location> System::locate(const Input& input) {
   mapping_.wait_idle();
   Tracker tracker(map_, options_, vocabulary_);
   if (own_camera_) tracker.use_camera(*own_camera_);
-  const auto found = tracker.locate(extract(input, options_.tracker.weak_inliers > 0), input.frame);
+  const auto found = tracker.locate(extract(input, options_.tracker.local_map.weak_inliers > 0), input.frame);
   if (!found) return std::nullopt;
   return Location{found->T_cw.inverse(), found->submap};
 }
@@ -109,9 +109,7 @@ FrameReport System::process(const Input& input) {
   if (!first && outcome.result.state == TrackState::tracking) {
     FrameRecord& record = records_.back();
     record.tracked = record.online = true;
-    record.reference = outcome.result.reference;
-    record.reference_scale = outcome.result.reference_scale;
-    record.T_cr = outcome.result.T_cr;
+    record.pose = outcome.result.pose;
     record.T_wc_online = outcome.result.T_cw.inverse();
     record.submap_online = outcome.result.submap;
   }
@@ -128,7 +126,7 @@ FrameReport System::process(const Input& input) {
     report.track.state = tracker_.state();
     if (const FrameRecord& record = records_.back(); record.tracked) {
       report.track.T_cw = record.T_wc_online.inverse();
-      report.track.reference = record.reference;
+      report.track.pose = record.pose;
       report.track.submap = record.submap_online;
       report.track.inliers = report.mapping.back().points_created;
     } else {
@@ -152,7 +150,7 @@ void System::collect(FrameReport& report, bool wait) {
 }
 
 void System::take(const MappingReport& report) {
-  tracker_.key_frame_made(report, report.frame);
+  tracker_.key_frame_made(report);
   if (!report.key_frame.valid()) return;
   // The frames that became key frames hang on themselves from now on.
   const auto map = map_.read();
@@ -168,9 +166,7 @@ void System::take(const MappingReport& report) {
       record->submap_online = key_frame->submap;
     }
     record->tracked = true;
-    record->reference = id;
-    record->reference_scale = key_frame->scale;
-    record->T_cr = SE3();
+    record->pose = RelativePose::at(*map, id);
   };
   hang(report.key_frame, true);
   if (report.first.valid()) hang(report.first, false);
@@ -185,7 +181,7 @@ void System::discard(uint32_t submap) {
   {
     const auto map = map_.read();
     for (FrameRecord& record : records_) {
-      const auto resolved = map->resolve(record.reference);
+      const auto resolved = record.pose.resolved(*map);
       if (resolved && map->at(resolved->key_frame).submap == submap) record.tracked = record.online = false;
     }
   }
@@ -207,9 +203,9 @@ template <class Visit>
 void System::for_each_pose(const Map& map, Visit&& visit) const {
   for (const FrameRecord& record : records_) {
     if (!record.tracked) continue;
-    const auto resolved = map.resolve(record.reference);
+    const auto resolved = record.pose.resolved(map);
     if (!resolved) continue;
-    const SE3 T_cw = resolved->carry(record.T_cr, record.reference_scale) * map.at(resolved->key_frame).T_cw;
+    const SE3 T_cw = resolved->T_cw(map);
     visit(record, T_cw.inverse(), map.at(resolved->key_frame).submap);
   }
 }

@@ -36,9 +36,7 @@ struct FrameRecord {
   Timestamp stamp = 0;
   bool tracked = false;  // has a pose in the map
   bool online = false;   // had one when it was tracked (the first view of a monocular map gets its pose later)
-  KeyFrameId reference;
-  double reference_scale = 1;  // KeyFrame::scale of the reference when it was told
-  SE3 T_cr;                    // relative to the reference: carries every later correction
+  RelativePose pose;           // carries every later correction
   SE3 T_wc_online;             // as it was when tracked, …
   uint32_t submap_online = 0;    // … in the world of this submap
 };

@@ -38,14 +38,14 @@ class TrackerTest : public testing::Test {
     EXPECT_FALSE(outcome.key_frame && outcome.initial_map);
     return outcome;
   }
-  void do_mapping(const Tracker::Outcome& outcome, int i) {
-    if (outcome.key_frame) tracker.key_frame_made(mapper.process(*outcome.key_frame, nullptr), i);
-    if (outcome.initial_map) tracker.key_frame_made(mapper.initialise(*outcome.initial_map), i);
+  void do_mapping(const Tracker::Outcome& outcome) {
+    if (outcome.key_frame) tracker.key_frame_made(mapper.process(*outcome.key_frame, nullptr));
+    if (outcome.initial_map) tracker.key_frame_made(mapper.initialise(*outcome.initial_map));
     if (outcome.discard_submap) mapper.discard(*outcome.discard_submap);
   }
   TrackResult track(FeaturesPtr features, int i) {
     const Tracker::Outcome outcome = track_alone(std::move(features), i);
-    do_mapping(outcome, i);
+    do_mapping(outcome);
     EXPECT_EQ(outcome.result.state == TrackState::tracking, outcome.result.reason.empty()) << outcome.result.reason;
     return outcome.result;
   }

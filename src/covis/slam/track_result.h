@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "covis/core/ids.h"
-#include "covis/geometry/se3.h"
+#include "covis/map/relative_pose.h"
 
 namespace covis {
 
@@ -66,10 +65,8 @@ struct TrackResult : TrackFigures {
   TrackState state = TrackState::not_initialised;
   std::string_view reason;     // why there is no pose; empty when tracking
   SE3 T_cw;                    // meaningful when tracking
-  KeyFrameId reference;        // key frame the pose hangs on
-  double reference_scale = 1;  // KeyFrame::scale of it
-  uint32_t submap = 0;           // of the map, to which it belongs: poses of different submaps have different worlds
-  SE3 T_cr;                    // from its camera to this frame's
+  RelativePose pose;           // the same relative to its reference key frame
+  uint32_t submap = 0;         // id of its submap: poses of different submaps have different worlds
 };
 
 }  // namespace covis

@@ -60,7 +60,7 @@ std::optional<Tracker::Located> Tracker::locate(FeaturesPtr features, int64_t fr
 
 void Tracker::start_lost() {
   state_ = TrackState::lost;
-  weak_ = options_.tracker.weak_inliers > 0;
+  weak_ = options_.tracker.local_map.weak_inliers > 0;
   has_velocity_ = false;
   const auto map = map_.read();
   refresh_camera(*map);
@@ -73,7 +73,7 @@ void Tracker::start_lost() {
   clear_counts();
 }
 
-double Tracker::close_depth() const { return options_.tracker.close_depth_baselines * camera_.baseline(); }
+double Tracker::close_depth() const { return options_.tracker.key_frame.close_depth_baselines * camera_.baseline(); }
 
 Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp stamp, bool map_is_live,
                                 bool mapping_idle) {
@@ -106,7 +106,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
     }
   }
   result.state = state_;
-  near_loss_ = result.inliers < 2 * options_.tracker.min_inliers;
+  near_loss_ = result.inliers < 2 * options_.tracker.local_map.min_inliers;
   outcome.retract_from = std::exchange(retract_from_, std::nullopt);
   std::swap(last_, current_);
   return outcome;
@@ -125,7 +125,7 @@ bool Tracker::find_pose(TrackResult& result, bool map_is_live) {
 }
 
 bool Tracker::bridge(TrackResult& result) {
-  if (!may_bridge() || all_inliers() < options_.tracker.min_inliers) return false;
+  if (!may_bridge() || all_inliers() < options_.tracker.local_map.min_inliers) return false;
   ++dead_reckoned_frames_;
   result.method = TrackMethod::dead_reckoned;
   return true;
@@ -151,7 +151,7 @@ void Tracker::accept(TrackResult& result) {
   if (!jumped_at_) lost_since_.reset();
   if (result.method != TrackMethod::dead_reckoned) dead_reckoned_frames_ = 0;
   // Twice the features give more inliers by themselves: the way back asks for more than that.
-  const int weak = options_.tracker.weak_inliers;
+  const int weak = options_.tracker.local_map.weak_inliers;
   weak_ = weak_ ? 2 * result.inliers < 5 * weak : result.inliers < weak;
   reference_ = local_map_.reference.id;
   reference_scale_ = local_map_.reference.scale;
@@ -160,16 +160,14 @@ void Tracker::accept(TrackResult& result) {
   last_place_ = current_.T_cw;
   result.tentative = jumped_at_.has_value();
   result.T_cw = current_.T_cw;
-  result.reference = reference_;
-  result.reference_scale = reference_scale_;
+  result.pose = {reference_, reference_scale_, last_T_cr_};
   result.submap = submap_;
-  result.T_cr = last_T_cr_;
   result.reason = {};
 }
 
-void Tracker::key_frame_made(const MappingReport& report, int64_t frame) {
+void Tracker::key_frame_made(const KeyFrameMade& report) {
   map_changed_ = true;
-  const bool first = frame == begun_frame_;  // of a map; reports of older key frames may come before it
+  const bool first = report.frame == begun_frame_;  // of a map; reports of older key frames may come before it
   if (!report.key_frame.valid()) {
     if (first) state_ = beginning_ ? TrackState::lost : TrackState::not_initialised;
     return;
@@ -185,9 +183,9 @@ void Tracker::key_frame_made(const MappingReport& report, int64_t frame) {
     map_changed_ = false;
   }
   new_reference_ = report.key_frame;
-  if (last_.index == frame) take_over_points(*map, report.key_frame);
+  if (last_.index == report.frame) take_over_points(*map, report.key_frame);
   if (local_map_.reference.id != reference_ || local_map_.size() == 0) {
-    local_map_.update(*map, {}, report.key_frame, options_.tracker.local_key_frames);
+    local_map_.update(*map, {}, report.key_frame, options_.tracker.local_map.local_key_frames);
   }
 }
 
@@ -304,14 +302,14 @@ bool Tracker::turned_away() const {
   const ImageBounds& image = current_.features->grid.bounds;
   const double wider = std::max((image.max_x - image.min_x) / camera_.fx, (image.max_y - image.min_y) / camera_.fy);
   const double view = 2 * std::atan(wider / 2);  // angle
-  const double turn = std::min(options_.tracker.key_frame_turn * view, std::numbers::pi);
+  const double turn = std::min(options_.tracker.key_frame.key_frame_turn * view, std::numbers::pi);
   const auto axis = [](const SE3& T_cw) { return T_cw.R().row(2); };
   return axis(current_.T_cw).dot(axis(local_map_.reference.T_cw)) < std::cos(turn);
 }
 
 bool Tracker::key_frame_due(const TrackResult& result, bool mapping_idle) const {
   const TrackerOptions& o = options_.tracker;
-  if (options_.localize || result.inliers < o.key_frame_min_inliers) return false;
+  if (options_.localize || result.inliers < o.key_frame.key_frame_min_inliers) return false;
   if (jumped_at_ || (lately(last_recovery_) && result.method != TrackMethod::motion_model)) return false;
   bool few_close = false;
   if (!monocular()) {
@@ -322,16 +320,16 @@ bool Tracker::key_frame_due(const TrackResult& result, bool mapping_idle) const 
       if (!(depth > 0) || depth > close) continue;
       ++(current_.known[i] == kMapPoint ? tracked : untracked);
     }
-    few_close = tracked < o.min_close_points && untracked > o.new_close_points;
+    few_close = tracked < o.key_frame.min_close_points && untracked > o.key_frame.new_close_points;
   }
-  const bool waited = current_.stamp - last_key_frame_stamp_ > from_seconds(o.key_frame_interval);
+  const bool waited = current_.stamp - last_key_frame_stamp_ > from_seconds(o.key_frame.key_frame_interval);
   if (!mapping_idle && !(options_.realtime && (waited || few_close))) return false;
   if (monocular()) {
     // Many new points, of two views, let the camera go far before fewer are left than the older ones were.
-    return result.inliers < o.key_frame_ratio_mono * local_map_.reference_points ||
-           result.inliers < o.key_frame_all_ratio_mono * local_map_.reference_all_points;
+    return result.inliers < o.key_frame.key_frame_ratio_mono * local_map_.reference_points ||
+           result.inliers < o.key_frame.key_frame_all_ratio_mono * local_map_.reference_all_points;
   }
-  return few_close || turned_away() || result.inliers < o.key_frame_ratio * local_map_.reference_points;
+  return few_close || turned_away() || result.inliers < o.key_frame.key_frame_ratio * local_map_.reference_points;
 }
 
 // Features with depth up to the close bound, or the min_close_points nearest (ties: lower index) when those are fewer.
@@ -346,7 +344,7 @@ const std::vector<uint32_t>& Tracker::near_features(const TrackedFrame& frame) {
     near_.push_back(i);
     close_count += f.depth[i] <= close;
   }
-  const auto wanted = std::max(close_count, static_cast<size_t>(options_.tracker.min_close_points));
+  const auto wanted = std::max(close_count, static_cast<size_t>(options_.tracker.key_frame.min_close_points));
   if (wanted < near_.size()) {
     std::nth_element(near_.begin(), near_.begin() + static_cast<ptrdiff_t>(wanted), near_.end(), NearerFeature{f});
     near_.resize(wanted);
@@ -359,9 +357,7 @@ KeyFrameRequest Tracker::make_key_frame_request() {
   request.frame = current_.index;
   request.stamp = current_.stamp;
   request.features = current_.features;
-  request.reference = reference_;
-  request.reference_scale = reference_scale_;
-  request.T_cr = last_T_cr_;
+  request.pose = {reference_, reference_scale_, last_T_cr_};
   request.points.assign(current_.points.size(), {});
   for (size_t i = 0; i < current_.points.size(); ++i) {
     if (current_.known[i] == kMapPoint) request.points[i] = current_.points[i];

@@ -57,9 +57,8 @@ class Tracker {
   // to be seen yet) the copies of the last live frame serve. mapping_idle: a key frame would be taken up at once.
   Outcome track(FeaturesPtr features, int64_t frame, Timestamp stamp, bool map_is_live, bool mapping_idle);
 
-  // The mapper answered: key frames and points may have moved, merged or gone. Call before the next track(). For a
-  // request that was refused pass an invalid key frame in the report.
-  void key_frame_made(const MappingReport& report, int64_t frame);
+  // Mapping answered: key frames and points may have moved, merged or gone. Call before the next track().
+  void key_frame_made(const KeyFrameMade& report);
 
   // The pose of one image in the map, from nothing: its T_cw and submap, or nothing when its place is not
   // recognised. Leaves the state of tracking aside: use a tracker of its own for it.

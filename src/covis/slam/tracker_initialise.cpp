@@ -19,7 +19,7 @@ void Tracker::initialise(Outcome& outcome) {
 void Tracker::initialise_with_depth(Outcome& outcome) {
   const TrackerOptions& o = options_.tracker;
   const Features& f = *current_.features;
-  if (f.size() < o.init_features) {
+  if (f.size() < o.start.init_features) {
     outcome.result.reason = "too few features for a first key frame";
     return;
   }
@@ -31,7 +31,7 @@ void Tracker::initialise_with_depth(Outcome& outcome) {
   for (uint32_t i = 0; i < static_cast<uint32_t>(f.size()); ++i) {
     if (f.depth[i] > 0) request.new_points.push_back(i);
   }
-  if (static_cast<int>(request.new_points.size()) < o.min_close_points) {
+  if (static_cast<int>(request.new_points.size()) < o.key_frame.min_close_points) {
     outcome.result.reason = "too few features with depth for a first key frame";
     return;
   }
@@ -68,7 +68,7 @@ void Tracker::begin_map(TrackResult& result) {
 void Tracker::lose(Outcome& outcome, bool map_is_live) {
   if (state_ != TrackState::lost) log(LogLevel::warning, std::string("tracking lost: ").append(outcome.result.reason));
   state_ = TrackState::lost;
-  weak_ = options_.tracker.weak_inliers > 0;
+  weak_ = options_.tracker.local_map.weak_inliers > 0;
   has_velocity_ = false;
   ++lost_frames_;
   if (!lost_since_) lost_since_ = current_.stamp;
@@ -110,7 +110,7 @@ std::optional<uint32_t> Tracker::young_submap() const {
 
 // Without places recognised, or loops closed, both maps would never be joined.
 bool Tracker::new_map_due() const {
-  const double after = options_.tracker.new_map_after;
+  const double after = options_.tracker.start.new_map_after;
   return after > 0 && vocabulary_ && options_.loop.close && !options_.localize &&
          current_.stamp - *lost_since_ >= from_seconds(after);
 }

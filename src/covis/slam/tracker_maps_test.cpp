@@ -15,8 +15,8 @@ class SeveralMapsTest : public TrackerTest {
 
   static SystemOptions many_key_frames() {
     SystemOptions options = options_of(Sensor::rgbd);
-    options.tracker.min_close_points = 500;  // to be content with: rarely reached
-    options.tracker.new_close_points = 0;
+    options.tracker.key_frame.min_close_points = 500;  // to be content with: rarely reached
+    options.tracker.key_frame.new_close_points = 0;
     return options;
   }
 
@@ -31,7 +31,7 @@ class SeveralMapsTest : public TrackerTest {
   // Tracks until the camera has been lost for long; returns the next frame.
   int lose_for_long(int i) {
     const Timestamp since = frames.stamp(i);
-    for (; frames.stamp(i) - since < from_seconds(options.tracker.new_map_after); ++i) {
+    for (; frames.stamp(i) - since < from_seconds(options.tracker.start.new_map_after); ++i) {
       EXPECT_EQ(track_blank(i).state, TrackState::lost);
     }
     return i;
@@ -48,7 +48,7 @@ class NoMotionModelTest : public TrackerTest {
 
   static SystemOptions without_motion_model() {
     SystemOptions options = options_of(Sensor::rgbd);
-    options.tracker.motion_min_matches = 100000;
+    options.tracker.first_pose.motion_min_matches = 100000;
     return options;
   }
 };
@@ -78,8 +78,8 @@ TEST_F(SeveralMapsTest, ANewMapThatDoesNotHoldLeavesTheOldOneInUse) {
   ASSERT_TRUE(begun.key_frame);
   MappingReport older;  // may come first
   older.key_frame = shared.read()->root();
-  tracker.key_frame_made(older, 0);
-  tracker.key_frame_made({}, i);
+  tracker.key_frame_made(older);
+  tracker.key_frame_made({.frame = i});
   EXPECT_EQ(tracker.state(), TrackState::lost);
   const size_t key_frames = shared.read()->key_frame_count();
   TrackResult result = track(frames.features(3), ++i);
@@ -99,7 +99,7 @@ TEST_F(SeveralMapsTest, AReportOfTheOldMapDoesNotPassForTheNewOnes) {
     if (!outcome.key_frame) continue;
     const MappingReport report = mapper.process(*outcome.key_frame, nullptr);
     if (i == 0) {
-      tracker.key_frame_made(report, i);
+      tracker.key_frame_made(report);
     } else {
       late = report;
       late_frame = i;
@@ -110,12 +110,12 @@ TEST_F(SeveralMapsTest, AReportOfTheOldMapDoesNotPassForTheNewOnes) {
   const Tracker::Outcome begun = track_alone(elsewhere(0), i);
   ASSERT_TRUE(begun.key_frame);
   const MappingReport report = mapper.process(*begun.key_frame, nullptr);
-  tracker.key_frame_made(late, late_frame);
-  tracker.key_frame_made(report, i);
+  tracker.key_frame_made(late);
+  tracker.key_frame_made(report);
   const TrackResult result = track(elsewhere(1), i + 1);
   ASSERT_EQ(result.state, TrackState::tracking) << result.reason;
   EXPECT_EQ(result.submap, shared.read()->at(report.key_frame).submap);
-  EXPECT_EQ(result.reference, report.key_frame);
+  EXPECT_EQ(result.pose.key_frame, report.key_frame);
   EXPECT_LT(distance(result, frames.T_cw(1)), 0.01);
 }
 
@@ -127,7 +127,7 @@ TEST_F(SeveralMapsTest, AKeyFrameOfAnotherPartDoesNotBecomeTheReference) {
     Tracker::Outcome outcome = track_alone(elsewhere(k), i);
     if (!outcome.key_frame) continue;
     if (outcome.result.method == TrackMethod::initialised) {
-      tracker.key_frame_made(mapper.process(*outcome.key_frame, nullptr), i);
+      tracker.key_frame_made(mapper.process(*outcome.key_frame, nullptr));
     } else {
       withheld = std::move(outcome.key_frame);
     }
@@ -137,7 +137,7 @@ TEST_F(SeveralMapsTest, AKeyFrameOfAnotherPartDoesNotBecomeTheReference) {
   TrackResult result = track(frames.features(2), i);
   EXPECT_EQ(result.method, TrackMethod::recovered);
   EXPECT_EQ(result.submap, 0u);
-  tracker.key_frame_made(mapper.process(*withheld, nullptr), static_cast<int>(withheld->frame));
+  tracker.key_frame_made(mapper.process(*withheld, nullptr));
   for (int k = 2; k < 5; ++k) {
     result = track(frames.features(k), ++i);
     ASSERT_EQ(result.state, TrackState::tracking) << result.reason;

@@ -38,14 +38,14 @@ bool Tracker::track_by_motion(TrackResult& result) {
   const TrackerOptions& o = options_.tracker;
   add_temporary_points();
   current_.T_cw = (*motion * last_.T_cw).normalized();
-  const double window = options_.sensor == Sensor::stereo ? o.motion_window_stereo : o.motion_window;
+  const double window = options_.sensor == Sensor::stereo ? o.first_pose.motion_window_stereo : o.first_pose.motion_window;
   int matches = search_last_frame(window);
-  if (matches < o.motion_min_matches) matches = search_last_frame(2 * window);
+  if (matches < o.first_pose.motion_min_matches) matches = search_last_frame(2 * window);
   result.predicted_matches = matches;
-  bool ok = matches >= o.motion_min_matches;
+  bool ok = matches >= o.first_pose.motion_min_matches;
   if (!ok) {
     result.reason = "too few matches with the last frame";
-  } else if (const int on_map = optimize(); (may_bridge() ? all_inliers() : on_map) < o.motion_min_inliers) {
+  } else if (const int on_map = optimize(); (may_bridge() ? all_inliers() : on_map) < o.first_pose.motion_min_inliers) {
     result.reason = "too few matches with the last frame agree on a pose";
     ok = false;
   }
@@ -136,11 +136,11 @@ bool Tracker::track_by_reference(TrackResult& result) {
   if (!local_map_.reference.features) {
     result.reason = "no reference key frame";
   } else {
-    result.predicted_matches = match_key_frame(local_map_.reference, o.reference_ratio, kHammingLow);
+    result.predicted_matches = match_key_frame(local_map_.reference, o.first_pose.reference_ratio, kHammingLow);
     current_.T_cw = last_.T_cw;
-    if (result.predicted_matches < o.reference_min_matches) {
+    if (result.predicted_matches < o.first_pose.reference_min_matches) {
       result.reason = "too few matches with the reference key frame";
-    } else if (optimize() < o.motion_min_inliers) {
+    } else if (optimize() < o.first_pose.motion_min_inliers) {
       result.reason = "too few matches with the reference key frame agree on a pose";
     } else {
       ok = true;
@@ -158,14 +158,14 @@ bool Tracker::track_local_map(TrackResult& result, bool map_is_live) {
   result.local_update_ms += watch.ms();
   watch.restart();
   const bool recovered_lately = lately(last_recovery_);
-  const double factor = recovered_lately ? 5.0 : options_.sensor == Sensor::rgbd ? o.local_window_rgbd : 1.0;
+  const double factor = recovered_lately ? 5.0 : options_.sensor == Sensor::rgbd ? o.local_map.local_window_rgbd : 1.0;
   result.local_in_view = search_local_map(factor);
   result.local_points = local_map_.size();
   result.local_search_ms += watch.ms();
   watch.restart();
   result.inliers = optimize();
   result.pose_ms += watch.ms();
-  if (result.inliers < (recovered_lately ? o.min_inliers_recovered : o.min_inliers)) {
+  if (result.inliers < (recovered_lately ? o.recovery.min_inliers_recovered : o.local_map.min_inliers)) {
     result.reason = "too few points of the map agree on a pose";
     return false;
   }
@@ -187,7 +187,7 @@ void Tracker::update_local_map(KeyFrameId fallback) {
   for (size_t i = 0; i < current_.known.size(); ++i) {
     if (current_.known[i] == kMapPoint) matched_.push_back(current_.points[i]);
   }
-  local_map_.update(*map_.read(), matched_, fallback, options_.tracker.local_key_frames);
+  local_map_.update(*map_.read(), matched_, fallback, options_.tracker.local_map.local_key_frames);
 }
 
 void Tracker::mark_matched() {
@@ -211,7 +211,7 @@ int Tracker::search_local_map(double window_factor) {
   known_.resize(n);
   for (size_t k = 0; k < n; ++k) known_[k] = matched(local_map_.points.id[k]);
   const MatchGate gate =
-      MatchGate::local_map(o.local_window * window_factor, o.local_window_frontal * window_factor, o.local_ratio);
+      MatchGate::local_map(o.local_map.local_window * window_factor, o.local_map.local_window_frontal * window_factor, o.local_map.local_ratio);
   const int in_view =
       projection_.match(local_map_.points, {camera_, *current_.features, current_.T_cw}, gate, known_, taken_);
   for (const PointMatch& m : projection_.matches()) {

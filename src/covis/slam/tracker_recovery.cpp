@@ -69,7 +69,7 @@ bool Tracker::recover_from(const KeyFrameView& view, TrackResult& result, bool m
   constexpr int kMaxDistance = 64;
   constexpr int kMinPose = 10;  // inliers after which a search by projection is worth it
   const TrackerOptions& o = options_.tracker;
-  if (match_key_frame(view, kRatio, kMaxDistance) < o.reference_min_matches) return false;
+  if (match_key_frame(view, kRatio, kMaxDistance) < o.first_pose.reference_min_matches) return false;
 
   const Features& f = *current_.features;
   PnpProblem problem;
@@ -93,7 +93,7 @@ bool Tracker::recover_from(const KeyFrameView& view, TrackResult& result, bool m
     result.local_in_view = search_local_map(round == 0 ? 5.0 : 2.0);
     result.local_points = local_map_.size();
     result.inliers = optimize();
-    if (result.inliers >= o.min_inliers_recovered && result.inliers >= o.min_recovered_share * result.local_in_view)
+    if (result.inliers >= o.recovery.min_inliers_recovered && result.inliers >= o.recovery.min_recovered_share * result.local_in_view)
       return is_right_place(map_is_live, true);
     if (result.inliers < kMinPose) return false;
   }
@@ -146,7 +146,7 @@ bool Tracker::looks_as_usual(const Map& map, bool tentative) {
   // What was seen from about here decides: 0.6 of it is exceeded by some 98 % of right places and 3 % of wrong ones
   // (docs/results.md). Where that is too little, what was seen from the same side says less, and must not speak against
   // it; more is asked of a single image, which no later ones bear out.
-  const double share = (tentative ? 1 : 0.5) * options_.tracker.min_expected_match_ratio;
+  const double share = (tentative ? 1 : 0.5) * options_.tracker.recovery.min_expected_match_ratio;
   const bool single_image = state_ == TrackState::not_initialised;  // locate()'s: a tracker of its own, never begun
   Tally from_here{share}, from_near{(single_image ? 0.5 : 0.25) * share},
       young_too{(single_image ? 0.25 : 0.17) * share};

@@ -23,11 +23,11 @@ TEST_F(TrackerTest, FollowsTheTruth) {
       continue;
     }
     EXPECT_LT((result.T_cw.inverse().t() - frames.T_cw(i).inverse().t()).norm(), 0.01) << "frame " << i;
-    EXPECT_GE(result.inliers, options.tracker.min_inliers);
+    EXPECT_GE(result.inliers, options.tracker.local_map.min_inliers);
     EXPECT_LE(result.inliers, result.features);
     EXPECT_LE(result.local_in_view, result.local_points);
     // The pose hangs on its reference.
-    const SE3 by_reference = result.T_cr * shared.read()->at(result.reference).T_cw;
+    const SE3 by_reference = result.pose.T_cw(*shared.read());
     EXPECT_LT((by_reference.t() - result.T_cw.t()).norm(), 0.02);
   }
 }
@@ -76,9 +76,9 @@ class TurningTest : public TrackerTest, public testing::WithParamInterface<doubl
 
   static SystemOptions by_turn_alone() {
     SystemOptions options = options_of(Sensor::rgbd);
-    options.tracker.key_frame_ratio = 0;
-    options.tracker.min_close_points = 0;
-    options.tracker.key_frame_turn = GetParam();
+    options.tracker.key_frame.key_frame_ratio = 0;
+    options.tracker.key_frame.min_close_points = 0;
+    options.tracker.key_frame.key_frame_turn = GetParam();
     return options;
   }
 };
@@ -93,7 +93,7 @@ TEST_P(TurningTest, AKeyFrameIsDueWhereTheViewHasTurnedAwayFromItsReference) {
   for (int i = 1; i < frames.count(); ++i) {
     const TrackResult result = track(i);
     ASSERT_EQ(result.state, TrackState::tracking) << "frame " << i << ": " << result.reason;
-    const double turned = std::acos(result.T_cr.R()(2, 2));
+    const double turned = std::acos(result.pose.T_cr.R()(2, 2));
     EXPECT_EQ(result.key_frame, turned > GetParam() * view) << "frame " << i << ": " << turned;
     due += result.key_frame;
   }
@@ -106,8 +106,8 @@ class NewPointsTest : public TrackerTest, public testing::WithParamInterface<dou
 
   static SystemOptions by_new_points_alone() {
     SystemOptions options = options_of(Sensor::monocular);
-    options.tracker.key_frame_ratio_mono = 0;
-    options.tracker.key_frame_all_ratio_mono = GetParam();
+    options.tracker.key_frame.key_frame_ratio_mono = 0;
+    options.tracker.key_frame.key_frame_all_ratio_mono = GetParam();
     return options;
   }
 };
@@ -120,11 +120,11 @@ TEST_P(NewPointsTest, AKeyFrameIsDueWhereTooFewOfAllPointsOfTheReferenceAreLeft)
     const Tracker::Outcome outcome = track_alone(frames.features(i), i);
     const TrackResult& result = outcome.result;
     if (result.state == TrackState::tracking && result.method != TrackMethod::initialised) {
-      const int all = shared.read()->tracked_points(result.reference, 2);
+      const int all = shared.read()->tracked_points(result.pose.key_frame, 2);
       EXPECT_EQ(result.key_frame, result.inliers < GetParam() * all) << "frame " << i;
       due += result.key_frame;
     }
-    do_mapping(outcome, i);
+    do_mapping(outcome);
   }
   ASSERT_EQ(tracker.state(), TrackState::tracking);
   EXPECT_EQ(due >= 2, GetParam() > 0) << due;
@@ -165,7 +165,7 @@ TEST_F(TrackerTest, LossKeepsTheMapSaysWhyAndEndsWhenAKnownViewComes) {
   const TrackResult found = track(frames.features(5), 9);
   EXPECT_EQ(found.state, TrackState::tracking);
   EXPECT_EQ(found.method, TrackMethod::recovered);
-  EXPECT_GE(found.inliers, options.tracker.min_inliers_recovered);
+  EXPECT_GE(found.inliers, options.tracker.recovery.min_inliers_recovered);
   EXPECT_LT((found.T_cw.inverse().t() - frames.T_cw(5).inverse().t()).norm(), 0.01);
 }
 

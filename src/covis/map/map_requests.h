@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// What tracking asks of mapping, and what it is told back. Plain values: the actors share nothing else but the map.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "covis/map/relative_pose.h"
+
+namespace covis {
+
+// How often a point was predicted in view and matched, since tracking last reported.
+struct PointCount {
+  MapPointId point;
+  uint32_t visible = 0, found = 0;
+};
+
+// Make a key frame of this frame.
+struct KeyFrameRequest {
+  int64_t frame = 0;
+  Timestamp stamp = 0;
+  FeaturesPtr features;
+  RelativePose pose;  // relative to a key frame, which mapping may have moved; without one it begins a submap: T_cw
+  std::vector<MapPointId> points;    // for each feature the point it was matched to, or an invalid handle
+  std::vector<uint32_t> new_points;  // features whose depth makes a new point
+  std::vector<PointCount> counts;
+};
+
+// Make the first two key frames and points of a monocular submap, beside what is there. World = camera of the first.
+struct InitialMapRequest {
+  struct View {
+    int64_t frame = 0;
+    Timestamp stamp = 0;
+    FeaturesPtr features;
+  };
+  struct Point {
+    Eigen::Vector3d position_w;
+    uint32_t feature_first = 0, feature_second = 0;
+  };
+  View first, second;
+  SE3 T_21;  // first camera to second, translation in units to be scaled
+  std::vector<Point> points;
+};
+
+// The answer to either request.
+struct KeyFrameMade {
+  int64_t frame = 0;     // of the request
+  KeyFrameId key_frame;  // the new one; invalid when the request was refused
+  KeyFrameId first;      // initial maps: the first of the two
+};
+
+}  // namespace covis
