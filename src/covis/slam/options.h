@@ -7,7 +7,7 @@
 #include "covis/features/frontend.h"
 #include "covis/loops/loop_options.h"
 #include "covis/mapping/mapper_options.h"
-#include "covis/slam/schedule.h"
+#include "covis/core/schedule.h"
 #include "covis/tracking/tracking_options.h"
 
 namespace covis {

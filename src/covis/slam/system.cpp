@@ -11,6 +11,15 @@ namespace {
 
 constexpr size_t kRecords = 1 << 14;  // of frames, room for which is made at once: memory is used only when they come
 
+TrackingSettings tracking_settings(const SystemOptions& o) {
+  return {.sensor = o.sensor,
+          .options = o.tracker,
+          .schedule = o.schedule(),
+          .mode = o.localize ? TrackingMode::localisation : TrackingMode::mapping,
+          .closes_loops = o.loop.close,
+          .seed = o.seed};
+}
+
 int index_of(const std::vector<SubmapSummary>& submaps, uint32_t submap) {
   for (size_t m = 0; m < submaps.size(); ++m) {
     if (submaps[m].id == submap) return static_cast<int>(m);
@@ -26,7 +35,7 @@ System::System(const Camera& camera, const SystemOptions& options, std::shared_p
       vocabulary_(std::move(vocabulary)),
       map_(camera.pinhole),
       frontend_(camera, options.orb, options.sensor),
-      tracker_(map_, options, vocabulary_),
+      tracker_(map_, tracking_settings(options), vocabulary_),
       mapping_(map_, options, vocabulary_) {
   records_.reserve(kRecords);
 }
@@ -67,9 +76,9 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
 
 std::optional<System::Location> System::locate(const Input& input) {
   mapping_.wait_idle();
-  Tracker tracker(map_, options_, vocabulary_);
-  if (own_camera_) tracker.use_camera(*own_camera_);
-  const auto found = tracker.locate(extract(input, options_.tracker.local_map.weak_inliers > 0), input.frame);
+  Relocaliser relocaliser(map_, options_.tracker, options_.seed, vocabulary_);
+  const auto found =
+      relocaliser.locate(extract(input, options_.tracker.local_map.weak_inliers > 0), input.frame, own_camera_);
   if (!found) return std::nullopt;
   return Location{found->T_cw.inverse(), found->submap};
 }
@@ -93,7 +102,9 @@ FrameReport System::process(const Input& input) {
 
   const bool live = options_.realtime || mapping_.pending() == 0;
   const bool idle = options_.realtime ? mapping_.idle() : mapping_.pending() == 0;
-  Tracker::Outcome outcome = tracker_.track(std::move(features), input.frame, input.stamp, live, idle);
+  const MappingStatus mapping{live ? MappingStatus::Map::live : MappingStatus::Map::hidden,
+                              idle ? MappingLoad::idle : MappingLoad::busy};
+  Tracker::Outcome outcome = tracker_.track(std::move(features), input.frame, input.stamp, mapping);
   report.track = outcome.result;
   report.timing.track_ms = watch.ms();
 
@@ -113,12 +124,14 @@ FrameReport System::process(const Input& input) {
     record.T_wc_online = outcome.result.T_cw.inverse();
     record.submap_online = outcome.result.submap;
   }
-  if (outcome.key_frame) {
+  auto* const key_frame = std::get_if<KeyFrameRequest>(&outcome.request);
+  if (key_frame) {
     // Here, so that frames that make no key frame never allocate.
     if (2 * records_.size() > records_.capacity()) records_.reserve(2 * records_.capacity());
-    mapping_.submit(std::move(*outcome.key_frame));
+    mapping_.submit(std::move(*key_frame));
   }
-  if (outcome.initial_map) mapping_.submit(std::move(*outcome.initial_map));
+  if (auto* const initial_map = std::get_if<InitialMapRequest>(&outcome.request))
+    mapping_.submit(std::move(*initial_map));
   if (first) {  // nothing can be tracked before the map is there
     watch.restart();
     collect(report, true);
@@ -133,7 +146,7 @@ FrameReport System::process(const Input& input) {
       report.track.method = TrackMethod::none;
       report.track.reason = "the initial map did not hold";
     }
-  } else if (outcome.key_frame) {
+  } else if (key_frame) {
     visible_at_ = processed_ + options_.mapping_delay;
   }
   report.timing.total_ms = total.ms();

@@ -17,7 +17,7 @@
 #include "covis/map/shared_map.h"
 #include "covis/slam/mapping_actor.h"
 #include "covis/slam/options.h"
-#include "covis/slam/tracker.h"
+#include "covis/tracking/tracker.h"
 
 namespace covis {
 

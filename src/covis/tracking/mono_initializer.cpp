@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "covis/slam/mono_initializer.h"
+#include "covis/tracking/mono_initializer.h"
 
 #include <algorithm>
 
@@ -28,10 +28,10 @@ void MonoInitializer::take_reference(const FeaturesPtr& features, int64_t frame,
 
 std::optional<InitialMapRequest> MonoInitializer::offer(const Pinhole& camera, const FeaturesPtr& features,
                                                         int64_t frame, Timestamp stamp) {
-  const TrackerOptions& o = options_.tracker;
+  const StartOptions& o = options_;
   matches_ = 0;
   if (!reference_.features) {
-    if (features->size() <= o.start.init_min_matches) {
+    if (features->size() <= o.init_min_matches) {
       reason_ = "too few features for a first view";
     } else {
       take_reference(features, frame, stamp);
@@ -40,9 +40,9 @@ std::optional<InitialMapRequest> MonoInitializer::offer(const Pinhole& camera, c
     return std::nullopt;
   }
   matches_ = match_reference(*features);
-  if (matches_ < o.start.init_min_matches) {
+  if (matches_ < o.init_min_matches) {
     reset();
-    if (features->size() > o.start.init_min_matches) take_reference(features, frame, stamp);
+    if (features->size() > o.init_min_matches) take_reference(features, frame, stamp);
     reason_ = "too few matches with the first view; starting from this one";
     return std::nullopt;
   }
@@ -61,9 +61,9 @@ std::optional<InitialMapRequest> MonoInitializer::offer(const Pinhole& camera, c
     second_feature.push_back(b);
   }
   TwoViewOptions options;
-  options.min_parallax_deg = o.start.init_min_parallax;
-  options.min_points = o.start.init_min_points;
-  options.seed = hash_seed(static_cast<uint64_t>(options_.seed), 1, static_cast<uint64_t>(frame));
+  options.min_parallax_deg = o.init_min_parallax;
+  options.min_points = o.init_min_points;
+  options.seed = hash_seed(static_cast<uint64_t>(seed_), 1, static_cast<uint64_t>(frame));
   const TwoViewResult motion = reconstruct_two_views(pairs, camera, options);
   if (motion.status != TwoViewStatus::ok) {
     reason_ = name(motion.status);
@@ -87,8 +87,8 @@ int MonoInitializer::match_reference(const Features& features) {
   for (int i = 0; i < first.size(); ++i) {
     const auto k = static_cast<size_t>(i);
     const int level = first.level[k];
-    if (level > options_.tracker.start.init_levels) continue;
-    queries_.push_back({last_x_[k], last_y_[k], -1.0f, static_cast<float>(options_.tracker.start.init_window), level - 1,
+    if (level > options_.init_levels) continue;
+    queries_.push_back({last_x_[k], last_y_[k], -1.0f, static_cast<float>(options_.init_window), level - 1,
                         level + 1, &first.descriptor[k]});
     query_feature_.push_back(i);
   }

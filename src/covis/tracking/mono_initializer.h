@@ -8,14 +8,15 @@
 #include <vector>
 
 #include "covis/matching/window_match.h"
-#include "covis/slam/messages.h"
-#include "covis/slam/options.h"
+#include "covis/geometry/camera.h"
+#include "covis/map/map_requests.h"
+#include "covis/tracking/tracking_options.h"
 
 namespace covis {
 
 class MonoInitializer {
  public:
-  explicit MonoInitializer(const SystemOptions& options) : options_(options) {}
+  MonoInitializer(const StartOptions& options, int seed) : options_(options), seed_(seed) {}
 
   // Offers a frame of a camera of these intrinsics. An initial map when it and the reference view make one; otherwise
   // nothing, and reason() tells why.
@@ -30,7 +31,8 @@ class MonoInitializer {
   void take_reference(const FeaturesPtr& features, int64_t frame, Timestamp stamp);
   int match_reference(const Features& features);
 
-  const SystemOptions options_;
+  const StartOptions options_;
+  const int seed_;
   InitialMapRequest::View reference_;
   std::vector<float> last_x_, last_y_;  // where each reference feature was seen last: the window follows it
   std::vector<WindowQuery> queries_;

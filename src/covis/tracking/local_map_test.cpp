@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "covis/slam/local_map.h"
+#include "covis/tracking/local_map.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What became of a frame.
+// The result of tracking one frame.
 #pragma once
 
 #include <cstdint>
@@ -45,13 +45,13 @@ constexpr std::string_view name(TrackMethod method) {
   return "";
 }
 
-// What tracking a frame took.
+// The figures of tracking one frame.
 struct TrackFigures {
   TrackMethod method = TrackMethod::none;
   int features = 0;            // keypoints of the frame
   int predicted_matches = 0;   // matches of the motion model or the reference key frame
   int local_points = 0;        // points of the local map
-  int local_in_view = 0;       // of them predicted in view
+  int local_in_view = 0;       // points of it predicted in view
   int inliers = 0;             // map points that agree with the pose
   bool tentative = false;       // has jumped to where it is less than a second ago: the pose may be taken back
   bool key_frame = false;      // a key frame was asked for

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/frame_matcher.h"
+
+#include "covis/core/reserve.h"
+
+namespace covis {
+namespace {
+
+// With depth the scale of a motion is known: a camera that moves along its axis by more than its baseline sees a point
+// larger, or smaller, than it did.
+LevelRule levels_after(const TrackedFrame& last, const TrackedFrame& frame, const Pinhole& camera) {
+  if (!(camera.bf > 0)) return LevelRule::around_seen;
+  const double forward = (last.T_cw * frame.T_cw.centre()).z();
+  if (forward > camera.baseline()) return LevelRule::seen_or_larger;
+  if (-forward > camera.baseline()) return LevelRule::seen_or_finer;
+  return LevelRule::around_seen;
+}
+
+}  // namespace
+
+// Room in advance, memory for which is used only when points come.
+FrameMatcher::FrameMatcher() {
+  constexpr size_t kFeatures = 1 << 12;
+  seen_.reserve(kFeatures);
+  observations_.reserve(kFeatures);
+  observed_by_.reserve(kFeatures);
+}
+
+int FrameMatcher::match_last_frame(const TrackedFrame& last, TrackedFrame& frame, const Pinhole& camera,
+                                   double window) {
+  const Features& from = *last.features;
+  seen_.clear();
+  seen_by_.clear();
+  seen_angle_.clear();
+  for (size_t i = 0; i < last.source.size(); ++i) {
+    if (last.source[i] == PointSource::none) continue;
+    seen_.add_seen(last.points[i], last.positions[i], from.descriptor[i], from.level[i]);
+    seen_by_.push_back(static_cast<uint32_t>(i));
+    seen_angle_.push_back(from.angle[i]);
+  }
+  projection_.match(seen_, {camera, *frame.features, frame.T_cw},
+                    MatchGate::last_frame(window, levels_after(last, frame, camera)));
+  const int kept = projection_.keep_consistent_rotations(seen_angle_, *frame.features);
+  frame.clear_matches();
+  for (const PointMatch& m : projection_.matches()) {
+    const size_t i = seen_by_[m.point];
+    frame.set_match(m.feature, last.points[i], last.positions[i], last.source[i]);
+  }
+  return kept;
+}
+
+int FrameMatcher::match_key_frame(const KeyFrameView& view, TrackedFrame& frame,
+                                  const DescriptorMatchOptions& options) {
+  const std::vector<FeatureMatch> matches =
+      match_descriptors(*frame.features, {}, *view.features, features_with_point(view.points), options);
+  frame.clear_matches();
+  for (const FeatureMatch& m : matches) {
+    const auto b = static_cast<size_t>(m.b);
+    frame.set_match(static_cast<size_t>(m.a), view.points[b], view.positions[b], PointSource::map);
+  }
+  return static_cast<int>(matches.size());
+}
+
+int FrameMatcher::match_local_map(const LocalMap& local_map, TrackedFrame& frame, const Pinhole& camera,
+                                  const MatchGate& gate) {
+  const PointSet& points = local_map.points;
+  matched_.mark(frame);
+  reserve_ahead(taken_, frame.source.size());
+  taken_.resize(frame.source.size());
+  for (size_t i = 0; i < taken_.size(); ++i) taken_[i] = frame.on_map(i);
+  reserve_ahead(known_, points.size());
+  known_.resize(points.size());
+  for (size_t k = 0; k < known_.size(); ++k) known_[k] = matched_.contains(points.id[k]);
+  const int in_view = projection_.match(points, {camera, *frame.features, frame.T_cw}, gate, known_, taken_);
+  for (const PointMatch& m : projection_.matches()) {
+    frame.set_match(m.feature, points.id[m.point], points.position(m.point), PointSource::map);
+  }
+  return in_view;
+}
+
+PoseFit FrameMatcher::fit_pose(TrackedFrame& frame, const Pinhole& camera) {
+  observations_.clear();
+  observed_by_.clear();
+  const Features& f = *frame.features;
+  for (size_t i = 0; i < frame.source.size(); ++i) {
+    if (frame.source[i] == PointSource::none) continue;
+    observations_.add(frame.positions[i], f.x[i], f.y[i], f.u_right[i], f.pyramid->inv_sigma2[f.level[i]]);
+    observed_by_.push_back(static_cast<uint32_t>(i));
+  }
+  reserve_ahead(inlier_, observed_by_.size());
+  const PoseResult pose = optimize_pose(frame.T_cw, observations_, camera, {}, inlier_);
+  if (!pose.ok) return {};
+  frame.T_cw = pose.T_cw;
+  PoseFit fit{0, pose.information};
+  for (size_t k = 0; k < observed_by_.size(); ++k) {
+    const size_t i = observed_by_[k];
+    if (!inlier_[k]) {
+      frame.drop_match(i);
+    } else if (frame.on_map(i)) {
+      ++fit.on_map;
+    }
+  }
+  return fit;
+}
+
+}  // namespace covis

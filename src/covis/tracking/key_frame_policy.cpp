@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/key_frame_policy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "covis/tracking/near_features.h"
+
+namespace covis {
+
+const std::vector<uint32_t>& KeyFramePolicy::near_features(const Features& features, const Pinhole& camera) {
+  select_near_features(features, close_depth(camera), options_.min_close_points, near_);
+  return near_;
+}
+
+bool KeyFramePolicy::few_close_points(const TrackedFrame& frame, const Pinhole& camera) const {
+  const double close = close_depth(camera);
+  int tracked = 0, untracked = 0;
+  for (size_t i = 0; i < frame.source.size(); ++i) {
+    const float depth = frame.features->depth[i];
+    if (!(depth > 0) || depth > close) continue;
+    ++(frame.on_map(i) ? tracked : untracked);
+  }
+  return tracked < options_.min_close_points && untracked > options_.new_close_points;
+}
+
+// From the reference key frame's view, so far that places in between would be seen by too few key frames.
+bool KeyFramePolicy::turned_away(const TrackedFrame& frame, const KeyFrameView& reference,
+                                 const Pinhole& camera) const {
+  const ImageBounds& image = frame.features->grid.bounds;
+  const double wider = std::max((image.max_x - image.min_x) / camera.fx, (image.max_y - image.min_y) / camera.fy);
+  const double angle_of_view = 2 * std::atan(wider / 2);
+  const double turn = std::min(options_.key_frame_turn * angle_of_view, std::numbers::pi);
+  const auto axis = [](const SE3& T_cw) { return T_cw.R().row(2); };
+  return axis(frame.T_cw).dot(axis(reference.T_cw)) < std::cos(turn);
+}
+
+bool KeyFramePolicy::is_due(const TrackedFrame& frame, int inliers, const LocalMap& local_map, const Pinhole& camera,
+                            MappingLoad load) const {
+  const KeyFrameOptions& o = options_;
+  if (inliers < o.key_frame_min_inliers) return false;
+  const bool monocular = sensor_ == Sensor::monocular;
+  const bool few_close = !monocular && few_close_points(frame, camera);
+  const bool waited = frame.stamp - last_stamp_ > from_seconds(o.key_frame_interval);
+  if (load == MappingLoad::busy && !(schedule_ == Schedule::realtime && (waited || few_close))) return false;
+  if (monocular) {
+    // Many new points, of two views, let the camera go far before fewer are left than the older ones were.
+    return inliers < o.key_frame_ratio_mono * local_map.reference_points ||
+           inliers < o.key_frame_all_ratio_mono * local_map.reference_all_points;
+  }
+  return few_close || turned_away(frame, local_map.reference, camera) ||
+         inliers < o.key_frame_ratio * local_map.reference_points;
+}
+
+KeyFrameRequest KeyFramePolicy::request(const TrackedFrame& frame, const RelativePose& pose, const Pinhole& camera) {
+  KeyFrameRequest request;
+  request.frame = frame.index;
+  request.stamp = frame.stamp;
+  request.features = frame.features;
+  request.pose = pose;
+  request.points.assign(frame.points.size(), {});
+  for (size_t i = 0; i < frame.points.size(); ++i) {
+    if (frame.on_map(i)) request.points[i] = frame.points[i];
+  }
+  if (sensor_ != Sensor::monocular) {
+    for (const uint32_t i : near_features(*frame.features, camera)) {
+      if (!frame.on_map(i)) request.new_points.push_back(i);
+    }
+    std::sort(request.new_points.begin(), request.new_points.end(), NearerFeature{*frame.features});
+  }
+  request.counts = counts_.take();
+  last_stamp_ = frame.stamp;
+  return request;
+}
+
+}  // namespace covis

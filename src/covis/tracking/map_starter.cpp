@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/map_starter.h"
+
+#include <utility>
+
+#include "covis/core/log.h"
+
+namespace covis {
+
+MapStarter::MapStarter(const Settings& settings)
+    : settings_(settings), initializer_(settings.options, settings.seed) {}
+
+MapStarter::Offer MapStarter::offer(const TrackedFrame& frame, const Pinhole& camera) {
+  Offer offer;
+  if (settings_.sensor != Sensor::monocular) {
+    offer = offer_with_depth(frame);
+  } else {
+    auto initial_map = initializer_.offer(camera, frame.features, frame.index, frame.stamp);
+    offer.matches = initializer_.matches();
+    if (initial_map) {
+      initializer_.reset();
+      offer.request = std::move(*initial_map);
+    } else {
+      offer.reason = initializer_.reason();
+    }
+  }
+  if (!std::holds_alternative<std::monostate>(offer.request)) begun_frame_ = frame.index;
+  return offer;
+}
+
+MapStarter::Offer MapStarter::offer_with_depth(const TrackedFrame& frame) const {
+  const Features& f = *frame.features;
+  if (f.size() < settings_.options.init_features) return {{}, "too few features for a first key frame"};
+  KeyFrameRequest request;
+  request.frame = frame.index;
+  request.stamp = frame.stamp;
+  request.features = frame.features;
+  request.points.assign(frame.points.size(), {});
+  for (uint32_t i = 0; i < static_cast<uint32_t>(f.size()); ++i) {
+    if (f.depth[i] > 0) request.new_points.push_back(i);
+  }
+  if (static_cast<int>(request.new_points.size()) < settings_.min_close_points)
+    return {{}, "too few features with depth for a first key frame"};
+  return {std::move(request), {}};
+}
+
+void MapStarter::begun() {
+  beginning_ = false;
+  lost_since_.reset();
+  lost_frames_ = 0;
+}
+
+void MapStarter::find(Place place) {
+  lost_frames_ = 0;
+  beginning_ = false;
+  if (place == Place::settled) lost_since_.reset();
+}
+
+MapStarter::Loss MapStarter::lose(Timestamp stamp, KeyFrameId reference, const SharedMap* live) {
+  constexpr int kYoungPatience = 15;  // frames that a young submap is searched for the camera
+  ++lost_frames_;
+  if (!lost_since_) lost_since_ = stamp;
+  if (!live) return {};
+  const auto map = live->read();
+  const std::optional<uint32_t> young = young_submap(*map, reference);
+  if (young && lost_frames_ > kYoungPatience) {
+    log(LogLevel::warning, "the initial map was lost at once and is given up; initialising again");
+    beginning_ = map->submaps().size() > 1;
+    initializer_.reset();
+    lost_frames_ = 0;
+    return {Step::give_up_submap, *young};
+  }
+  if (!beginning_ && (young || !new_map_due(stamp))) return {};
+  if (!beginning_) {
+    log(LogLevel::warning, reference.valid() ? "lost for long: a new map is begun beside the old one"
+                                             : "the loaded map is not found: a new one is begun beside it");
+    initializer_.reset();
+  }
+  beginning_ = true;
+  return {Step::begin_submap};
+}
+
+void MapStarter::keep_submaps(const Map& map) {
+  kept_submaps_ = map.submaps().empty() ? 0 : map.submaps().back().id + 1;
+}
+
+// The submap of the reference key frame when, monocular and in its first moments, it is not worth keeping.
+std::optional<uint32_t> MapStarter::young_submap(const Map& map, KeyFrameId reference) const {
+  constexpr size_t kYoung = 5;  // key frames
+  if (settings_.sensor != Sensor::monocular) return std::nullopt;
+  const auto resolved = map.resolve(reference);
+  if (!resolved) return std::nullopt;
+  const Submap& submap = *map.submap(map.at(resolved->key_frame).submap);
+  if (submap.id < kept_submaps_ || submap.key_frames > kYoung) return std::nullopt;
+  return submap.id;
+}
+
+bool MapStarter::new_map_due(Timestamp stamp) const {
+  const double after = settings_.options.new_map_after;
+  return after > 0 && settings_.begins_new_maps && stamp - *lost_since_ >= from_seconds(after);
+}
+
+}  // namespace covis

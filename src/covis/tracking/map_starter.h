@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// The life of a submap as tracking sees it: how one begins (algorithms.md §3.6), that a monocular one lost in its first
+// moments is given up, and that a camera lost for long begins another beside those there are.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <variant>
+
+#include "covis/map/map_requests.h"
+#include "covis/map/shared_map.h"
+#include "covis/tracking/mono_initializer.h"
+#include "covis/tracking/tracked_frame.h"
+#include "covis/tracking/tracking_options.h"
+
+namespace covis {
+
+// What is asked of mapping after a frame, if anything.
+using MapRequest = std::variant<std::monostate, KeyFrameRequest, InitialMapRequest>;
+
+class MapStarter {
+ public:
+  struct Settings {
+    Sensor sensor = Sensor::monocular;
+    StartOptions options;
+    int min_close_points = 100;     // with depth: features that a first key frame needs it of
+    bool begins_new_maps = true;    // whether a submap may be begun beside others
+    int seed = 0;
+  };
+  explicit MapStarter(const Settings& settings);
+
+  // Offers a frame to begin a submap with. Without a request `reason` says why it can't.
+  struct Offer {
+    MapRequest request;
+    std::string_view reason;
+    int matches = 0;  // of a monocular frame with the first view
+  };
+  Offer offer(const TrackedFrame& frame, const Pinhole& camera);
+  // Whether the frame asked for a submap.
+  bool begun_with(int64_t frame) const { return frame == begun_frame_; }
+  // A submap was begun.
+  void begun();
+
+  // What to do about a frame that is lost.
+  enum class Step { search, give_up_submap, begin_submap };
+  struct Loss {
+    Step step = Step::search;
+    uint32_t submap = 0;  // to be given up
+  };
+  // `reference`: the last key frame the camera was at; `live`: null while the map may not be read.
+  Loss lose(Timestamp stamp, KeyFrameId reference, const SharedMap* live);
+  // A frame has its pose; `settled`: its place is not tentative.
+  enum class Place { settled, tentative };
+  void find(Place place);
+  // A map was put in place: its submaps are never given up.
+  void keep_submaps(const Map& map);
+
+  // Whether the camera was lost for long, so that a submap is to be begun beside the others.
+  bool is_beginning() const { return beginning_; }
+  uint32_t kept_submaps() const { return kept_submaps_; }  // submaps with lower ids were put in place
+
+ private:
+  Offer offer_with_depth(const TrackedFrame& frame) const;
+  std::optional<uint32_t> young_submap(const Map& map, KeyFrameId reference) const;
+  bool new_map_due(Timestamp stamp) const;
+
+  const Settings settings_;
+  MonoInitializer initializer_;
+  int64_t begun_frame_ = -1;  // the last frame that asked for a submap
+  bool beginning_ = false;
+  int lost_frames_ = 0;
+  std::optional<Timestamp> lost_since_;
+  uint32_t kept_submaps_ = 0;
+};
+
+}  // namespace covis

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/motion_model.h"
+
+namespace covis {
+
+void MotionModel::observe(const SE3& T_21, Timestamp elapsed) { motion_ = {T_21, elapsed}; }
+
+void MotionModel::rescale(double growth) {
+  if (motion_) motion_->T_21 = SE3(motion_->T_21.R(), Eigen::Vector3d(growth * motion_->T_21.t()));
+}
+
+std::optional<SE3> MotionModel::predict(Timestamp elapsed) const {
+  constexpr double kJitter = 1.4;  // a smaller ratio of times is jitter of the stamps, and not frames left out
+  constexpr double kPause = 5;     // after a longer pause the camera may have gone anywhere
+  if (!motion_) return std::nullopt;
+  const double times = static_cast<double>(elapsed) / static_cast<double>(motion_->elapsed);
+  if (times > kPause) return std::nullopt;
+  return times < kJitter && times > 1 / kJitter ? motion_->T_21 : SE3::exp(times * motion_->T_21.log());
+}
+
+}  // namespace covis

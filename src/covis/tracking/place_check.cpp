@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/place_check.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace covis {
+namespace {
+
+constexpr double kTentativeTime = 1.0;  // seconds
+
+// From where a point was seen before, compared with where it is seen from now.
+enum class Seen { elsewhere, near, here };
+
+Seen seen_before(const MapPoint& point, const Map& map, const Eigen::Vector3d& centre_w) {
+  constexpr double kNearCosine = 0.866, kNearFactor = 2.1;    // 30 degrees; ratio of distances
+  constexpr double kHereCosine = 0.9962, kHereFactor = 1.44;  // 5 degrees
+  const Eigen::Vector3d ray = point.position_w - centre_w;
+  const double distance = ray.norm();
+  Seen seen = Seen::elsewhere;
+  for (const Observation& observation : point.observations) {
+    const Eigen::Vector3d before = point.position_w - map.at(observation.key_frame).T_cw.centre();
+    const double distance_before = before.norm();
+    const double cosine = ray.dot(before) / (distance * distance_before);
+    const double factor = std::max(distance, distance_before) / std::min(distance, distance_before);
+    if (cosine > kNearCosine && factor < kNearFactor) seen = Seen::near;
+    if (cosine > kHereCosine && factor < kHereFactor) return Seen::here;
+  }
+  return seen;
+}
+
+// How many of some points are expected to match, and how many do.
+struct Tally {
+  double share;  // of those expected, that have to match
+  double expected = 0;
+  int found = 0;
+
+  void add(double match_ratio, int matched) {
+    expected += match_ratio;
+    found += matched;
+  }
+  bool enough() const { return expected >= 60; }  // to tell anything by their share
+  bool passes() const { return found >= share * expected; }
+};
+
+}  // namespace
+
+bool PlaceCheck::is_right(const Found& found, Arrival arrival) {
+  const bool jump = jumped(found);
+  const Demand demand = jump || tentative() ? Demand::strict : Demand::usual;
+  if (found.live && !looks_as_expected(found, *found.live->read(), demand)) return false;
+  if (jump && (arrival == Arrival::relocalised || tentative() || !found.live)) {
+    take_back_jump();
+    jump_ = {found.frame.index, found.frame.stamp};
+  }
+  return true;
+}
+
+void PlaceCheck::accept(const TrackedFrame& frame, uint32_t submap) {
+  if (jump_ && frame.stamp - jump_->stamp >= from_seconds(kTentativeTime)) jump_.reset();
+  last_ = {frame.T_cw, submap};
+}
+
+void PlaceCheck::lose() {
+  if (jump_) last_.reset();  // no place to go on from
+  take_back_jump();
+}
+
+void PlaceCheck::restart() {
+  last_.reset();
+  jump_.reset();
+}
+
+void PlaceCheck::follow(const SE3& T_cw, uint32_t submap) {
+  if (last_) last_ = {T_cw, submap};
+}
+
+std::optional<int64_t> PlaceCheck::take_retraction() { return std::exchange(retract_from_, std::nullopt); }
+
+void PlaceCheck::take_back_jump() {
+  if (!jump_) return;
+  retract_from_ = std::min(jump_->frame, retract_from_.value_or(jump_->frame));
+  jump_.reset();
+}
+
+// The camera is too far from where it was last to have just moved there.
+bool PlaceCheck::jumped(const Found& found) const {
+  constexpr double kTurn = 0.966;  // cosine of 15 degrees
+  constexpr double kWay = 0.2;     // share of the mean depth of what it sees
+  if (!last_ || found.local_map.reference.submap != last_->submap) return true;
+  const SE3 T_cl = found.frame.T_cw * last_->T_cw.inverse();
+  return T_cl.t().norm() > kWay * found.frame.mean_depth() || (T_cl.R().trace() - 1) / 2 < kTurn;
+}
+
+// Compares the points in view that were seen from about here before with how often they usually match. Points seen from
+// here decide: 0.6 of what is expected is exceeded by some 98 % of right places and 3 % of wrong ones. Where they are
+// too few, those seen from the same side say less, and must not speak against the place. More is asked of a single
+// image, which no later ones bear out.
+bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand demand) {
+  constexpr uint32_t kKnown = 5;  // frames that had a point in view, for its usual share of matches to be known
+  const bool strict = demand == Demand::strict;
+  const double share = (strict ? 1 : 0.5) * options_.min_expected_match_ratio;
+  const bool single = subject_ == Subject::single_image;
+  Tally from_here{share}, from_near{(single ? 0.5 : 0.25) * share}, young_too{(single ? 0.25 : 0.17) * share};
+  const Eigen::Vector3d centre_w = found.frame.T_cw.centre();
+  matched_.mark(found.frame);
+  const std::vector<MapPointId>& points = found.local_map.points.id;
+  for (size_t k = 0; k < points.size(); ++k) {
+    if (!found.in_view[k]) continue;
+    const MapPoint* point = map.find(points[k]);
+    if (!point) continue;
+    const Seen seen = seen_before(*point, map, centre_w);
+    if (seen == Seen::elsewhere) continue;
+    const double match_ratio = static_cast<double>(point->found) / point->visible;
+    const int is_matched = matched_.contains(points[k]);
+    if (seen == Seen::here && point->visible >= kKnown) from_here.add(match_ratio, is_matched);
+    if (point->visible >= kKnown) from_near.add(match_ratio, is_matched);
+    young_too.add(match_ratio, is_matched);
+  }
+  if (from_here.enough()) return from_here.passes();
+  if (from_near.enough() && !from_near.passes()) return false;
+  if (young_too.enough()) return young_too.passes();
+  return !strict || share == 0;  // seen from where nothing was seen from before
+}
+
+bool well_determined(const Matrix6d& information, double mean_depth, const Pinhole& camera) {
+  constexpr double kSigma = 2;  // pixels
+  const Matrix6d covariance = information.inverse();
+  return camera.fx * std::sqrt(covariance.topLeftCorner<3, 3>().trace()) <= kSigma * mean_depth;
+}
+
+}  // namespace covis

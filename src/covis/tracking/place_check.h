@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether a pose is of the place it claims to be. Things of which there are several alike match wherever one of them
+// stands; what stands around them does not. So a place that the camera cannot have walked to has to show what is usually
+// seen from there, and stays tentative for a second: until then no key frame is made of it, and when it proves wrong the
+// frames since then lose their poses. What was measured: docs/notes (places that only look alike).
+//
+//           relocalised, or jumped              here for a second
+//   settled ───────────────────────▶ tentative ──────────────────▶ settled
+//                                        │ lost, or jumped again
+//                                        └──▶ the poses since the jump are taken back
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "covis/map/shared_map.h"
+#include "covis/tracking/local_map.h"
+#include "covis/tracking/tracked_frame.h"
+#include "covis/tracking/tracking_options.h"
+
+namespace covis {
+
+// What a place has to show depends on what comes after it: the frames of a stream bear it out or not, a single image
+// stands for itself.
+enum class Subject { stream, single_image };
+// How the camera came to the place.
+enum class Arrival { tracked, relocalised };
+
+class PlaceCheck {
+ public:
+  PlaceCheck(const RecoveryOptions& options, Subject subject) : options_(options), subject_(subject) {}
+
+  struct Found {
+    const TrackedFrame& frame;  // at the place, with its matches
+    const LocalMap& local_map;
+    std::span<const uint8_t> in_view;  // for each point of the local map
+    const SharedMap* live;             // null: the map may not be read now, and its copies serve
+  };
+  // Whether the frame may be where it was found.
+  bool is_right(const Found& found, Arrival arrival);
+  // The same frame has its pose.
+  void accept(const TrackedFrame& frame, uint32_t submap);
+  // The camera is lost: a tentative place was wrong.
+  void lose();
+  // The camera is somewhere, whatever was before: in a submap just begun.
+  void restart_at(const SE3& T_cw, uint32_t submap) { last_ = {T_cw, submap}; }
+  // The camera may be anywhere.
+  void restart();
+  // The map moved, and the last place with it.
+  void follow(const SE3& T_cw, uint32_t submap);
+
+  bool tentative() const { return jump_.has_value(); }
+  // The frame from which on poses are to be taken back, reported once.
+  std::optional<int64_t> take_retraction();
+
+ private:
+  struct Place {
+    SE3 T_cw;
+    uint32_t submap = 0;
+  };
+  struct Jump {
+    int64_t frame = 0;
+    Timestamp stamp = 0;
+  };
+  bool jumped(const Found& found) const;
+  enum class Demand { usual, strict };  // strict: after a jump, and while the place is tentative
+  bool looks_as_expected(const Found& found, const Map& map, Demand demand);
+  void take_back_jump();
+
+  const RecoveryOptions options_;
+  const Subject subject_;
+  MatchedPoints matched_;
+  std::optional<Place> last_;  // of the last frame with a pose, unless that was taken back
+  std::optional<Jump> jump_;   // the frame with which the camera jumped to a place that is tentative still
+  std::optional<int64_t> retract_from_;
+};
+
+// A few points on one side of the image agree with poses far apart, and wrong matches choose among them: whether the
+// position's standard deviation moves things at the mean depth by two pixels at most.
+bool well_determined(const Matrix6d& information, double mean_depth, const Pinhole& camera);
+
+}  // namespace covis

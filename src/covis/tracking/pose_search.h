@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the search for one frame's pose works with: the camera, the searches, the local map, the check of the place.
+// Tracking and relocalisation share one, so that what the one leaves the other goes on with.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "covis/map/shared_map.h"
+#include "covis/tracking/frame_matcher.h"
+#include "covis/tracking/local_map.h"
+#include "covis/tracking/place_check.h"
+
+namespace covis {
+
+struct PoseSearch {
+  Pinhole camera;                     // of the frames
+  std::optional<Pinhole> own_camera;  // set where it is another than the map's
+  FrameMatcher matcher;
+  LocalMap local_map;
+  PlaceCheck place;
+  std::vector<MapPointId> matched;  // work space of update_local_map()
+
+  PoseSearch(const RecoveryOptions& options, Subject subject) : place(options, subject) {}
+
+  // The map's camera may have been refined.
+  void refresh_camera(const Map& map) { camera = own_camera.value_or(map.camera()); }
+  // Makes the local map anew around the frame's matches; around `fallback` when there are none.
+  void update_local_map(const SharedMap& map, const TrackedFrame& frame, KeyFrameId fallback, int max_key_frames) {
+    matched.clear();
+    for (size_t i = 0; i < frame.source.size(); ++i) {
+      if (frame.on_map(i)) matched.push_back(frame.points[i]);
+    }
+    local_map.update(*map.read(), matched, fallback, max_key_frames);
+  }
+  PlaceCheck::Found found(const TrackedFrame& frame, const SharedMap* live) const {
+    return {frame, local_map, matcher.in_view(), live};
+  }
+};
+
+}  // namespace covis

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/relocaliser.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "covis/geometry/pnp.h"
+
+namespace covis {
+namespace {
+
+constexpr int kMinInliers = 10;  // of a pose that is worth a search by projection
+
+}  // namespace
+
+Relocaliser::Relocaliser(const SharedMap& map, const TrackerOptions& options, int seed,
+                         std::shared_ptr<const Vocabulary> vocabulary)
+    : map_(map), options_(options), seed_(seed), vocabulary_(std::move(vocabulary)) {}
+
+std::optional<Relocaliser::Located> Relocaliser::locate(FeaturesPtr features, int64_t frame,
+                                                        const std::optional<Pinhole>& own_camera) {
+  PoseSearch search(options_.recovery, Subject::single_image);
+  search.own_camera = own_camera;
+  search.refresh_camera(*map_.read());
+  TrackedFrame image;
+  image.start(std::move(features), frame, 0);
+  TrackFigures figures;
+  if (!find(image, search, &map_, {}, figures)) return std::nullopt;
+  return Located{image.T_cw, search.local_map.reference.submap};
+}
+
+bool Relocaliser::find(TrackedFrame& frame, PoseSearch& search, const SharedMap* live, KeyFrameId near,
+                       TrackFigures& figures) {
+  LocalMap& local_map = search.local_map;
+  if (!live) return local_map.reference.features && find_at(local_map.reference, frame, search, live, figures);
+  const std::vector<KeyFrameId> places = candidates(*live->read(), *frame.features, near);
+  KeyFrameView view;
+  for (const KeyFrameId& place : places) {
+    {
+      const auto map = live->read();
+      if (!map->find(place)) continue;
+      view.copy(*map, place);
+    }
+    if (find_at(view, frame, search, live, figures)) return true;
+  }
+  // The candidates leave no reference behind; the rest of the local map is made anew for each frame.
+  if (const auto map = live->read(); map->find(near)) local_map.reference.copy(*map, near);
+  return false;
+}
+
+std::vector<KeyFrameId> Relocaliser::candidates(const Map& map, const Features& features, KeyFrameId near) {
+  constexpr size_t kAlike = 8;                               // by words
+  constexpr int kNeighbours = 3;                             // of the last reference
+  constexpr int kInTurn = 2, kInTurnWithoutWords = 5;        // of all key frames
+  std::vector<KeyFrameId> places;
+  const auto add = [&](KeyFrameId id) {
+    if (std::find(places.begin(), places.end(), id) == places.end()) places.push_back(id);
+  };
+  if (vocabulary_) {
+    const Words words = vocabulary_->transform(features.descriptor);
+    for (const auto& candidate : map.database().query(map, words, {}, 0)) {
+      if (places.size() < kAlike) add(candidate.key_frame);
+    }
+  }
+  if (const auto resolved = map.resolve(near)) {
+    add(resolved->key_frame);
+    for (const Neighbour& n : map.best_neighbours(resolved->key_frame, kNeighbours)) add(n.key_frame);
+  }
+  const std::vector<KeyFrameId> all = map.key_frames();
+  const int in_turn = vocabulary_ ? kInTurn : kInTurnWithoutWords;
+  for (int k = 0; k < in_turn && !all.empty(); ++k) add(all[turn_++ % all.size()]);
+  return places;
+}
+
+bool Relocaliser::find_first_pose(const KeyFrameView& view, TrackedFrame& frame, PoseSearch& search) const {
+  // Wider than for the next frame, as RANSAC sorts out what is wrong: 5 % more frames are found than with 0.75 and 50.
+  constexpr DescriptorMatchOptions kGate{.max_distance = 64, .ratio = 0.9f};
+  if (FrameMatcher::match_key_frame(view, frame, kGate) < options_.first_pose.reference_min_matches) return false;
+  const Features& f = *frame.features;
+  PnpProblem problem;
+  std::vector<size_t> feature;
+  for (size_t i = 0; i < frame.source.size(); ++i) {
+    if (frame.source[i] == PointSource::none) continue;
+    problem.add(frame.positions[i], search.camera.unproject(f.x[i], f.y[i]), f.pyramid->sigma2[f.level[i]]);
+    feature.push_back(i);
+  }
+  const auto pose = ransac_pnp(problem, search.camera, static_cast<uint64_t>(seed_) + static_cast<uint64_t>(frame.index));
+  if (!pose) return false;
+  frame.T_cw = pose->T_cw;
+  for (size_t k = 0; k < feature.size(); ++k) {
+    if (!pose->inlier[k]) frame.set_match(feature[k], {}, Eigen::Vector3d::Zero(), PointSource::none);
+  }
+  return search.matcher.fit_pose(frame, search.camera).on_map >= kMinInliers;
+}
+
+bool Relocaliser::find_at(const KeyFrameView& view, TrackedFrame& frame, PoseSearch& search, const SharedMap* live,
+                          TrackFigures& figures) const {
+  const LocalMapOptions& o = options_.local_map;
+  if (!find_first_pose(view, frame, search)) return false;
+  // Twice: the second search starts from a better pose, and so in narrower windows.
+  for (const double factor : {5.0, 2.0}) {
+    if (live) search.update_local_map(*live, frame, view.id, o.local_key_frames);
+    const MatchGate gate = MatchGate::local_map(o.local_window * factor, o.local_window_frontal * factor, o.local_ratio);
+    figures.local_in_view = search.matcher.match_local_map(search.local_map, frame, search.camera, gate);
+    figures.local_points = search.local_map.size();
+    figures.inliers = search.matcher.fit_pose(frame, search.camera).on_map;
+    if (figures.inliers >= options_.recovery.min_inliers_recovered &&
+        figures.inliers >= options_.recovery.min_recovered_share * figures.local_in_view)
+      return search.place.is_right(search.found(frame, live), Arrival::relocalised);
+    if (figures.inliers < kMinInliers) return false;
+  }
+  return false;
+}
+
+}  // namespace covis

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finds a lost camera in the map, and the place of single images. Candidates come from the words of the image, from
+// around the last reference key frame, and from all key frames in turn; each is matched by descriptor, a pose is found
+// by PnP in RANSAC and then from the local map around it. Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015,
+// section V-C.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "covis/tracking/pose_search.h"
+#include "covis/tracking/track_result.h"
+#include "covis/vocabulary/vocabulary.h"
+
+namespace covis {
+
+class Relocaliser {
+ public:
+  // Without a vocabulary (null) a lost camera is looked for at the nearest key frames, and at few others in turn.
+  Relocaliser(const SharedMap& map, const TrackerOptions& options, int seed,
+              std::shared_ptr<const Vocabulary> vocabulary);
+
+  // Looks for the frame's pose; `near` is the key frame the camera was at last, if any. `live` is null while the map may
+  // not be read: the reference key frame in the local map is all there is then. True: the frame has its pose and matches,
+  // and the local map is that around it.
+  bool find(TrackedFrame& frame, PoseSearch& search, const SharedMap* live, KeyFrameId near, TrackFigures& figures);
+
+  // The pose of one image in the map, from nothing but the image; nothing when its place is not recognised. With a camera
+  // of its own the image is of another one than the map.
+  struct Located {
+    SE3 T_cw;
+    uint32_t submap = 0;
+  };
+  std::optional<Located> locate(FeaturesPtr features, int64_t frame, const std::optional<Pinhole>& own_camera);
+
+ private:
+  std::vector<KeyFrameId> candidates(const Map& map, const Features& features, KeyFrameId near);
+  bool find_at(const KeyFrameView& view, TrackedFrame& frame, PoseSearch& search, const SharedMap* live,
+               TrackFigures& figures) const;
+  bool find_first_pose(const KeyFrameView& view, TrackedFrame& frame, PoseSearch& search) const;
+
+  const SharedMap& map_;
+  const TrackerOptions options_;
+  const int seed_;
+  const std::shared_ptr<const Vocabulary> vocabulary_;
+  size_t turn_ = 0;  // which of all key frames is tried next
+};
+
+}  // namespace covis

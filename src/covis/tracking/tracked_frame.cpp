@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/tracked_frame.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "covis/core/reserve.h"
+
+namespace covis {
+
+void TrackedFrame::start(FeaturesPtr f, int64_t frame, Timestamp t) {
+  features = std::move(f);
+  index = frame;
+  stamp = t;
+  const auto n = static_cast<size_t>(features->size());
+  reserve_ahead(points, n);
+  reserve_ahead(positions, n);
+  reserve_ahead(source, n);
+  points.assign(n, {});
+  positions.resize(n);
+  source.assign(n, PointSource::none);
+}
+
+void TrackedFrame::clear_matches() {
+  std::fill(points.begin(), points.end(), MapPointId{});
+  std::fill(source.begin(), source.end(), PointSource::none);
+}
+
+void TrackedFrame::set_match(size_t feature, MapPointId point, const Eigen::Vector3d& position_w, PointSource from) {
+  points[feature] = point;
+  positions[feature] = position_w;
+  source[feature] = from;
+}
+
+void TrackedFrame::drop_match(size_t feature) {
+  points[feature] = {};
+  source[feature] = PointSource::none;
+}
+
+int TrackedFrame::matches() const {
+  return static_cast<int>(source.size() - static_cast<size_t>(std::count(source.begin(), source.end(), PointSource::none)));
+}
+
+double TrackedFrame::mean_depth() const {
+  double sum = 0;
+  int count = 0;
+  for (size_t i = 0; i < source.size(); ++i) {
+    if (!on_map(i)) continue;
+    sum += (T_cw * positions[i]).z();
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+// Room in advance, memory for which is used only when points come.
+MatchedPoints::MatchedPoints() { mark_.reserve(1 << 17); }
+
+void MatchedPoints::mark(const TrackedFrame& frame) {
+  ++epoch_;
+  for (size_t i = 0; i < frame.source.size(); ++i) {
+    if (!frame.on_map(i)) continue;
+    const uint32_t slot = frame.points[i].slot;
+    if (slot >= mark_.size()) mark_.resize(slot + slot / 2 + 256);
+    mark_[slot] = epoch_;
+  }
+}
+
+}  // namespace covis

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// A frame while it is tracked: its features, its pose, and which known point each feature shows.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "covis/map/map.h"
+
+namespace covis {
+
+// Where the position of a feature's point comes from.
+enum class PointSource : uint8_t {
+  none,
+  map,    // a map point
+  depth,  // the frame's own depth: good for one frame
+};
+
+struct TrackedFrame {
+  int64_t index = -1;  // of the frame in the recording
+  Timestamp stamp = 0;
+  FeaturesPtr features;
+  SE3 T_cw;
+  std::vector<MapPointId> points;          // for each feature its map point, or an invalid handle
+  std::vector<Eigen::Vector3d> positions;  // for each feature, world; meaningful where it has a source
+  std::vector<PointSource> source;         // for each feature
+
+  void start(FeaturesPtr f, int64_t frame, Timestamp t);
+  void clear_matches();
+  void set_match(size_t feature, MapPointId point, const Eigen::Vector3d& position_w, PointSource from);
+  void drop_match(size_t feature);
+  bool on_map(size_t feature) const { return source[feature] == PointSource::map; }
+  // Features with a point, from wherever it comes.
+  int matches() const;
+  // Mean depth of its map points; 0 without any.
+  double mean_depth() const;
+};
+
+// The map points that a frame shows, for many questions about one frame.
+class MatchedPoints {
+ public:
+  MatchedPoints();
+  void mark(const TrackedFrame& frame);
+  bool contains(MapPointId id) const { return id.slot < mark_.size() && mark_[id.slot] == epoch_; }
+
+ private:
+  std::vector<uint32_t> mark_;  // by point slot: the epoch in which it was marked
+  uint32_t epoch_ = 0;
+};
+
+}  // namespace covis

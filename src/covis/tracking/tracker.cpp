@@ -1,0 +1,359 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/tracker.h"
+
+#include <string>
+#include <utility>
+
+#include "covis/core/log.h"
+#include "covis/core/time.h"
+#include "covis/matching/point_geometry.h"
+
+namespace covis {
+namespace {
+
+MapStarter::Settings starter_settings(const TrackingSettings& s, bool has_vocabulary) {
+  // Without places recognised, or loops closed, two submaps would never be joined.
+  const bool begins_new_maps = has_vocabulary && s.closes_loops && s.mode == TrackingMode::mapping;
+  return {s.sensor, s.options.start, s.options.key_frame.min_close_points, begins_new_maps, s.seed};
+}
+
+}  // namespace
+
+Tracker::Tracker(const SharedMap& map, const TrackingSettings& settings, std::shared_ptr<const Vocabulary> vocabulary)
+    : map_(map),
+      settings_(settings),
+      search_(settings.options.recovery, Subject::stream),
+      key_frames_(settings.sensor, settings.options.key_frame, settings.schedule),
+      starter_(starter_settings(settings, vocabulary != nullptr)),
+      relocaliser_(map, settings.options, settings.seed, std::move(vocabulary)) {}
+
+// ---- One frame ----
+
+Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp stamp, const MappingStatus& mapping) {
+  const SharedMap* live = mapping.map == MappingStatus::Map::live ? &map_ : nullptr;
+  const bool realtime = settings_.schedule == Schedule::realtime;
+  current_.start(std::move(features), frame, stamp);
+  Outcome outcome;
+  TrackResult& result = outcome.result;
+  result.features = current_.features->size();
+  if (state_ == TrackState::not_initialised) {
+    search_.refresh_camera(*map_.read());
+    begin_submap(outcome);
+  } else {
+    if (live && (last_.map_changed || realtime)) {
+      follow_map(*map_.read());
+      last_.map_changed = false;
+    }
+    bool found = find_pose(result, live);
+    // In real time a loop may have been closed meanwhile: what was read before does not fit what was read after.
+    for (int again = 0; found && realtime && map_.read()->moves() != last_.moves; ++again) {
+      follow_map(*map_.read());
+      found = again < 2 && find_pose(result, live);
+    }
+    if (!found) {
+      lose(outcome, live);
+    } else {
+      accept(result);
+      if (may_make_key_frame(result) &&
+          key_frames_.is_due(current_, result.inliers, search_.local_map, search_.camera, mapping.load)) {
+        outcome.request = key_frames_.request(current_, last_.pose, search_.camera);
+        result.key_frame = true;
+      }
+    }
+  }
+  result.state = state_;
+  health_.near_loss = result.inliers < 2 * settings_.options.local_map.min_inliers;
+  outcome.retract_from = search_.place.take_retraction();
+  std::swap(last_.frame, current_);
+  return outcome;
+}
+
+bool Tracker::find_pose(TrackResult& result, const SharedMap* live) {
+  constexpr int kRelocaliseEvery = 5;  // dead-reckoned frames: dead reckoning drifts
+  if (state_ == TrackState::tracking) {
+    const int reckoned = health_.dead_reckoned_frames;
+    if (reckoned > 0 && reckoned % kRelocaliseEvery == 0 && relocalise(result, live)) return true;
+    const bool has_first_pose = track_by_motion(result) || track_by_reference(result);
+    if (has_first_pose && (track_local_map(result, live) || dead_reckon(result))) return true;
+  }
+  return relocalise(result, live);
+}
+
+bool Tracker::track_by_motion(TrackResult& result) {
+  const std::optional<SE3> T_cl = motion_.predict(current_.stamp - last_.frame.stamp);
+  if (!T_cl) return false;
+  const Stopwatch watch;
+  const FirstPoseOptions& o = settings_.options.first_pose;
+  FrameMatcher& matcher = search_.matcher;
+  add_depth_points();
+  current_.T_cw = (*T_cl * last_.frame.T_cw).normalized();
+  const double window = o.window(settings_.sensor);
+  int matches = matcher.match_last_frame(last_.frame, current_, search_.camera, window);
+  if (matches < o.motion_min_matches)
+    matches = matcher.match_last_frame(last_.frame, current_, search_.camera, 2 * window);
+  result.predicted_matches = matches;
+  bool ok = matches >= o.motion_min_matches;
+  if (!ok) {
+    result.reason = "too few matches with the last frame";
+  } else if (const int on_map = matcher.fit_pose(current_, search_.camera).on_map;
+             (may_dead_reckon() ? current_.matches() : on_map) < o.motion_min_inliers) {
+    result.reason = "too few matches with the last frame agree on a pose";
+    ok = false;
+  }
+  if (ok) result.method = TrackMethod::motion_model;
+  result.motion_ms += watch.ms();
+  return ok;
+}
+
+bool Tracker::track_by_reference(TrackResult& result) {
+  const Stopwatch watch;
+  const FirstPoseOptions& o = settings_.options.first_pose;
+  const KeyFrameView& reference = search_.local_map.reference;
+  bool ok = false;
+  if (!reference.features) {
+    result.reason = "no reference key frame";
+  } else {
+    const DescriptorMatchOptions gate{.max_distance = kHammingLow, .ratio = static_cast<float>(o.reference_ratio)};
+    result.predicted_matches = FrameMatcher::match_key_frame(reference, current_, gate);
+    current_.T_cw = last_.frame.T_cw;
+    if (result.predicted_matches < o.reference_min_matches) {
+      result.reason = "too few matches with the reference key frame";
+    } else if (search_.matcher.fit_pose(current_, search_.camera).on_map < o.motion_min_inliers) {
+      result.reason = "too few matches with the reference key frame agree on a pose";
+    } else {
+      ok = true;
+      result.method = TrackMethod::reference_key_frame;
+    }
+  }
+  result.motion_ms += watch.ms();
+  return ok;
+}
+
+bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
+  constexpr double kFactorRecovered = 5;  // on the windows: the pose of a camera just found again is less sure
+  const LocalMapOptions& o = settings_.options.local_map;
+  Stopwatch watch;
+  if (live) search_.update_local_map(*live, current_, last_.pose.key_frame, o.local_key_frames);
+  result.local_update_ms += watch.ms();
+  watch.restart();
+  const bool recovered_lately = health_.recovered_lately(current_.stamp);
+  const double factor = recovered_lately ? kFactorRecovered : o.window_factor(settings_.sensor);
+  const MatchGate gate = MatchGate::local_map(o.local_window * factor, o.local_window_frontal * factor, o.local_ratio);
+  result.local_in_view = search_.matcher.match_local_map(search_.local_map, current_, search_.camera, gate);
+  result.local_points = search_.local_map.size();
+  result.local_search_ms += watch.ms();
+  watch.restart();
+  const PoseFit fit = search_.matcher.fit_pose(current_, search_.camera);
+  result.inliers = fit.on_map;
+  result.pose_ms += watch.ms();
+
+  if (result.inliers < (recovered_lately ? settings_.options.recovery.min_inliers_recovered : o.min_inliers)) {
+    result.reason = "too few points of the map agree on a pose";
+    return false;
+  }
+  const bool elsewhere_lately = recovered_lately || search_.place.tentative();
+  if (elsewhere_lately && !well_determined(fit.information, current_.mean_depth(), search_.camera)) {
+    result.reason = "points of the map agree on a pose, but leave it uncertain";
+    return false;
+  }
+  const bool may_be_elsewhere = elsewhere_lately || result.method == TrackMethod::reference_key_frame;
+  if (may_be_elsewhere && !search_.place.is_right(search_.found(current_, live), Arrival::tracked)) {
+    result.reason = "things match, but not what stands around them";
+    return false;
+  }
+  return true;
+}
+
+// Localisation only: the last frame's depth carries the pose over a place the map has too little, or nothing, of.
+bool Tracker::dead_reckon(TrackResult& result) {
+  if (!may_dead_reckon() || current_.matches() < settings_.options.local_map.min_inliers) return false;
+  ++health_.dead_reckoned_frames;
+  result.method = TrackMethod::dead_reckoned;
+  return true;
+}
+
+bool Tracker::relocalise(TrackResult& result, const SharedMap* live) {
+  const Stopwatch watch;
+  const bool found = relocaliser_.find(current_, search_, live, last_.pose.key_frame, result);
+  result.motion_ms += watch.ms();
+  if (found) {
+    health_.last_recovery = current_.stamp;
+    result.method = TrackMethod::recovered;
+  } else if (state_ == TrackState::lost) {
+    result.reason = "lost: the view matches no key frame tried";
+  }
+  return found;
+}
+
+void Tracker::accept(TrackResult& result) {
+  const KeyFrameView& reference = search_.local_map.reference;
+  key_frames_.count(current_, search_.local_map, search_.matcher.in_view());
+  if (state_ == TrackState::tracking && current_.stamp > last_.frame.stamp && reference.submap == last_.submap) {
+    const SE3 T_cl = (current_.T_cw * last_.frame.T_cw.inverse()).normalized();
+    motion_.observe(T_cl, current_.stamp - last_.frame.stamp);
+  } else {
+    motion_.reset();
+  }
+  state_ = TrackState::tracking;
+  search_.place.accept(current_, reference.submap);
+  const bool tentative = search_.place.tentative();
+  starter_.find(tentative ? MapStarter::Place::tentative : MapStarter::Place::settled);
+  if (result.method != TrackMethod::dead_reckoned) health_.dead_reckoned_frames = 0;
+  // Twice the features give more inliers by themselves: the way back asks for more than that.
+  const int weak = settings_.options.local_map.weak_inliers;
+  health_.weak = health_.weak ? 2 * result.inliers < 5 * weak : result.inliers < weak;
+  last_.pose = {reference.id, reference.scale, current_.T_cw * reference.T_cw.inverse()};
+  last_.submap = reference.submap;
+  result.tentative = tentative;
+  result.T_cw = current_.T_cw;
+  result.pose = last_.pose;
+  result.submap = last_.submap;
+  result.reason = {};
+}
+
+void Tracker::lose(Outcome& outcome, const SharedMap* live) {
+  if (state_ != TrackState::lost) log(LogLevel::warning, std::string("tracking lost: ").append(outcome.result.reason));
+  state_ = TrackState::lost;
+  health_.weak = settings_.options.local_map.weak_inliers > 0;
+  motion_.reset();
+  search_.place.lose();
+  const MapStarter::Loss loss = starter_.lose(current_.stamp, last_.pose.key_frame, live);
+  if (loss.step == MapStarter::Step::give_up_submap) {
+    outcome.discard_submap = loss.submap;
+    if (!starter_.is_beginning()) state_ = TrackState::not_initialised;
+    search_.local_map.clear();
+    key_frames_.clear_counts();
+  } else if (loss.step == MapStarter::Step::begin_submap) {
+    begin_submap(outcome);
+  }
+}
+
+// Asks for a submap that begins with this frame, if it is good for one; key_frame_made() says whether it holds.
+void Tracker::begin_submap(Outcome& outcome) {
+  TrackResult& result = outcome.result;
+  motion_.reset();
+  MapStarter::Offer offer = starter_.offer(current_, search_.camera);
+  if (settings_.sensor == Sensor::monocular) result.predicted_matches = offer.matches;
+  result.reason = offer.reason;
+  if (std::holds_alternative<std::monostate>(offer.request)) return;
+  outcome.request = std::move(offer.request);
+  state_ = TrackState::tracking;
+  key_frames_.begin(current_.stamp);
+  if (settings_.sensor != Sensor::monocular) current_.T_cw = SE3();
+  current_.clear_matches();  // with an older submap
+  result.inliers = 0;
+  result.method = TrackMethod::initialised;
+  result.key_frame = true;
+}
+
+bool Tracker::may_make_key_frame(const TrackResult& result) const {
+  if (settings_.mode == TrackingMode::localisation || search_.place.tentative()) return false;
+  return !health_.recovered_lately(current_.stamp) || result.method == TrackMethod::motion_model;
+}
+
+// The last frame's own depth gives points for one frame: the map may have few yet.
+void Tracker::add_depth_points() {
+  if (settings_.sensor == Sensor::monocular) return;
+  TrackedFrame& frame = last_.frame;
+  const SE3 T_wl = frame.T_cw.inverse();
+  for (const uint32_t i : key_frames_.near_features(*frame.features, search_.camera)) {
+    if (frame.on_map(i)) continue;
+    frame.source[i] = PointSource::depth;
+    frame.positions[i] = T_wl * unproject_depth(search_.camera, *frame.features, i);
+  }
+}
+
+// ---- The map as it changes ----
+
+void Tracker::key_frame_made(const KeyFrameMade& made) {
+  last_.map_changed = true;
+  const bool begun = starter_.begun_with(made.frame);  // reports of older key frames may come before it
+  if (!made.key_frame.valid()) {
+    if (begun) state_ = starter_.is_beginning() ? TrackState::lost : TrackState::not_initialised;
+    return;
+  }
+  const auto map = map_.read();
+  if (begun) {
+    starter_.begun();
+    last_.become(*map, made.key_frame);
+    search_.place.restart_at(last_.frame.T_cw, last_.submap);
+    last_.map_changed = false;  // nothing of it is older than the submap
+  }
+  last_.new_reference = made.key_frame;
+  if (last_.frame.index == made.frame) last_.take_points(*map, made.key_frame);
+  LocalMap& local_map = search_.local_map;
+  if (local_map.reference.id != last_.pose.key_frame || local_map.size() == 0)
+    local_map.update(*map, {}, made.key_frame, settings_.options.local_map.local_key_frames);
+}
+
+void Tracker::follow_map(const Map& map) {
+  last_.moves = map.moves();
+  search_.refresh_camera(map);
+  if (const auto resolved = last_.pose.resolved(map)) {
+    motion_.rescale(last_.pose.growth(map));
+    last_.pose = *resolved;
+    last_.submap = map.at(resolved->key_frame).submap;
+    last_.frame.T_cw = last_.pose.T_cw(map).normalized();
+    search_.place.follow(last_.frame.T_cw, last_.submap);
+  }
+  // Not when the camera was meanwhile found in another submap.
+  if (const KeyFrame* made = map.find(last_.new_reference); made && made->submap == last_.submap)
+    last_.pose = RelativePose::of(map, last_.frame.T_cw, last_.new_reference);
+  last_.new_reference = {};
+  last_.refresh_points(map);
+  if (map.find(last_.pose.key_frame)) search_.local_map.reference.copy(map, last_.pose.key_frame);
+}
+
+void Tracker::start_lost() {
+  state_ = TrackState::lost;
+  health_.weak = settings_.options.local_map.weak_inliers > 0;
+  motion_.reset();
+  const auto map = map_.read();
+  search_.refresh_camera(*map);
+  search_.place.restart();
+  search_.local_map.clear();
+  starter_.keep_submaps(*map);
+  last_ = {};
+  key_frames_.clear_counts();
+}
+
+bool Tracker::wants_more_features() const {
+  const bool monocular = settings_.sensor == Sensor::monocular;
+  if (state_ == TrackState::not_initialised) return monocular;
+  return health_.weak || (starter_.is_beginning() && monocular);
+}
+
+// The last frame is this key frame.
+void Tracker::LastFrame::become(const Map& map, KeyFrameId key_frame) {
+  pose = RelativePose::at(map, key_frame);
+  submap = map.at(key_frame).submap;
+  frame.T_cw = map.at(key_frame).T_cw;
+}
+
+// The last frame became this key frame: what mapping added to it is known of the frame too.
+void Tracker::LastFrame::take_points(const Map& map, KeyFrameId key_frame) {
+  const KeyFrame* made = map.find(key_frame);
+  if (!made) return;
+  for (size_t i = 0; i < made->points.size(); ++i) {
+    const MapPointId id = made->points[i];
+    if (id.valid()) {
+      frame.set_match(i, id, map.at(id).position_w, PointSource::map);
+    } else {
+      frame.drop_match(i);
+    }
+  }
+}
+
+void Tracker::LastFrame::refresh_points(const Map& map) {
+  for (size_t i = 0; i < frame.points.size(); ++i) {
+    if (!frame.on_map(i)) continue;
+    const MapPointId id = map.forwarded(frame.points[i]);
+    if (const MapPoint* point = map.find(id)) {
+      frame.set_match(i, id, point->position_w, PointSource::map);
+    } else {
+      frame.drop_match(i);
+    }
+  }
+}
+
+}  // namespace covis

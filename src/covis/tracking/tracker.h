@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tracking: the pose of every frame against the map. Synchronous and without locks of its own: it reads the map in
+// short read guards, works on copies, and asks for key frames by returning requests. Its parts, each with a header:
+//
+//   MotionModel     predicts where the camera is
+//   FrameMatcher    searches for known points, and finds the pose that they agree on
+//   LocalMap        the points around the camera, copied out of the map
+//   PlaceCheck      judges whether that is the place it claims to be
+//   KeyFramePolicy  decides when a frame becomes a key frame
+//   Relocaliser     finds a lost camera
+//   MapStarter      begins submaps, and gives young ones up
+//
+// Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section V; Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017,
+// III.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "covis/core/schedule.h"
+#include "covis/tracking/key_frame_policy.h"
+#include "covis/tracking/map_starter.h"
+#include "covis/tracking/motion_model.h"
+#include "covis/tracking/relocaliser.h"
+
+namespace covis {
+
+enum class TrackingMode {
+  mapping,
+  localisation,  // no key frames, no points: places the map has too little of are dead-reckoned by the frames' depth
+};
+
+struct TrackingSettings {
+  Sensor sensor = Sensor::monocular;
+  TrackerOptions options;
+  Schedule schedule = Schedule::deterministic;
+  TrackingMode mode = TrackingMode::mapping;
+  bool closes_loops = true;  // submaps can be joined: only then a second one is begun
+  int seed = 0;
+};
+
+// What mapping is doing when a frame comes.
+struct MappingStatus {
+  enum class Map { live, hidden };  // hidden: a result that is not to be seen yet; the copies of the last live frame serve
+  Map map = Map::live;
+  MappingLoad load = MappingLoad::idle;
+};
+
+class Tracker {
+ public:
+  // Without a vocabulary (null) a lost camera is looked for at the nearest key frames only.
+  Tracker(const SharedMap& map, const TrackingSettings& settings, std::shared_ptr<const Vocabulary> vocabulary = nullptr);
+
+  // A frame's result, and what should be done after it.
+  struct Outcome {
+    TrackResult result;
+    MapRequest request;
+    std::optional<int64_t> retract_from;     // frames from this one on had poses at a place that proves wrong
+    std::optional<uint32_t> discard_submap;  // a monocular submap was lost in its first moments: forget it
+  };
+  Outcome track(FeaturesPtr features, int64_t frame, Timestamp stamp, const MappingStatus& mapping);
+
+  // Mapping answered: key frames and points may have moved, merged or gone. Call before the next track().
+  void key_frame_made(const KeyFrameMade& made);
+  // The map was changed beside mapping.
+  void map_moved() { last_.map_changed = true; }
+  // A map was put in place that this tracker knows nothing of: the camera is to be found in it.
+  void start_lost();
+  // The frames are of another camera than the map: only for localisation in it.
+  void use_camera(const Pinhole& camera) { search_.own_camera = search_.camera = camera; }
+
+  // Whether the next frame should get twice the features: for the monocular initialiser, and while tracking has few
+  // points or is lost.
+  bool wants_more_features() const;
+  // Whether the last frame had so few points that the next should have all that mapping can give.
+  bool near_loss() const { return health_.near_loss; }
+  TrackState state() const { return state_; }
+  // Submaps below this id were put in place: they are never given up.
+  uint32_t kept_submaps() const { return starter_.kept_submaps(); }
+
+ private:
+  bool find_pose(TrackResult& result, const SharedMap* live);
+  bool track_by_motion(TrackResult& result);
+  bool track_by_reference(TrackResult& result);
+  bool track_local_map(TrackResult& result, const SharedMap* live);
+  bool dead_reckon(TrackResult& result);
+  bool relocalise(TrackResult& result, const SharedMap* live);
+  void accept(TrackResult& result);
+  void lose(Outcome& outcome, const SharedMap* live);
+  void begin_submap(Outcome& outcome);
+
+  void follow_map(const Map& map);
+  void add_depth_points();
+  bool may_make_key_frame(const TrackResult& result) const;
+  bool may_dead_reckon() const {
+    return settings_.mode == TrackingMode::localisation && settings_.sensor != Sensor::monocular;
+  }
+
+  // The frame before the current one, and the map as that saw it.
+  struct LastFrame {
+    TrackedFrame frame;
+    RelativePose pose;         // of the last frame that had one
+    uint32_t submap = 0;       // of its reference key frame
+    KeyFrameId new_reference;  // a key frame just made, to become the reference
+    bool map_changed = false;  // since the frame was brought up to date with the map
+    uint64_t moves = 0;        // Map::moves() when it was
+
+    void become(const Map& map, KeyFrameId key_frame);
+    void take_points(const Map& map, KeyFrameId key_frame);
+    void refresh_points(const Map& map);
+  };
+  // How safely the camera is tracked.
+  struct Health {
+    Timestamp last_recovery = std::numeric_limits<Timestamp>::min() / 2;
+    int dead_reckoned_frames = 0;  // in a row
+    bool weak = false;             // few inliers lately
+    bool near_loss = false;        // few with the last frame
+
+    bool recovered_lately(Timestamp now) const { return now - last_recovery < from_seconds(1.0); }
+  };
+
+  const SharedMap& map_;
+  const TrackingSettings settings_;
+  TrackState state_ = TrackState::not_initialised;
+  TrackedFrame current_;
+  LastFrame last_;
+  Health health_;
+  PoseSearch search_;
+  MotionModel motion_;
+  KeyFramePolicy key_frames_;
+  MapStarter starter_;
+  Relocaliser relocaliser_;
+};
+
+}  // namespace covis
