@@ -254,7 +254,8 @@ def check_words(root, sources):
                 line = first + text.count('\n', 0, match.start())
                 if 'house:ok' not in lines[line - 1]:
                     said = ' '.join(match.group().split())
-                    places.append(f'{file}:{line}: "{said}": write {instead}')
+                    places.append((file, line, f'"{said}": write {instead}'))
+    places = [f'{file}:{line}: {what}' for file, line, what in sorted(places)]
     return Rule(name, len(places), len(places) <= BARS[name], places, places)
 
 

@@ -250,14 +250,17 @@ class Outline:
 
     def _class(self, head, inner, owner, path, local):
         base = next((n for n, h in enumerate(head) if h.text == ':'), len(head))
-        names = [h.text for h in head[1:base] if h.kind == 'name' and h.text != 'final']
+        names = []  # the last one, with what qualifies it
+        for n in range(1, base):
+            if head[n].kind == 'name' and head[n].text != 'final':
+                names = (names if head[n - 1].text == '::' else []) + [head[n].text]
         if not names:  # its fields are those of the class round it, or of a variable
             name = owner.name + '::(unnamed)' if owner else '(unnamed)'
         else:
-            name = '::'.join(path + names[-1:])
+            name = '::'.join(path + names)
         made = Class(name, head[0].line, head[0].text)
         self.classes.append(made)
-        self._scope(*inner, made, path + names[-1:], local)
+        self._scope(*inner, made, path + names, local)
 
     def _function(self, head, plain, parameters, owner, path, local, body=None):
         name = called_name(plain, parameters)
