@@ -225,7 +225,7 @@ def check_comments(sources):
     name, total, places = 'comments that begin with a fragment, %', 0, []
     for source in sources:
         for comment in source.outline.comments:
-            first = re.match(r"[^A-Za-z]*([A-Za-z]+)", comment.text)
+            first = re.match(r'\W*(\w+)', comment.text)
             if not first or NO_PROSE.match(comment.text):
                 continue
             total += 1

@@ -289,7 +289,9 @@ class Outline:
         plain = strip_head(head)
         names = [h.text for h in plain]
         for h in head:  # what braces hold has been read
-            if h.text in ('()', '[]'):
+            if h.text == '[]' and self._is_capture(h.first):
+                self._lambda(h.first, h.last + 1, len(self.tokens))
+            elif h.text == '()':
                 self._body(h.first + 1, h.last, path, local)
         if not plain or names[0] in NOT_FIELDS - {'friend'}:
             return
