@@ -184,8 +184,8 @@ def check_includes(root, sources):
     files = {s.name: s for s in sources if not s.test}
     edges, lines = {}, {}
     for source in files.values():
-        for line, target in source.outline.includes:
-            tries = [f'src/{target}', f'include/{target}', target, f'{source.folder}/{target}']
+        for line, target, quoted in source.outline.includes:
+            tries = [f'src/{target}', f'include/{target}', target] + [f'{source.folder}/{target}'] * quoted
             other = next((t for t in tries if t in files), None)
             if not other:
                 continue

@@ -18,12 +18,12 @@ TOKEN = re.compile(
     r'|(?P<name>[A-Za-z_]\w*)'
     r'|(?P<symbol>::|->\*?|<=>|<<=?|[<>=!+\-*/%&|^]=|&&|\|\||\+\+|--|\.\.\.|[^\s\w])', re.DOTALL | re.MULTILINE)
 DIRECTIVE = re.compile(r'\s*#\s*(\w+)\s*(.*)', re.DOTALL)
-INCLUDE = re.compile(r'[<"]([^>"]+)[>"]')
+INCLUDE = re.compile(r'([<"])([^>"]+)[>"]')
 # Names before a parenthesis that is not a list of parameters, and those that are never a function's.
 NOT_CALLED = {'requires', 'alignas', 'decltype', 'noexcept', 'explicit', 'sizeof', 'alignof', '__attribute__', 'if', 'while', 'for',
               'switch', 'return', 'catch', 'static_assert'}
 ATTRIBUTE_MACRO = re.compile(r'[A-Z]+_[A-Z_]+$')  # GUARDED_BY(mutex_); not SE3(…)
-NOT_FIELDS = {'using', 'typedef', 'friend', 'static_assert', 'template', 'extern', 'concept', 'namespace'}
+NOT_FIELDS = {'using', 'typedef', 'friend', 'static_assert', 'template', 'extern', 'concept', 'namespace'}  # at the beginning
 CLASS_KEYS = {'class', 'struct', 'union'}
 OPENING, CLOSING = {'(': ')', '[': ']', '{': '}'}, {')', ']', '}'}
 
@@ -123,12 +123,12 @@ class Outline:
         self.lines = text.count('\n') + (not text.endswith('\n') and text != '')
         self.tokens, found, directives = tokenise(text)
         self.comments = gather_comments(found)
-        self.includes = []  # (line, target)
+        self.includes = []  # (line, target, in quotes or not)
         for token in directives:
             word, rest = DIRECTIVE.match(token.text).groups() if DIRECTIVE.match(token.text) else ('', '')
             target = word == 'include' and INCLUDE.match(rest)
             if target:
-                self.includes.append((token.line, target.group(1)))
+                self.includes.append((token.line, target.group(2), target.group(1) == '"'))
         self.classes, self.functions = [], []
         self._ends = self._match_brackets()
         self._scope(0, len(self.tokens), None, [], False)
@@ -285,44 +285,37 @@ class Outline:
         return [part for part in parts if part]
 
     def _declaration(self, head, owner, path, local):
-        template = any(h.text == 'template' for h in head)
-        plain = strip_head(head)
-        names = [h.text for h in plain]
-        for h in head:  # what braces hold has been read
+        for h in head:  # initialisers and default arguments may hold lambdas; what braces hold has been read
             if h.text == '[]' and self._is_capture(h.first):
                 self._lambda(h.first, h.last + 1, len(self.tokens))
             elif h.text == '()':
                 self._body(h.first + 1, h.last, path, local)
-        if not plain or names[0] in NOT_FIELDS - {'friend'}:
+        plain = strip_head(head)
+        names = [h.text for h in plain]
+        if not plain or names[0] in NOT_FIELDS:
             return
         parameters = parameter_list(plain)
         if parameters is not None:
             self._function(head, plain, parameters, owner, path, local)
-            return
-        if not owner or template or names[0] == 'friend':
-            return
-        if 'static' in names and ('constexpr' in names or 'const' in names):
-            return
-        key = next((n for n, h in enumerate(plain) if h.text in CLASS_KEYS | {'enum'}), None)
-        if key is not None and '=' not in names[:key]:
-            body = next((n for n, h in enumerate(plain) if h.text == '{}'), None)
-            if body is None:
-                if len([n for n in names[key:] if n not in ('class', 'struct')]) <= 2 - (names[key] != 'enum'):
-                    return  # declared only
-                if names[key] == 'enum' and ':' in names:
-                    return
-            else:
-                made = self.classes[-1] if names[key] != 'enum' else None
-                plain = plain[body + 1:]
-                if not plain:
-                    unnamed = [c for c in self.classes if c.name == owner.name + '::(unnamed)']
-                    if made and unnamed and body == key + 1:
-                        owner.fields += unnamed[-1].fields
-                        self.classes.remove(unnamed[-1])
-                    return
-                owner.fields += declared_names([Item('', 'symbol', 0, 0, 0)] + plain)
-                return
-        owner.fields += declared_names(plain)
+        elif owner and not ('static' in names and {'constexpr', 'const'} & set(names)):
+            self._fields(plain, names, owner)
+
+    def _fields(self, plain, names, owner):
+        key = next((n for n, name in enumerate(names) if name in CLASS_KEYS | {'enum'}), None)
+        body = names.index('{}') if '{}' in names else None
+        if key is None:
+            owner.fields += declared_names(plain)
+        elif body is None:
+            words = [name for name in names[key:] if name not in CLASS_KEYS | {'enum'}]
+            if len(words) > 1 and ':' not in words:  # struct timespec now; else a class or enum is declared only
+                owner.fields += declared_names(plain)
+        elif body + 1 < len(plain):
+            owner.fields += declared_names(plain[body + 1:])
+        else:
+            unnamed = [c for c in self.classes if c.name == owner.name + '::(unnamed)']
+            if body == key + 1 and names[key] != 'enum' and unnamed:  # union { int a; float b; };
+                owner.fields += unnamed[-1].fields
+                self.classes.remove(unnamed[-1])
 
     def _body(self, begin, end, path, local):
         """Looks through statements for classes and lambdas."""

@@ -144,7 +144,7 @@ class CommentsTest(unittest.TestCase):
         self.assertEqual(list(Outline('f("a"\n  "b", "c"); // "d"\n').strings()), [(1, 'a\nb'), (2, 'c')])
 
     def test_includes(self):
-        self.assertEqual(Outline('#include "a/b.h"\n#  include <c>  // d\n// #include "e"\n').includes, [(1, 'a/b.h'), (2, 'c')])
+        self.assertEqual(Outline('#include "a/b.h"\n#  include <c>  // d\n// #include "e"\n').includes, [(1, 'a/b.h', True), (2, 'c', False)])
 
 
 if __name__ == '__main__':
