@@ -71,10 +71,11 @@ class Source:
 class Rule:
     """One line of the table: what was measured, and whether it is within its bar."""
 
-    def __init__(self, name, value, good, problems=(), rows=(), problem=None):
+    def __init__(self, name, value, good, problems=(), rows=(), summary=None):
         self.name, self.value, self.good = name, value, good
-        self.rows = list(rows)  # for --list
-        self.problems = [] if good else ([problem] if problem else []) + list(problems)
+        head = [summary] if summary else []
+        self.rows = head + list(rows)  # for --list
+        self.problems = [] if good else head + list(problems)
 
 
 def at(source, line):
