@@ -6,8 +6,9 @@
 //       {.width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 320, .cy = 240, .baseline = 0.08},
 //       covis::SensorType::rgbd);
 //   if (!slam) return report(slam.error());
-//   covis::FrameResult result = (*slam)->track_rgbd(stamp, grey, depth);
-//   if (result.tracked) use(result.pose);
+//   auto result = (*slam)->track_rgbd(stamp_ns, {grey, 640, 480, 640}, {depth, 640, 480, 640});
+//   if (!result) return report(result.error());
+//   if (result->tracked) use(result->pose);
 //
 // Conventions: metres, radians, nanoseconds; camera x right, y down, z forward; a Pose is T_wc, camera to world; the
 // world is the camera of the first key frame. Monocular maps have no metric scale: the median depth of the first is 1.

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # Installs libcovis of the build folder BUILD into a fresh prefix, checks what it needs and shows, then builds and runs the
-# consumer in SOURCE against it, which must find version VERSION.
+# consumer in SOURCE against it, which must find version VERSION, and the examples in the documentation of the project in ROOT.
 cmake_minimum_required(VERSION 3.22)
 set(work ${BUILD}/consumer_test)
 set(prefix ${work}/prefix)
 file(REMOVE_RECURSE ${work})
+file(MAKE_DIRECTORY ${work}/run)
 
 function(run)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  execute_process(COMMAND ${ARGN} WORKING_DIRECTORY ${work}/run RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT result EQUAL 0)
     list(JOIN ARGN " " command)
     message(FATAL_ERROR "${command}: ${result}\n${output}")
@@ -42,8 +43,15 @@ foreach(symbol ${symbols})
   endif()
 endforeach()
 
-run(${CMAKE_COMMAND} -S ${SOURCE} -B ${work}/build -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${CXX})
-run(${CMAKE_COMMAND} --build ${work}/build)
+run(${PYTHON} ${SOURCE}/extract_examples.py ${ROOT} ${work}/examples)
+message("${output}")
+run(${CMAKE_COMMAND} -S ${SOURCE} -B ${work}/build -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${CXX} -DEXAMPLES=${work}/examples)
+run(${CMAKE_COMMAND} --build ${work}/build --parallel 2)
+file(GLOB programs ${work}/examples/program_*.cpp)
+foreach(source ${programs})
+  get_filename_component(name ${source} NAME_WE)
+  run(${work}/build/${name})
+endforeach()
 run(${work}/build/consumer)
 if(NOT output MATCHES "covis ${VERSION}")
   message(FATAL_ERROR "the consumer says '${output}' where it should say version ${VERSION}")
