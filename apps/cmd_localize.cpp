@@ -12,6 +12,7 @@
 #include "covis/core/quantile.h"
 #include "covis/io/sequence.h"
 #include "covis/io/trajectory.h"
+#include "covis/storage/compatibility.h"
 #include "places.h"
 
 namespace covis::app {
@@ -83,7 +84,8 @@ int localize(const LocalizeArguments& arguments) {
   if (arguments.features > 0) options.orb.features = arguments.features;
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
-  auto map = open_map(arguments.map, options);
+  auto map = storage::load_compatible_map(arguments.map, map_header((*sequence)->camera(), options, vocabulary->get()),
+                                          storage::MapUse::localization);
   if (!map) return fail_with(map.error());
   System system((*sequence)->camera(), options, *vocabulary);
   if (const auto set = system.set_map(std::move(map->map), map->header.camera); !set)

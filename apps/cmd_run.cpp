@@ -18,6 +18,7 @@
 #include "covis/io/config.h"
 #include "covis/io/sequence.h"
 #include "covis/slam/system.h"
+#include "covis/storage/compatibility.h"
 #include "pace.h"
 #include "places.h"
 #include "progress.h"
@@ -132,7 +133,7 @@ std::optional<Trajectory> read_truth(const io::Sequence& sequence) {
 
 // The run's files, and the map where it is asked for. Returns the summary.
 Result<nlohmann::json> save(const RunArguments& arguments, const RunRecord& record, const System& system,
-                            const io::Sequence& sequence, const io::MapHeader& header) {
+                            const io::Sequence& sequence, const storage::MapHeader& header) {
   const std::optional<Trajectory> truth = read_truth(sequence);
   OutputOptions output;
   output.directory = arguments.out;
@@ -142,7 +143,7 @@ Result<nlohmann::json> save(const RunArguments& arguments, const RunRecord& reco
   auto summary = write_outputs(record, system, output);
   if (!arguments.save_map.empty()) {
     const MapState state = system.map().read()->state();
-    if (const auto saved = io::save_map(arguments.save_map, state, header); !saved)
+    if (const auto saved = storage::save_map(arguments.save_map, state, header); !saved)
       return tl::unexpected(saved.error());
   }
   return summary;
@@ -201,11 +202,14 @@ int run(const RunArguments& arguments) {
     return fail_with("--localize: it needs a map to localise in, --map FILE");
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
-  std::optional<io::SavedMap> map;
+  storage::MapHeader header = map_header((*sequence)->camera(), options, vocabulary->get());
+  std::optional<storage::SavedMap> map;
   if (!arguments.map.empty()) {
-    auto opened = open_map(arguments.map, options);
+    const auto use = options.localize ? storage::MapUse::localization : storage::MapUse::continuation;
+    auto opened = storage::load_compatible_map(arguments.map, header, use);
     if (!opened) return fail_with(opened.error());
     map = std::move(*opened);
+    header.camera = map->header.camera;
   }
   if (const auto opened = open_output_folder(arguments.out); !opened) return fail_with(opened.error());
 
@@ -216,7 +220,7 @@ int run(const RunArguments& arguments) {
   System system((*sequence)->camera(), options, *vocabulary);
   if (map) {
     if (const auto set = system.set_map(std::move(map->map), map->header.camera); !set)
-      return fail_with(arguments.map + ": " + set.error().message + " (--localize)");
+      return fail_with(arguments.map + ": " + set.error().message);
   }
   const Stopwatch wall;
   track_all(**sequence, system, arguments, record);
@@ -224,7 +228,6 @@ int run(const RunArguments& arguments) {
   record.interrupted = interrupted != 0;
   if (record.frames.empty() && !record.interrupted) return fail_with(arguments.path + ": no frame could be read");
 
-  const auto header = map_header(map ? map->header.camera : (*sequence)->camera(), options, vocabulary->get());
   const auto summary = save(arguments, record, system, **sequence, header);
   if (!summary) return fail_with(summary.error());
   return tell(arguments, *summary, (*sequence)->kind());

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "common.h"
+#include "covis/core/atomic_file.h"
 #include "covis/eval/evaluation.h"
 #include "covis/eval/report.h"
-#include "covis/io/files.h"
 #include "covis/io/outputs.h"
 
 namespace covis::app {
@@ -19,7 +19,8 @@ using nlohmann::json;
 // One for each map; an empty one when there is no map at all.
 std::vector<Trajectory> by_map(const std::vector<PoseOfFrame>& poses, size_t maps) {
   std::vector<Trajectory> trajectories(std::max<size_t>(1, maps));
-  for (const PoseOfFrame& pose : poses) trajectories[static_cast<size_t>(pose.submap_index)].push_back({pose.stamp, pose.T_wc});
+  for (const PoseOfFrame& pose : poses)
+    trajectories[static_cast<size_t>(pose.submap_index)].push_back({pose.stamp, pose.T_wc});
   return trajectories;
 }
 
@@ -107,9 +108,9 @@ Result<json> write_outputs(const RunRecord& run, const System& system, const Out
   keep_first(io::write_trajectory(out / "trajectory_online.txt", online, options.format));
   keep_first(io::write_trajectory(out / "keyframes.txt", key_frames, options.format));
   keep_first(io::write_ply(out / "map.ply", points));
-  keep_first(io::write_text_atomically(out / "stats.jsonl", stats_text(run, poses)));
-  keep_first(io::write_text_atomically(out / "summary.json",
-                                       summary.dump(2, ' ', false, json::error_handler_t::replace) + "\n"));
+  keep_first(write_atomically(out / "stats.jsonl", stats_text(run, poses)));
+  keep_first(
+      write_atomically(out / "summary.json", summary.dump(2, ' ', false, json::error_handler_t::replace) + "\n"));
   ReportInput report;
   report.title = options.title;
   report.estimate = final;

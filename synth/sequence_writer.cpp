@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "covis/core/atomic_file.h"
 #include "covis/core/blocking_queue.h"
 #include "covis/io/camera_file.h"
 #include "covis/io/files.h"
@@ -57,8 +58,7 @@ class ImageWriter {
               ".png", job->image, coded,
               {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY})) {
         error_ = Error{job->file.string() + ": it can't be coded as PNG"};
-      } else if (auto ok =
-                     io::write_text_atomically(job->file, {reinterpret_cast<const char*>(coded.data()), coded.size()});
+      } else if (auto ok = write_atomically(job->file, {reinterpret_cast<const char*>(coded.data()), coded.size()});
                  !ok) {
         error_ = ok.error();
       }
@@ -156,7 +156,7 @@ Result<void> write_description(const Synth& synth, const fs::path& folder, const
     }
   }
   for (const auto& [name, text] : files) {
-    if (auto ok = io::write_text_atomically(folder / name, text); !ok) return ok;
+    if (auto ok = write_atomically(folder / name, text); !ok) return ok;
   }
   if (auto ok = io::write_trajectory(folder / "groundtruth.txt", truth, io::TrajectoryFormat::tum); !ok) return ok;
   if (synth.sensor() != Sensor::stereo) return {};

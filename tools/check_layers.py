@@ -27,23 +27,26 @@ LAYERS = {
     'optimization': {'core', 'geometry'},
     'slam': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization'},
     'api': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'slam'},
-    'io': {'core', 'geometry', 'map'},
+    'storage': {'core', 'geometry', 'features', 'vocabulary', 'map'},
+    'io': {'core', 'geometry'},
     'eval': {'core', 'geometry', 'io'},
     'synth/render': {'core', 'geometry'},
     'synth/things': {'core', 'geometry', 'synth/render'},
     'synth/worlds': {'core', 'geometry', 'synth/render', 'synth/things'},
     'synth': {'core', 'geometry', 'io', 'synth/render', 'synth/things', 'synth/worlds'},
 }
-CORE = {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'slam', 'api'}
+CORE = {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'slam', 'api', 'storage'}
 # Tests may include any module but those, which would turn the arrows round.
 ABOVE_TESTS = {module: {'slam', 'api'} for module in LAYERS}
 ABOVE_TESTS['slam'] = {'api'}
 ABOVE_TESTS['api'] = set()
 
 CORE_EXTERNAL = re.compile(r'[a-z_]+$|Eigen/|hwy/|tl/expected\.hpp$')  # a name without dot or slash is the standard library's
-# Files that are used where they lie, and written whole or not at all; priorities and cores of threads: the standard library can't.
-POSIX = {('vocabulary', header) for header in ('fcntl.h', 'sys/mman.h', 'sys/stat.h', 'unistd.h')}
-POSIX |= {('core', header) for header in ('pthread.h', 'sched.h', 'sys/resource.h')}
+# What the standard library can't do: files that are used where they lie, and written whole or not at all; priorities and
+# cores of threads. And the compression of saved maps.
+EXCEPTIONS = {('core', header) for header in ('fcntl.h', 'sys/mman.h', 'sys/stat.h', 'unistd.h')}
+EXCEPTIONS |= {('core', header) for header in ('pthread.h', 'sched.h', 'sys/resource.h')}
+EXCEPTIONS |= {('storage', 'zstd.h')}
 TEST_HELPER_EXTERNAL = re.compile(r'g(test|mock)/')
 OUTER_FORBIDDEN = re.compile(r'spdlog/|fmt/|CLI/|opencv2/(highgui|viz)')  # the command's, and windows
 FORBIDDEN_CALLS = [
@@ -98,7 +101,7 @@ def check_include(path, module, bracket, target):
     if path.stem.endswith('_test'):
         return None
     if module in CORE:
-        allowed = (CORE_EXTERNAL.match(target) or (module, target) in POSIX or
+        allowed = (CORE_EXTERNAL.match(target) or (module, target) in EXCEPTIONS or
                    (test and TEST_HELPER_EXTERNAL.match(target)))
         return None if allowed else f'core module {module} must not include <{target}>'
     return f'{module} must not include <{target}>' if OUTER_FORBIDDEN.match(target) else None

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "covis/core/atomic_file.h"
 #include "covis/io/files.h"
 
 namespace covis::io {
@@ -130,7 +131,7 @@ Result<void> write_trajectory(const std::filesystem::path& file, const Trajector
     }
     text += '\n';
   }
-  return write_text_atomically(file, text);
+  return write_atomically(file, text);
 }
 
 }  // namespace covis::io

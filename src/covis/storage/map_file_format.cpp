@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "covis/io/map_file_format.h"
+#include "covis/storage/map_file_format.h"
 
 #include <zstd.h>
 
@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <system_error>
 
-namespace covis::io {
+namespace covis::storage {
 namespace {
 
 constexpr std::string_view kMagic = "COVISMAP";
@@ -187,4 +187,4 @@ Result<void> SectionFile::verify_others() {
   return {};
 }
 
-}  // namespace covis::io
+}  // namespace covis::storage

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "covis/io/test_maps.h"
+#include "covis/storage/test_maps.h"
 
-namespace covis::io {
+namespace covis::storage {
 namespace {
 
 using testing::HasSubstr;
@@ -109,4 +109,4 @@ TEST(MapState, UnsoundOnesAreRefused) {
 }
 
 }  // namespace
-}  // namespace covis::io
+}  // namespace covis::storage

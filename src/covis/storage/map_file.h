@@ -16,7 +16,7 @@
 #include "covis/map/map.h"
 #include "covis/map/map_state.h"
 
-namespace covis::io {
+namespace covis::storage {
 
 // What the map was made with.
 struct MapHeader {
@@ -37,7 +37,7 @@ struct MapInfo {
   uint16_t major = 0, minor = 0;  // version of the format
   uint64_t file_size = 0;         // bytes
   uint64_t key_frames = 0, points = 0, observations = 0, features = 0;
-  uint64_t submaps = 0;                                // maps that are not joined
+  uint64_t submaps = 0;                              // maps that are not joined
   Eigen::Vector3d extent = Eigen::Vector3d::Zero();  // metres: sides of the box around the key frames' centres
   double seconds = 0;                                // from the first to the last key frame's stamp
 };
@@ -53,4 +53,4 @@ Result<SavedMap> load_map(const std::filesystem::path& file);
 // those.
 Result<MapInfo> read_map_info(const std::filesystem::path& file);
 
-}  // namespace covis::io
+}  // namespace covis::storage

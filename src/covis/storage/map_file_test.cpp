@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Saved maps: nothing is lost, nothing damaged is taken, and a killed save leaves the old file.
-#include "covis/io/map_file.h"
+#include "covis/storage/map_file.h"
 
 #include <poll.h>
 #include <sys/wait.h>
@@ -14,23 +14,24 @@
 #include <limits>
 
 #include "covis/core/log.h"
-#include "covis/io/files.h"
-#include "covis/io/map_file_format.h"
-#include "covis/io/test_maps.h"
-#include "covis/io/test_recordings.h"
+#include "covis/core/test_folder.h"
+#include "covis/storage/map_file_format.h"
+#include "covis/storage/test_maps.h"
 
-namespace covis::io {
+namespace covis::storage {
 namespace {
 
+namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-class MapFile : public RecordingTest {
+class MapFile : public testing::Test {
  protected:
+  const TemporaryFolder folder;
   fs::path file() const { return folder / "m.covis"; }
   std::string bytes_of(const Map& map) const {
     const auto saved = save_map(file(), map.state(), test_header());
     EXPECT_TRUE(saved) << saved.error().message;
-    return *read_text(file());
+    return read_file(file());
   }
   // The file's bytes with one section after `change`, the checksums right again.
   std::string with_changed(uint32_t id, const std::function<void(std::string&)>& change) const {
@@ -42,7 +43,7 @@ class MapFile : public RecordingTest {
   }
   // Loading and asking fail, the message names the file and says so.
   void expect_refused(const std::string& bytes, const std::string& why) const {
-    write("bad.covis", bytes);
+    write_file(folder / "bad.covis", bytes);
     const auto loaded = load_map(folder / "bad.covis");
     ASSERT_FALSE(loaded);
     EXPECT_THAT(loaded.error().message, testing::StartsWith((folder / "bad.covis").string() + ": "));
@@ -141,7 +142,7 @@ TEST_F(MapFile, KeyFramesOfTwoCamerasGetTheFirstOnes) {
     ASSERT_NE(at, std::string::npos);
     bytes.replace(at, sizeof other, reinterpret_cast<const char*>(&other), sizeof other);
   });
-  write("two.covis", changed);
+  write_file(folder / "two.covis", changed);
   std::string said;
   set_log_sink([&](LogLevel, std::string_view text) { said += text; });
   const auto loaded = load_map(folder / "two.covis");
@@ -217,7 +218,7 @@ TEST_F(MapFile, ForeignMissingAndEmptyFiles) {
   expect_refused(std::string(5000, '\0'), "it is not a map of Covis");
   expect_refused("COVISMAP", "it is cut off within its header");
   EXPECT_THAT(load_map(folder / "none.covis").error().message, HasSubstr("none.covis: it can't be opened"));
-  EXPECT_THAT(load_map(folder).error().message, HasSubstr("it is a folder"));
+  EXPECT_THAT(load_map(folder.path()).error().message, HasSubstr("it is a folder"));
   EXPECT_THAT(save_map(folder / "no/m.covis", Map().state(), test_header()).error().message, HasSubstr("no/m.covis"));
 }
 
@@ -229,7 +230,7 @@ TEST_F(MapFile, NewerVersions) {
   for (uint32_t i = 1; i <= 5; ++i) sections.push_back({i, *opened->read(i, "any")});
   sections.push_back({78, ""});
   std::string newer = *pack_sections(sections, kMapFileMajor, kMapFileMinor + 3);
-  write("newer.covis", newer);
+  write_file(folder / "newer.covis", newer);
   const auto loaded = load_map(folder / "newer.covis");
   ASSERT_TRUE(loaded) << loaded.error().message;
   expect_equal(map, loaded->map);
@@ -249,16 +250,16 @@ TEST_F(MapFile, WrongContentsAreNeverTrusted) {
   int refused = 0;
   constexpr int kRounds = 800;
   for (int round = 0; round < kRounds; ++round) {
-    write("bad.covis", with_changed(1 + random.below(5), [&](std::string& bytes) {
-            const uint32_t size = static_cast<uint32_t>(bytes.size());
-            if (random.below(20) == 0) {
-              bytes.resize(random.below(2 * size));
-            } else {
-              const char values[] = {'\xff', '\0', '\x7f', static_cast<char>(random.below(256))};
-              const uint32_t at = random.below(size), length = 1 + random.below(8);
-              for (uint32_t i = at; i < std::min(at + length, size); ++i) bytes[i] = values[random.below(4)];
-            }
-          }));
+    write_file(folder / "bad.covis", with_changed(1 + random.below(5), [&](std::string& bytes) {
+                 const uint32_t size = static_cast<uint32_t>(bytes.size());
+                 if (random.below(20) == 0) {
+                   bytes.resize(random.below(2 * size));
+                 } else {
+                   const char values[] = {'\xff', '\0', '\x7f', static_cast<char>(random.below(256))};
+                   const uint32_t at = random.below(size), length = 1 + random.below(8);
+                   for (uint32_t i = at; i < std::min(at + length, size); ++i) bytes[i] = values[random.below(4)];
+                 }
+               }));
     const auto loaded = load_map(folder / "bad.covis");
     refused += !loaded;
     if (loaded) {
@@ -280,7 +281,7 @@ TEST_F(MapFile, NothingUnsoundIsSavedAndTheOldFileStays) {
   MapHeader header = test_header();
   header.camera.pinhole.fx = 0;
   EXPECT_THAT(save_map(file(), map.state(), header).error().message, HasSubstr("its camera makes no sense"));
-  EXPECT_EQ(*read_text(file()), old);
+  EXPECT_EQ(read_file(file()), old);
 }
 
 // The child saves one map over the other, again and again, until it is killed.
@@ -314,11 +315,11 @@ TEST_F(MapFile, KilledWhileSaving) {
     ASSERT_TRUE(WIFSIGNALED(status)) << "the child failed to save";
     close(ready[0]);
     close(ready[1]);
-    const std::string left = *read_text(file());
+    const std::string left = read_file(file());
     ASSERT_TRUE(left == bytes_a || left == bytes_b) << "round " << round;
     ASSERT_TRUE(load_map(file()));
   }
 }
 
 }  // namespace
-}  // namespace covis::io
+}  // namespace covis::storage

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "covis/io/map_file.h"
+#include "covis/storage/map_file.h"
 
 #include <algorithm>
 #include <array>
@@ -8,11 +8,11 @@
 #include <memory>
 #include <utility>
 
+#include "covis/core/atomic_file.h"
 #include "covis/core/log.h"
-#include "covis/io/files.h"
-#include "covis/io/map_file_format.h"
+#include "covis/storage/map_file_format.h"
 
-namespace covis::io {
+namespace covis::storage {
 namespace {
 
 // The sections' ids.
@@ -298,7 +298,7 @@ Result<void> save_map(const std::filesystem::path& file, const MapState& map, co
   if (!problem.empty()) return fail(file.string() + ": the map is not sound and was not saved: " + problem);
   const auto bytes = pack_sections(sections_of(map, header));
   if (!bytes) return fail(file.string() + ": " + bytes.error().message);
-  return write_text_atomically(file, *bytes, Durable::yes);
+  return write_atomically(file, *bytes, Durability::durable);
 }
 
 Result<SavedMap> load_map(const std::filesystem::path& path) {
@@ -324,8 +324,8 @@ Result<MapInfo> read_map_info(const std::filesystem::path& path) {
   const Counts& c = about->counts;
   MapInfo info{about->header, file->major(), file->minor(),  file->size(),
                c.key_frames,  c.points,      c.observations, c.features};
-  info.submaps = static_cast<uint64_t>(std::count_if(key_frames->begin(), key_frames->end(),
-                                                   [](const KeyFrameState& k) { return k.parent == MapState::kNone; }));
+  info.submaps = static_cast<uint64_t>(std::count_if(
+      key_frames->begin(), key_frames->end(), [](const KeyFrameState& k) { return k.parent == MapState::kNone; }));
   if (key_frames->empty()) return info;
   Eigen::AlignedBox3d box;
   Timestamp first = key_frames->front().stamp, last = first;
@@ -340,4 +340,4 @@ Result<MapInfo> read_map_info(const std::filesystem::path& path) {
   return info;
 }
 
-}  // namespace covis::io
+}  // namespace covis::storage

@@ -17,7 +17,7 @@
 
 #include "covis/core/error.h"
 
-namespace covis::io {
+namespace covis::storage {
 
 inline constexpr uint16_t kMapFileMajor = 1;  // files of another one can't be read
 inline constexpr uint16_t kMapFileMinor = 1;  // a newer one moves no field: read, but for what it may newly contain
@@ -134,4 +134,4 @@ class SectionFile {
   Result<std::string> read_stored(Entry& entry, std::string_view name);
 };
 
-}  // namespace covis::io
+}  // namespace covis::storage

@@ -9,9 +9,9 @@
 
 #include "covis/core/random.h"
 #include "covis/features/test_features.h"
-#include "covis/io/map_file.h"
+#include "covis/storage/map_file.h"
 
-namespace covis::io {
+namespace covis::storage {
 
 inline MapHeader test_header() {
   MapHeader header;
@@ -158,4 +158,4 @@ inline void expect_equal(const Map& a, const Map& b) {
   }
 }
 
-}  // namespace covis::io
+}  // namespace covis::storage
