@@ -14,6 +14,7 @@
 #include "covis/io/trajectory.h"
 #include "covis/storage/compatibility.h"
 #include "places.h"
+#include "system_input.h"
 
 namespace covis::app {
 namespace {
@@ -93,7 +94,7 @@ int localize(const LocalizeArguments& arguments) {
 
   const Found found = locate_all(**sequence, system);
   if (found.frames == 0) return fail_with(arguments.path + ": no frame could be read");
-  const auto saved = write_trajectories(arguments.out, found.of_map, io::TrajectoryFormat::tum);
+  const auto saved = io::write_trajectories(arguments.out, found.of_map, io::TrajectoryFormat::tum);
   if (!saved) return fail_with(saved.error());
   print(found, arguments);
   return 0;

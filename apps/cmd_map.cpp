@@ -23,7 +23,7 @@ nlohmann::json to_json(const std::string& file, const storage::MapInfo& info) {
   return {{"file", file},
           {"version", std::to_string(info.major) + "." + std::to_string(info.minor)},
           {"bytes", info.file_size},
-          {"sensor", name_of(kSensors, info.header.sensor)},
+          {"sensor", name(info.header.sensor)},
           {"camera", camera_json(info.header.camera)},
           {"pyramid", {{"levels", info.header.levels}, {"factor", info.header.factor}}},
           {"vocabulary", info.header.vocabulary},

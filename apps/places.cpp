@@ -10,14 +10,6 @@ constexpr const char* kDefault = "default.covis-voc";
 
 }  // namespace
 
-System::Input input_of(const io::Frame& frame) {
-  return {.frame = frame.index,
-          .stamp = frame.stamp,
-          .image = frame.image.view(),
-          .right = frame.right.view(),
-          .depth = frame.depth.view()};
-}
-
 Result<std::shared_ptr<const Vocabulary>> open_vocabulary(const std::string& name) {
   if (name == "none") return nullptr;
   if (!name.empty()) return Vocabulary::load(name);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the commands that run the system share: its input, its vocabulary, and what its map is made with.
+// What the commands that run the system share: a vocabulary, and the header of a saved map.
 #pragma once
 
 #include <filesystem>
@@ -8,15 +8,11 @@
 
 #include "covis/core/error.h"
 #include "covis/geometry/camera.h"
-#include "covis/io/sequence.h"
 #include "covis/slam/system.h"
 #include "covis/storage/map_file.h"
 #include "covis/vocabulary/vocabulary.h"
 
 namespace covis::app {
-
-// Views of the frame's images.
-System::Input input_of(const io::Frame& frame);
 
 // The vocabulary named; with an empty name the default one, which lies in share/covis beside the installed command or
 // in the source tree; null for "none".

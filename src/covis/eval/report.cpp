@@ -90,7 +90,7 @@ std::string coverage_picture(const ReportInput& in) {
   PlotSeries inliers{"inliers", {}, {}, kBlue, PlotSeries::Style::line, 1},
       missing{"not tracked", {}, {}, kRed, PlotSeries::Style::dots, 2.5};
   for (const ReportFrame& f : in.frames) {
-    const bool tracked = f.state == "tracking";
+    const bool tracked = f.loss.empty();
     inliers.x.push_back(static_cast<double>(f.index));
     inliers.y.push_back(tracked ? f.inliers : std::numeric_limits<double>::quiet_NaN());
     if (tracked) continue;
@@ -111,14 +111,14 @@ std::string coverage_picture(const ReportInput& in) {
 std::string gaps_table(const ReportInput& in) {
   std::string rows;
   for (size_t i = 0; i < in.frames.size();) {
-    if (in.frames[i].state == "tracking") {
+    if (in.frames[i].loss.empty()) {
       ++i;
       continue;
     }
     size_t end = i;
-    while (end + 1 < in.frames.size() && in.frames[end + 1].state == in.frames[i].state) ++end;
+    while (end + 1 < in.frames.size() && in.frames[end + 1].loss == in.frames[i].loss) ++end;
     rows += "<tr><td>" + std::to_string(in.frames[i].index) + " – " + std::to_string(in.frames[end].index) +
-            "</td><td>" + html_escaped(in.frames[i].state) + "</td><td>" + html_escaped(in.frames[i].reason) +
+            "</td><td>" + html_escaped(in.frames[i].loss) + "</td><td>" + html_escaped(in.frames[i].reason) +
             "</td></tr>\n";
     i = end + 1;
   }

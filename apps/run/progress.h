@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a run is.
+// Progress of a run, for people.
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <string_view>
 
 #include "covis/core/time.h"
 
@@ -12,12 +12,13 @@ namespace covis::app {
 // A line on stderr that renews itself; on a terminal only.
 class Progress {
  public:
-  Progress(bool quiet, int64_t total);  // total: frames; -1: not known
+  static constexpr int64_t kUnknown = -1, kHidden = -2;
+  explicit Progress(int64_t total);  // frames, or one of those
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void show(const std::string& state, size_t done, size_t key_frames, size_t points);
+  void show(std::string_view state, size_t done, size_t key_frames, size_t points);
 
  private:
   const bool shown_;

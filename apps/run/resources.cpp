@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "resources.h"
+#include "apps/run/resources.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
