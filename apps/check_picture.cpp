@@ -5,8 +5,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "covis/core/atomic_file.h"
 #include "covis/features/frontend.h"
-#include "covis/io/files.h"
 
 namespace covis::app {
 namespace {
@@ -122,7 +122,7 @@ Result<void> CheckPicture::write(const std::filesystem::path& file) const {
   cv::vconcat(impl_->rows, all);
   std::vector<uint8_t> bytes;
   cv::imencode(".png", all, bytes);
-  return io::write_text_atomically(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  return write_atomically(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 std::string CheckPicture::caption() const {

@@ -127,7 +127,7 @@ Findings read_all(io::Sequence& sequence, const Reading& reading, CheckPicture& 
 nlohmann::json to_json(const io::Sequence& sequence, const Findings& f) {
   nlohmann::json found{{"recording", sequence.description()},
                        {"kind", name_of(kKinds, sequence.kind())},
-                       {"sensor", name_of(kSensors, sequence.sensor())},
+                       {"sensor", name(sequence.sensor())},
                        {"frames", sequence.size()},
                        {"frames_read", f.stamps.size()},
                        {"frames_unreadable", f.unreadable},

@@ -12,7 +12,9 @@
 #include "covis/core/quantile.h"
 #include "covis/io/sequence.h"
 #include "covis/io/trajectory.h"
+#include "covis/storage/compatibility.h"
 #include "places.h"
+#include "system_input.h"
 
 namespace covis::app {
 namespace {
@@ -83,7 +85,8 @@ int localize(const LocalizeArguments& arguments) {
   if (arguments.features > 0) options.orb.features = arguments.features;
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
-  auto map = open_map(arguments.map, options);
+  auto map = storage::load_compatible_map(arguments.map, map_header((*sequence)->camera(), options, vocabulary->get()),
+                                          storage::MapUse::localization);
   if (!map) return fail_with(map.error());
   System system((*sequence)->camera(), options, *vocabulary);
   if (const auto set = system.set_map(std::move(map->map), map->header.camera); !set)
@@ -91,7 +94,7 @@ int localize(const LocalizeArguments& arguments) {
 
   const Found found = locate_all(**sequence, system);
   if (found.frames == 0) return fail_with(arguments.path + ": no frame could be read");
-  const auto saved = write_trajectories(arguments.out, found.of_map, io::TrajectoryFormat::tum);
+  const auto saved = io::write_trajectories(arguments.out, found.of_map, io::TrajectoryFormat::tum);
   if (!saved) return fail_with(saved.error());
   print(found, arguments);
   return 0;

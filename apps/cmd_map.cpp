@@ -9,7 +9,7 @@
 
 #include "commands.h"
 #include "common.h"
-#include "covis/io/map_file.h"
+#include "covis/storage/map_file.h"
 
 namespace covis::app {
 namespace {
@@ -19,11 +19,11 @@ struct MapArguments {
   bool json = false;
 };
 
-nlohmann::json to_json(const std::string& file, const io::MapInfo& info) {
+nlohmann::json to_json(const std::string& file, const storage::MapInfo& info) {
   return {{"file", file},
           {"version", std::to_string(info.major) + "." + std::to_string(info.minor)},
           {"bytes", info.file_size},
-          {"sensor", name_of(kSensors, info.header.sensor)},
+          {"sensor", name(info.header.sensor)},
           {"camera", camera_json(info.header.camera)},
           {"pyramid", {{"levels", info.header.levels}, {"factor", info.header.factor}}},
           {"vocabulary", info.header.vocabulary},
@@ -36,7 +36,7 @@ nlohmann::json to_json(const std::string& file, const io::MapInfo& info) {
           {"seconds", info.seconds}};
 }
 
-void print(const std::string& file, const io::MapInfo& info, const nlohmann::json& json) {
+void print(const std::string& file, const storage::MapInfo& info, const nlohmann::json& json) {
   std::cout << file << "\n";
   std::printf("version         %d.%d\n", info.major, info.minor);
   std::printf("size            %.2f MB\n", static_cast<double>(info.file_size) / 1e6);
@@ -44,7 +44,8 @@ void print(const std::string& file, const io::MapInfo& info, const nlohmann::jso
   std::cout << "camera          " << json["camera"].dump() << "\n";
   std::printf("pyramid         %d levels, factor %g\n", info.header.levels, static_cast<double>(info.header.factor));
   std::cout << "vocabulary      " << (info.header.vocabulary.empty() ? "none" : info.header.vocabulary) << "\n";
-  if (info.submaps > 1) std::printf("maps            %llu, not joined\n", static_cast<unsigned long long>(info.submaps));
+  if (info.submaps > 1)
+    std::printf("maps            %llu, not joined\n", static_cast<unsigned long long>(info.submaps));
   std::printf("key frames      %llu, over %.2f s\n", static_cast<unsigned long long>(info.key_frames), info.seconds);
   std::printf("points          %llu, seen %llu times\n", static_cast<unsigned long long>(info.points),
               static_cast<unsigned long long>(info.observations));
@@ -52,7 +53,7 @@ void print(const std::string& file, const io::MapInfo& info, const nlohmann::jso
 }
 
 int run_info(const MapArguments& a) {
-  const auto info = io::read_map_info(a.file);
+  const auto info = storage::read_map_info(a.file);
   if (!info) return fail_with(info.error());
   const nlohmann::json json = to_json(a.file, *info);
   if (a.json) {
@@ -64,7 +65,7 @@ int run_info(const MapArguments& a) {
 }
 
 int run_check(const MapArguments& a) {
-  const auto loaded = io::load_map(a.file);
+  const auto loaded = storage::load_map(a.file);
   if (!loaded) return fail_with(loaded.error());
   std::cout << a.file << ": whole\n";
   return 0;

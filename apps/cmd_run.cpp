@@ -10,6 +10,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/run/resources.h"
+#include "apps/run/run_json.h"
+#include "apps/run/run_loop.h"
+#include "apps/run/run_outputs.h"
+#include "apps/run/run_text.h"
 #include "commands.h"
 #include "common.h"
 #include "covis/core/fields.h"
@@ -18,11 +23,8 @@
 #include "covis/io/config.h"
 #include "covis/io/sequence.h"
 #include "covis/slam/system.h"
-#include "pace.h"
+#include "covis/storage/compatibility.h"
 #include "places.h"
-#include "progress.h"
-#include "resources.h"
-#include "run_session.h"
 
 namespace covis::app {
 namespace {
@@ -41,54 +43,6 @@ struct RunArguments {
 
 const std::map<std::string, io::TrajectoryFormat> kWriteFormats{
     {"tum", io::TrajectoryFormat::tum}, {"kitti", io::TrajectoryFormat::kitti}, {"euroc", io::TrajectoryFormat::euroc}};
-
-constexpr size_t kMemoryEvery = 100;  // frames
-
-void track_all(io::Sequence& sequence, System& system, const RunArguments& arguments, RunRecord& run) {
-  Progress progress(arguments.quiet, sequence.size());
-  std::optional<Stopwatch> since_first;
-  Pace pace;
-  io::Frame frame;
-  int64_t expected = arguments.reading.first;
-  while (!interrupted) {
-    const Stopwatch decode;
-    Result<std::optional<io::Frame>> next = sequence.next(std::move(frame));
-    frame = {};
-    if (!next) {
-      ++run.unreadable_frames;
-      log(LogLevel::warning, next.error().message);
-      run.frames.push_back(untracked(expected, 0, "unreadable", next.error().message));
-      expected += arguments.reading.stride;
-      continue;
-    }
-    if (!*next) break;
-    frame = std::move(**next);
-    expected = frame.index + arguments.reading.stride;
-    const double decode_ms = decode.ms();
-    if (!since_first) since_first.emplace();
-    if (arguments.realtime && sequence.kind() != io::SequenceKind::camera &&
-        pace.wait_until_due(frame.stamp, 1.0 / sequence.frame_rate())) {
-      ++run.late_frames;
-      run.frames.push_back(
-          untracked(frame.index, frame.stamp, "late", "the next frame was due before this one could be taken"));
-      continue;
-    }
-    const double cpu_start = thread_cpu_ms();
-    const FrameReport report = system.process(input_of(frame));
-    if (run.first_pose_ms < 0 && report.track.state == TrackState::tracking) run.first_pose_ms = since_first->ms();
-    run.mapping.insert(run.mapping.end(), report.mapping.begin(), report.mapping.end());
-    FrameStats stats = to_stats(frame, report, arguments.localize);
-    stats.decode_ms = decode_ms;
-    stats.cpu_ms = thread_cpu_ms() - cpu_start;
-    if (run.frames.size() % kMemoryEvery == 0) stats.rss_mb = resident_mb();
-    run.frames.push_back(std::move(stats));
-    const auto map = system.map().read();
-    progress.show(run.frames.back().state, run.frames.size(), map->key_frame_count(), map->point_count());
-  }
-  const std::vector<MappingReport> rest = system.finish();
-  run.mapping.insert(run.mapping.end(), rest.begin(), rest.end());
-  mark_taken_back(system, arguments.localize, run.frames);
-}
 
 // The settings as the file, --set and the other options have them.
 Result<void> apply_settings(const RunArguments& arguments, const Fields& known, SystemOptions& options) {
@@ -130,55 +84,52 @@ std::optional<Trajectory> read_truth(const io::Sequence& sequence) {
   return std::nullopt;
 }
 
-// The run's files, and the map where it is asked for. Returns the summary.
-Result<nlohmann::json> save(const RunArguments& arguments, const RunRecord& record, const System& system,
-                            const io::Sequence& sequence, const io::MapHeader& header) {
+// Computes the summary and writes the run's files, and the map where it is asked for.
+Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, const System& system,
+                        const io::Sequence& sequence, const storage::MapHeader& header) {
   const std::optional<Trajectory> truth = read_truth(sequence);
   OutputOptions output;
   output.directory = arguments.out;
   output.format = kWriteFormats.at(arguments.format);
   output.title = std::filesystem::path(arguments.path).lexically_normal().filename().string();
   if (truth) output.truth = &*truth;
-  auto summary = write_outputs(record, system, output);
+  const RunResults results = results_of(system);
+  RunSummary summary = summarise(record, results, output.truth, peak_rss_mb());
+  const Result<void> written = write_outputs(record, results, summary, output);
   if (!arguments.save_map.empty()) {
     const MapState state = system.map().read()->state();
-    if (const auto saved = io::save_map(arguments.save_map, state, header); !saved)
+    if (const auto saved = storage::save_map(arguments.save_map, state, header); !saved)
       return tl::unexpected(saved.error());
   }
+  if (!written) return tl::unexpected(written.error());
   return summary;
 }
 
-void print_summary(const nlohmann::json& summary, const std::filesystem::path& out) {
-  std::printf("%lld of %lld frames tracked, %lld key frames, %lld points\n", summary["frames_tracked"].get<long long>(),
-              summary["frames"].get<long long>(), summary["keyframes"].get<long long>(),
-              summary["map_points"].get<long long>());
-  if (summary["maps"].size() > 1) {
-    std::printf("%zu maps that could not be joined; trajectory.txt has the %lld frames of the first\n",
-                summary["maps"].size(), summary["maps"][0]["frames"].get<long long>());
-  }
-  std::printf("tracking %.2f ms a frame (median), %.2f ms (95 %%); %.1f frames/s in all; peak memory %.0f MB\n",
-              summary["tracking_ms"]["median"].get<double>(), summary["tracking_ms"]["p95"].get<double>(),
-              summary["frames_per_second"].get<double>(), summary["peak_rss_mb"].get<double>());
-  if (summary.contains("ate_m")) {
-    std::printf("error (ATE RMSE): %.4f m after %s alignment, over %.1f m\n", summary["ate_m"].get<double>(),
-                summary["ate_alignment"].get<std::string>().c_str(), summary["truth_path_m"].get<double>());
-  }
-  std::printf("written to %s\n", out.string().c_str());
-}
-
-// The summary on stdout; returns the exit code.
-int tell(const RunArguments& arguments, const nlohmann::json& summary, io::SequenceKind kind) {
+// Prints the summary; returns the exit code.
+int conclude(const RunArguments& arguments, const RunSummary& summary, io::SequenceKind kind) {
   if (arguments.json) {
-    std::cout << summary.dump(2) << "\n";
+    std::cout << to_json(summary).dump(2) << "\n";
   } else if (!arguments.quiet) {
-    print_summary(summary, arguments.out);
+    std::fputs(summary_text(summary, arguments.out).c_str(), stdout);
   }
   // Nothing but Ctrl-C ends a camera; a recording that was cut short is told by the shell's code for the signal.
-  if (summary["interrupted"].get<bool>() && kind != io::SequenceKind::camera) {
+  if (summary.interrupted && kind != io::SequenceKind::camera) {
     log(LogLevel::warning, "interrupted; what was done until then is written");
     return 128 + interrupted;
   }
-  return summary["frames_tracked"].get<int64_t>() > 0 ? 0 : 1;
+  return summary.frames.tracked > 0 ? 0 : 1;
+}
+
+LoopOptions loop_options(const RunArguments& arguments, const SystemOptions& options, io::SequenceKind kind) {
+  LoopOptions loop;
+  loop.first = arguments.reading.first;
+  loop.stride = arguments.reading.stride;
+  // A camera's frames come at their own times anyway.
+  if (arguments.realtime && kind != io::SequenceKind::camera) loop.pacing = Pacing::recorded;
+  if (options.localize) loop.mode = RunMode::localization;
+  loop.show_progress = !arguments.quiet;
+  loop.stop = &interrupted;
+  return loop;
 }
 
 int run(const RunArguments& arguments) {
@@ -201,11 +152,14 @@ int run(const RunArguments& arguments) {
     return fail_with("--localize: it needs a map to localise in, --map FILE");
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
-  std::optional<io::SavedMap> map;
+  storage::MapHeader header = map_header((*sequence)->camera(), options, vocabulary->get());
+  std::optional<storage::SavedMap> map;
   if (!arguments.map.empty()) {
-    auto opened = open_map(arguments.map, options);
+    const auto use = options.localize ? storage::MapUse::localization : storage::MapUse::continuation;
+    auto opened = storage::load_compatible_map(arguments.map, header, use);
     if (!opened) return fail_with(opened.error());
     map = std::move(*opened);
+    header.camera = map->header.camera;
   }
   if (const auto opened = open_output_folder(arguments.out); !opened) return fail_with(opened.error());
 
@@ -216,18 +170,14 @@ int run(const RunArguments& arguments) {
   System system((*sequence)->camera(), options, *vocabulary);
   if (map) {
     if (const auto set = system.set_map(std::move(map->map), map->header.camera); !set)
-      return fail_with(arguments.map + ": " + set.error().message + " (--localize)");
+      return fail_with(arguments.map + ": " + set.error().message);
   }
-  const Stopwatch wall;
-  track_all(**sequence, system, arguments, record);
-  record.wall_seconds = wall.ms() / 1000;
-  record.interrupted = interrupted != 0;
+  track_all(**sequence, system, loop_options(arguments, options, (*sequence)->kind()), record);
   if (record.frames.empty() && !record.interrupted) return fail_with(arguments.path + ": no frame could be read");
 
-  const auto header = map_header(map ? map->header.camera : (*sequence)->camera(), options, vocabulary->get());
   const auto summary = save(arguments, record, system, **sequence, header);
   if (!summary) return fail_with(summary.error());
-  return tell(arguments, *summary, (*sequence)->kind());
+  return conclude(arguments, *summary, (*sequence)->kind());
 }
 
 }  // namespace

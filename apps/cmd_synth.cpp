@@ -16,8 +16,8 @@
 #include "commands.h"
 #include "common.h"
 #include "covis/core/time.h"
-#include "covis/synth/sequence_writer.h"
-#include "covis/synth/synth.h"
+#include "synth/sequence_writer.h"
+#include "synth/synth.h"
 
 namespace covis::app {
 namespace {

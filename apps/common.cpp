@@ -61,22 +61,6 @@ nlohmann::json camera_json(const Camera& camera) {
   return json;
 }
 
-Result<void> write_trajectories(const std::filesystem::path& file, const std::vector<Trajectory>& of_map,
-                                io::TrajectoryFormat format) {
-  Result<void> problem;
-  for (size_t m = 0;; ++m) {
-    const std::string name = file.stem().string() + (m > 0 ? "_map" + std::to_string(m) : "");
-    const std::filesystem::path part = file.parent_path() / (name + file.extension().string());
-    if (m < of_map.size()) {
-      const auto written = io::write_trajectory(part, of_map[m], format);
-      if (!written && problem) problem = written;
-      continue;
-    }
-    std::error_code error;
-    if (!std::filesystem::remove(part, error)) return problem;
-  }
-}
-
 int fail_with(const std::string& message) {
   log(LogLevel::error, message);
   return 1;

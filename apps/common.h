@@ -3,17 +3,14 @@
 #pragma once
 
 #include <atomic>
-#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "covis/core/error.h"
-#include "covis/features/frontend.h"
 #include "covis/geometry/camera.h"
 #include "covis/io/sequence.h"
-#include "covis/io/trajectory.h"
 
 namespace CLI {
 class App;
@@ -52,12 +49,6 @@ struct Reading {
 void add_reading_options(CLI::App& command, Reading& reading);
 
 nlohmann::json camera_json(const Camera& camera);
-
-// Maps that are not joined have a world each, and so a file each: FILE, FILE_map1, … Those that an earlier run left
-// beyond are removed: they would pass for this one's. The first that fails is the error; the others are written all the
-// same.
-Result<void> write_trajectories(const std::filesystem::path& file, const std::vector<Trajectory>& of_map,
-                                io::TrajectoryFormat format);
 
 // Say what went wrong and return the exit code for it.
 int fail_with(const std::string& message);

@@ -8,21 +8,7 @@ namespace {
 
 constexpr const char* kDefault = "default.covis-voc";
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
-
 }  // namespace
-
-System::Input input_of(const io::Frame& frame) {
-  return {.frame = frame.index,
-          .stamp = frame.stamp,
-          .image = frame.image.view(),
-          .right = frame.right.view(),
-          .depth = frame.depth.view()};
-}
 
 Result<std::shared_ptr<const Vocabulary>> open_vocabulary(const std::string& name) {
   if (name == "none") return nullptr;
@@ -37,8 +23,8 @@ Result<std::shared_ptr<const Vocabulary>> open_vocabulary(const std::string& nam
               "--vocabulary none to do without recognising places");
 }
 
-io::MapHeader map_header(const Camera& camera, const SystemOptions& options, const Vocabulary* vocabulary) {
-  io::MapHeader header;
+storage::MapHeader map_header(const Camera& camera, const SystemOptions& options, const Vocabulary* vocabulary) {
+  storage::MapHeader header;
   header.camera = camera;
   header.sensor = options.sensor;
   header.levels = options.orb.levels;
@@ -49,24 +35,6 @@ io::MapHeader map_header(const Camera& camera, const SystemOptions& options, con
     header.vocabulary = text;
   }
   return header;
-}
-
-Result<io::SavedMap> open_map(const std::filesystem::path& file, const SystemOptions& options) {
-  auto saved = io::load_map(file);
-  if (!saved) return tl::unexpected(saved.error());
-  const io::MapHeader& header = saved->header;
-  if ((header.sensor == Sensor::monocular) != (options.sensor == Sensor::monocular)) {
-    return fail(file.string() + ": the map was made " +
-                (header.sensor == Sensor::monocular ? "by a monocular camera, whose unit of length is arbitrary"
-                                                    : "by a camera with depth, in metres") +
-                "; the recording is of the other kind (--sensor)");
-  }
-  if (header.levels != options.orb.levels || header.factor != static_cast<float>(options.orb.scale_factor)) {
-    return fail(file.string() + ": the map was made with orb.levels " + std::to_string(header.levels) +
-                " and orb.scale_factor " + number(static_cast<double>(header.factor)) + "; use the same");
-  }
-  if (saved->map.key_frame_count() == 0) return fail(file.string() + ": the map is empty");
-  return saved;
 }
 
 }  // namespace covis::app

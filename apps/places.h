@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the commands that run the system share: its input, vocabularies and saved maps.
+// What the commands that run the system share: a vocabulary, and the header of a saved map.
 #pragma once
 
 #include <filesystem>
@@ -8,24 +8,17 @@
 
 #include "covis/core/error.h"
 #include "covis/geometry/camera.h"
-#include "covis/io/map_file.h"
-#include "covis/io/sequence.h"
 #include "covis/slam/system.h"
+#include "covis/storage/map_file.h"
 #include "covis/vocabulary/vocabulary.h"
 
 namespace covis::app {
-
-// Views of the frame's images.
-System::Input input_of(const io::Frame& frame);
 
 // The vocabulary named; with an empty name the default one, which lies in share/covis beside the installed command or
 // in the source tree; null for "none".
 Result<std::shared_ptr<const Vocabulary>> open_vocabulary(const std::string& name);
 
-io::MapHeader map_header(const Camera& camera, const SystemOptions& options, const Vocabulary* vocabulary);
-
-// A saved map to go on from: an error when it was made with another kind of sensor or another pyramid, for what it
-// holds can't be found again then.
-Result<io::SavedMap> open_map(const std::filesystem::path& file, const SystemOptions& options);
+// What a map of this run is made with.
+storage::MapHeader map_header(const Camera& camera, const SystemOptions& options, const Vocabulary* vocabulary);
 
 }  // namespace covis::app

@@ -15,8 +15,8 @@
 #include "covis/features/frontend.h"
 #include "covis/matching/descriptor_match.h"
 #include "covis/matching/epipolar_match.h"
-#include "covis/synth/synth.h"
 #include "covis/vocabulary/vocabulary.h"
+#include "synth/synth.h"
 
 namespace covis {
 namespace {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "covis/features/frontend.h"
-#include "covis/synth/synth.h"
 #include "covis/vocabulary/vocabulary.h"
+#include "synth/synth.h"
 
 namespace covis {
 namespace {

@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-# covis_module(NAME DEPS … [TEST_DEPS …] [ONE_TEST] [THREADED FILTER] [ONE_THREAD]): a static library covis_NAME of
-# src/covis/NAME/*.cpp, and NAME_test of its *_test.cpp files.
+# covis_module(NAME DEPS … [DIR …] [TEST_DEPS …] [ONE_TEST] [THREADED FILTER] [ONE_THREAD]): a static library covis_NAME of
+# the *.cpp files below src/covis/NAME, and NAME_test of the *_test.cpp files among them.
+#   DIR         the folder of the sources, from the project's root, when it is another
 #   ONE_TEST    the cases share what is dear to make, so ctest runs them in one process
 #   THREADED    of such a test, the cases (a GoogleTest filter) the thread sanitizer is to run; without it all
 #   ONE_THREAD  the module starts no thread and shares nothing: its test is not built with the thread sanitizer
 function(covis_module name)
-  cmake_parse_arguments(M "ONE_TEST;ONE_THREAD" "THREADED" "DEPS;TEST_DEPS" ${ARGN})
-  set(dir ${PROJECT_SOURCE_DIR}/src/covis/${name})
-  file(GLOB sources CONFIGURE_DEPENDS ${dir}/*.cpp)
+  cmake_parse_arguments(M "ONE_TEST;ONE_THREAD" "DIR;THREADED" "DEPS;TEST_DEPS" ${ARGN})
+  if(NOT M_DIR)
+    set(M_DIR src/covis/${name})
+  endif()
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${M_DIR}/*.cpp)
   set(tests ${sources})
   list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
   list(FILTER tests INCLUDE REGEX "_test\\.cpp$")

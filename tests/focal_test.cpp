@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "covis/core/log.h"
-#include "covis/io/map_file.h"
+#include "covis/storage/map_file.h"
 #include "rendered.h"
 
 namespace covis {
@@ -41,20 +41,20 @@ class FocalLength : public testing::Test {
     return tracked;
   }
   // A map whose camera was refined, through a file.
-  static io::SavedMap saved() {
+  static storage::SavedMap saved() {
     static const std::string file = [] {
       System system(claimed(), options(), vocabulary());
       track(system, 0, kFrames);
       system.finish();
-      io::MapHeader header;
+      storage::MapHeader header;
       header.camera = claimed();
       header.levels = options().orb.levels;
       header.factor = static_cast<float>(options().orb.scale_factor);
       const std::string name = (std::filesystem::path(testing::TempDir()) / "covis_focal.map").string();
-      EXPECT_TRUE(io::save_map(name, system.map().read()->state(), header));
+      EXPECT_TRUE(storage::save_map(name, system.map().read()->state(), header));
       return name;
     }();
-    return std::move(io::load_map(file).value());
+    return std::move(storage::load_map(file).value());
   }
 };
 
@@ -150,7 +150,7 @@ TEST_F(FocalLength, IsKeptWithASavedMapLong) {
       on.localize = localize;
       on.mapper.refine_focal = refine;
       System system(claimed(), on, vocabulary());
-      io::SavedMap map = saved();
+      storage::SavedMap map = saved();
       ASSERT_TRUE(system.set_map(std::move(map.map), map.header.camera));
       EXPECT_EQ(system.camera(), refined) << "it is the map's, whatever may be changed from now on";
       EXPECT_GT(track(system, kFrames - 40, kFrames), 30);
@@ -168,7 +168,7 @@ TEST_F(FocalLength, IsKeptWithASavedMapLong) {
 TEST_F(FocalLength, OfAnotherCameraIsNotTakenOverLong) {
   const Camera other = camera(1.001);
   System goes_on(other, options(), vocabulary());
-  io::SavedMap map = saved();
+  storage::SavedMap map = saved();
   const auto refused = goes_on.set_map(std::move(map.map), map.header.camera);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("fx 255 instead of 250.25"), std::string::npos) << refused.error().message;

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "covis/io/map_file.h"
+#include "covis/storage/map_file.h"
 #include "rendered.h"
 
 namespace covis {
@@ -30,8 +30,8 @@ std::string bytes_of(const Map& map) {
   return text;
 }
 
-io::MapHeader header_of(const Recording& recording, const SystemOptions& options) {
-  io::MapHeader header;
+storage::MapHeader header_of(const Recording& recording, const SystemOptions& options) {
+  storage::MapHeader header;
   header.camera = recording.synth.camera();
   header.sensor = options.sensor;
   header.levels = options.orb.levels;
@@ -72,7 +72,7 @@ class SavedDesk : public Places {
     }
     EXPECT_GE(found, 9);
     EXPECT_FALSE(system.locate(recording.black(0)));
-    ASSERT_TRUE(io::save_map(file, system.map().read()->state(), header_of(recording, options)));
+    ASSERT_TRUE(storage::save_map(file, system.map().read()->state(), header_of(recording, options)));
     saved_bytes = bytes_of(*system.map().read());
   }
   // The map is left alone, and a black image is not invented a pose for.
@@ -80,7 +80,7 @@ class SavedDesk : public Places {
     SystemOptions localize = options;
     localize.localize = true;
     System system(recording.synth.camera(), localize, vocabulary());
-    auto saved = io::load_map(file);
+    auto saved = storage::load_map(file);
     ASSERT_TRUE(saved) << saved.error().message;
     ASSERT_TRUE(system.set_map(std::move(saved->map), saved->header.camera));
     EXPECT_EQ(system.process(recording.black(0)).track.state, TrackState::lost);
@@ -93,7 +93,7 @@ class SavedDesk : public Places {
   // The new key frames join the old ones.
   void go_on() {
     System system(recording.synth.camera(), options, vocabulary());
-    auto saved = io::load_map(file);
+    auto saved = storage::load_map(file);
     ASSERT_TRUE(saved) << saved.error().message;
     const size_t key_frames = saved->map.key_frame_count();
     ASSERT_TRUE(system.set_map(std::move(saved->map), saved->header.camera));
@@ -125,7 +125,7 @@ TEST_P(SavedDesk, IsLocalisedInAndGoneOnWith) {
 // Saves a system's map beside its run again and again, and looks at what it got.
 class Saver {
  public:
-  Saver(const System& system, std::filesystem::path file, const io::MapHeader& header)
+  Saver(const System& system, std::filesystem::path file, const storage::MapHeader& header)
       : thread_([&system, this, file = std::move(file), header](const std::stop_token& stop) {
           while (!stop.stop_requested()) save(system, file, header);
           save(system, file, header);
@@ -138,13 +138,13 @@ class Saver {
   }
 
  private:
-  void save(const System& system, const std::filesystem::path& file, const io::MapHeader& header) {
+  void save(const System& system, const std::filesystem::path& file, const storage::MapHeader& header) {
     const MapState state = system.map().read()->state();
     if (state.key_frames.empty()) return std::this_thread::yield();
     const auto map = Map::from_state(state);
     ASSERT_TRUE(map) << map.error().message;
     EXPECT_EQ(map->check(), "");
-    const auto saved = io::save_map(file, state, header);
+    const auto saved = storage::save_map(file, state, header);
     ASSERT_TRUE(saved) << saved.error().message;
     ++saves_;
   }
@@ -167,7 +167,7 @@ void expect_loop_closed_while_saved(Recording recording, const std::filesystem::
   for (const MappingReport& m : system.finish()) loops += m.loop.loop.valid();
   EXPECT_GE(saver.stop(), 5);
   EXPECT_GE(loops, 1);
-  const auto saved = io::load_map(file);
+  const auto saved = storage::load_map(file);
   ASSERT_TRUE(saved) << saved.error().message;
   EXPECT_EQ(saved->map.check(), "");
   EXPECT_EQ(bytes_of(saved->map), bytes_of(*system.map().read())) << "the last one is of the end";

@@ -12,8 +12,8 @@
 
 #include "covis/geometry/alignment.h"
 #include "covis/slam/system.h"
-#include "covis/synth/synth.h"
 #include "covis/vocabulary/vocabulary.h"
+#include "synth/synth.h"
 
 namespace covis {
 

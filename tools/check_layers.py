@@ -4,7 +4,8 @@
 
   tools/check_layers.py [ROOT]
 
-- A module of src/covis includes only the modules that the table below allows it; tests may look further.
+- A module includes only the modules that the table below allows it; tests may look further. The modules are the
+  folders of src/covis, and synth/ with its folders.
 - The core modules include nothing but the standard library, Eigen, Highway and tl::expected; those around it no
   logging library and no windows. What a test needs besides stays in its *_test.cpp: the helpers that tests share
   (test_*.h) add GoogleTest alone.
@@ -29,20 +30,26 @@ LAYERS = {
     'loops': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'mapping'},
     'slam': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'tracking', 'mapping', 'loops'},
     'api': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'tracking', 'mapping', 'loops', 'slam'},
-    'io': {'core', 'geometry', 'map'},
+    'storage': {'core', 'geometry', 'features', 'vocabulary', 'map'},
+    'io': {'core', 'geometry'},
     'eval': {'core', 'geometry', 'io'},
-    'synth': {'core', 'geometry', 'io'},
+    'synth/render': {'core', 'geometry'},
+    'synth/things': {'core', 'geometry', 'synth/render'},
+    'synth/worlds': {'core', 'geometry', 'synth/render', 'synth/things'},
+    'synth': {'core', 'geometry', 'io', 'synth/render', 'synth/things', 'synth/worlds'},
 }
-CORE = {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'tracking', 'mapping', 'loops', 'slam', 'api'}
+CORE = {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'tracking', 'mapping', 'loops', 'slam', 'api', 'storage'}
 # Tests may include any module but those, which would turn the arrows round.
 ABOVE_TESTS = {module: {'slam', 'api'} for module in LAYERS}
 ABOVE_TESTS['slam'] = {'api'}
 ABOVE_TESTS['api'] = set()
 
 CORE_EXTERNAL = re.compile(r'[a-z_]+$|Eigen/|hwy/|tl/expected\.hpp$')  # a name without dot or slash is the standard library's
-# Files that are used where they lie, and written whole or not at all; priorities and cores of threads: the standard library can't.
-POSIX = {('vocabulary', header) for header in ('fcntl.h', 'sys/mman.h', 'sys/stat.h', 'unistd.h')}
-POSIX |= {('core', header) for header in ('pthread.h', 'sched.h', 'sys/resource.h')}
+# What the standard library can't do: files that are used where they lie, and written whole or not at all; priorities and
+# cores of threads. And the compression of saved maps.
+EXCEPTIONS = {('core', header) for header in ('fcntl.h', 'sys/mman.h', 'sys/stat.h', 'unistd.h')}
+EXCEPTIONS |= {('core', header) for header in ('pthread.h', 'sched.h', 'sys/resource.h')}
+EXCEPTIONS |= {('storage', 'zstd.h')}
 TEST_HELPER_EXTERNAL = re.compile(r'g(test|mock)/')
 OUTER_FORBIDDEN = re.compile(r'spdlog/|fmt/|CLI/|opencv2/(highgui|viz)')  # the command's, and windows
 FORBIDDEN_CALLS = [
@@ -53,7 +60,7 @@ FORBIDDEN_CALLS = [
     (re.compile(r'(?<![\w.>])(rand|srand)\s*\(|\brandom_device\b'), 'is not reproducible: use covis::Random'),
 ]
 
-SOURCE_FOLDERS = ['src', 'include', 'apps', 'bench', 'tests', 'tools', 'cmake', '.ci']
+SOURCE_FOLDERS = ['src', 'include', 'synth', 'apps', 'bench', 'tests', 'tools', 'cmake', '.ci']
 SOURCE_SUFFIXES = {'.h', '.hpp', '.cpp', '.cmake', '.py', '.sh'}
 INCLUDE = re.compile(r'\s*#\s*include\s*([<"])([^>"]+)[>"]')
 COMMENT_OR_STRING = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"', re.DOTALL)
@@ -64,6 +71,14 @@ def is_test(path):
     return path.stem.endswith('_test') or path.stem.startswith('test_') or 'testing' in path.parts
 
 
+def module_of(path):
+    """The module of a source by its path from the root, or None when it belongs to none."""
+    folders = path.parts[:-1]
+    if folders[:2] == ('src', 'covis'):
+        return '/'.join(folders[2:])
+    return '/'.join(folders) if folders[:1] == ('synth',) else None
+
+
 def blank(match):
     """The same number of lines, without the text."""
     return '\n' * match.group(0).count('\n') + ' '
@@ -72,11 +87,10 @@ def blank(match):
 def check_include(path, module, bracket, target):
     """What is wrong with including `target` in the file `path` of `module`, or None."""
     test = is_test(path)
-    if target.startswith('covis/'):
-        parts = target.split('/')
-        if len(parts) == 2:
+    if target.startswith(('covis/', 'synth/')):
+        other = module_of(pathlib.PurePosixPath('src' if target.startswith('covis/') else '', target))
+        if not other:
             return None if test or module == 'api' else f'the public header {target} is for module api and the outside'
-        other = parts[1]
         if other not in LAYERS:
             return f'{target} is of no module known to tools/check_layers.py'
         if other == module:
@@ -85,11 +99,12 @@ def check_include(path, module, bracket, target):
             return f'a test of {module} must not include {other}' if other in ABOVE_TESTS[module] else None
         return None if other in LAYERS[module] else f'{module} must not include {other}'
     if bracket == '"' and '/' not in target:
-        return f'"{target}": write includes from src, as "covis/{module}/{target}"'
+        folder = module if module.startswith('synth') else f'covis/{module}'
+        return f'"{target}": write the whole path, as "{folder}/{target}"'
     if path.stem.endswith('_test'):
         return None
     if module in CORE:
-        allowed = (CORE_EXTERNAL.match(target) or (module, target) in POSIX or
+        allowed = (CORE_EXTERNAL.match(target) or (module, target) in EXCEPTIONS or
                    (test and TEST_HELPER_EXTERNAL.match(target)))
         return None if allowed else f'core module {module} must not include <{target}>'
     return f'{module} must not include <{target}>' if OUTER_FORBIDDEN.match(target) else None
@@ -127,16 +142,15 @@ def source_files(root):
 def check_tree(root):
     """Returns (number of files looked at, list of 'path:line: message')."""
     problems, count = [], 0
-    modules = root / 'src' / 'covis'
     for path in source_files(root):
         count += 1
         name = path.relative_to(root)
         head = path.read_text(encoding='utf-8').split('\n')[:2]
         if not any('SPDX-License-Identifier: Apache-2.0' in line for line in head):
             problems.append(f'{name}:1: its first lines must say SPDX-License-Identifier: Apache-2.0')
-        if modules not in path.parents or path.suffix not in {'.h', '.hpp', '.cpp'}:
+        module = module_of(name)
+        if module is None or path.suffix not in {'.h', '.hpp', '.cpp'}:
             continue
-        module = path.relative_to(modules).parts[0]
         if module not in LAYERS:
             problems.append(f'{name}:1: {module} is no module known to tools/check_layers.py')
             continue

@@ -46,7 +46,7 @@ class CheckLayersTest(unittest.TestCase):
 
     def test_tests_look_further_but_not_up(self):
         self.assert_clean('src/covis/optimization/a_test.cpp', '#include "covis/map/map.h"\n#include <ceres/ceres.h>\n')
-        self.assert_clean('src/covis/slam/test_scene.h', '#include "covis/synth/world.h"\n')
+        self.assert_clean('src/covis/slam/test_scene.h', '#include "synth/worlds/world.h"\n')
         self.assertIn('a test of map must not include slam',
                       self.problem('src/covis/map/a_test.cpp', '#include "covis/slam/system.h"\n'))
 
@@ -69,7 +69,17 @@ class CheckLayersTest(unittest.TestCase):
         self.assert_clean('src/covis/io/a.cpp', '#include <opencv2/imgcodecs.hpp>\n#include <unistd.h>\n')
         for header in ['opencv2/highgui.hpp', 'spdlog/spdlog.h', 'CLI/CLI.hpp']:
             self.assertIn(f'synth must not include <{header}>',
-                          self.problem('src/covis/synth/a.cpp', f'#include <{header}>\n'))
+                          self.problem('synth/a.cpp', f'#include <{header}>\n'))
+
+    def test_synth_lies_beside_the_library(self):
+        self.assert_clean('synth/a.cpp', '#include "covis/io/files.h"\n#include "synth/worlds/world.h"\n')
+        self.assert_clean('synth/things/a.cpp', '#include "synth/render/scene.h"\n#include "covis/core/random.h"\n')
+        self.assertIn('synth must not include slam', self.problem('synth/a.cpp', '#include "covis/slam/system.h"\n'))
+        self.assertIn('synth/render must not include synth/things',
+                      self.problem('synth/render/a.cpp', '#include "synth/things/prints.h"\n'))
+        self.assertIn('io must not include synth', self.problem('src/covis/io/a.cpp', '#include "synth/synth.h"\n'))
+        self.assertIn('is no module known', self.problem('synth/extra/a.cpp', ''))
+        self.assertIn('as "synth/render/scene.h"', self.problem('synth/render/a.cpp', '#include "scene.h"\n'))
 
     def test_public_headers_are_for_the_outside(self):
         self.assert_clean('src/covis/api/a.cpp', '#include "covis/version.h"\n')

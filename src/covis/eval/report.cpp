@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "covis/core/atomic_file.h"
 #include "covis/core/quantile.h"
 #include "covis/eval/charts.h"
-#include "covis/io/files.h"
 
 namespace covis {
 namespace {
@@ -90,7 +90,7 @@ std::string coverage_picture(const ReportInput& in) {
   PlotSeries inliers{"inliers", {}, {}, kBlue, PlotSeries::Style::line, 1},
       missing{"not tracked", {}, {}, kRed, PlotSeries::Style::dots, 2.5};
   for (const ReportFrame& f : in.frames) {
-    const bool tracked = f.state == "tracking";
+    const bool tracked = f.loss.empty();
     inliers.x.push_back(static_cast<double>(f.index));
     inliers.y.push_back(tracked ? f.inliers : std::numeric_limits<double>::quiet_NaN());
     if (tracked) continue;
@@ -111,14 +111,14 @@ std::string coverage_picture(const ReportInput& in) {
 std::string gaps_table(const ReportInput& in) {
   std::string rows;
   for (size_t i = 0; i < in.frames.size();) {
-    if (in.frames[i].state == "tracking") {
+    if (in.frames[i].loss.empty()) {
       ++i;
       continue;
     }
     size_t end = i;
-    while (end + 1 < in.frames.size() && in.frames[end + 1].state == in.frames[i].state) ++end;
+    while (end + 1 < in.frames.size() && in.frames[end + 1].loss == in.frames[i].loss) ++end;
     rows += "<tr><td>" + std::to_string(in.frames[i].index) + " – " + std::to_string(in.frames[end].index) +
-            "</td><td>" + html_escaped(in.frames[i].state) + "</td><td>" + html_escaped(in.frames[i].reason) +
+            "</td><td>" + html_escaped(in.frames[i].loss) + "</td><td>" + html_escaped(in.frames[i].reason) +
             "</td></tr>\n";
     i = end + 1;
   }
@@ -139,13 +139,12 @@ Result<void> write_report(const std::filesystem::path& folder, const ReportInput
   if (!in.estimate.empty()) {
     const std::string path = path_picture(in, evaluation);
     html += html_image(path, "path from above");
-    problem = io::write_text_atomically(folder / "trajectory.png", path);
+    problem = write_atomically(folder / "trajectory.png", path);
   }
   if (evaluation) html += html_image(draw(error_plot(*evaluation)), "error over time");
   html += html_image(coverage_picture(in), "inliers per frame") + html_image(time_picture(in), "time per frame");
   html += "<h2>Frames without a pose</h2>\n" + gaps_table(in);
-  if (auto written = io::write_text_atomically(folder / "report.html", html_page(in.title, html)); !written)
-    return written;
+  if (auto written = write_atomically(folder / "report.html", html_page(in.title, html)); !written) return written;
   return problem;
 }
 
@@ -158,12 +157,11 @@ Result<void> write_picture(const std::filesystem::path& file, const std::string&
   const auto axes = widest_axes(truth);
   Plot path = path_plot(axes);
   path.series = {path_series("truth", truth, axes, kRed), path_series("path", estimate, axes, kBlue)};
-  if (file.extension() == ".png") return io::write_text_atomically(file, draw_stacked({path, error_plot(evaluation)}));
+  if (file.extension() == ".png") return write_atomically(file, draw_stacked({path, error_plot(evaluation)}));
   if (file.extension() != ".html") return fail(file.string() + ": the picture's name must end in .png or .html");
-  return io::write_text_atomically(file,
-                                   html_page(title, "<pre>" + html_escaped(to_text(evaluation)) + "</pre>\n" +
-                                                        html_image(draw(path), "path from above") +
-                                                        html_image(draw(error_plot(evaluation)), "error over time")));
+  return write_atomically(file, html_page(title, "<pre>" + html_escaped(to_text(evaluation)) + "</pre>\n" +
+                                                     html_image(draw(path), "path from above") +
+                                                     html_image(draw(error_plot(evaluation)), "error over time")));
 }
 
 }  // namespace covis

@@ -103,7 +103,7 @@ TEST_F(Picture, AReportTellsWhatWasLostAndWhy) {
   input.key_frames = {estimate.front(), estimate.back()};
   input.truth = &truth;
   input.points = {{1, 2, 3}};
-  for (int i = 0; i < 10; ++i) input.frames.push_back({i, "tracking", "", 5, 100, i == 0});
+  for (int i = 0; i < 10; ++i) input.frames.push_back({i, "", "", 5, 100, i == 0});
   for (const int i : {2, 3, 4, 8}) input.frames[static_cast<size_t>(i)] = {i, "lost", "12 < 30 matches", 5, 0, false};
   input.summary = {{"frames", "10 & more"}};
   ASSERT_TRUE(write_report(folder, input));

@@ -44,62 +44,6 @@ Result<void> read_bytes(const std::filesystem::path& file, std::string& bytes) {
   return {};
 }
 
-namespace {
-
-// All of the text into a file that is made or cut to nothing first; 0 or errno.
-int write_all(const std::filesystem::path& file, std::string_view text, Durable durable) {
-  const int handle = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (handle < 0) return errno;
-  int problem = 0;
-  for (size_t done = 0; done < text.size() && problem == 0;) {
-    const ssize_t n = write(handle, text.data() + done, text.size() - done);
-    if (n > 0) {
-      done += static_cast<size_t>(n);
-    } else if (n == 0 || errno != EINTR) {
-      problem = n == 0 ? ENOSPC : errno;
-    }
-  }
-  if (durable == Durable::yes && problem == 0 && fsync(handle) != 0) problem = errno;
-  if (close(handle) != 0 && problem == 0) problem = errno;
-  return problem;
-}
-
-// So that the new name is on the disk as well. Not every file system can; the file is whole all the same.
-void sync_folder(const std::filesystem::path& folder) {
-  const int handle = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (handle < 0) return;
-  fsync(handle);
-  close(handle);
-}
-
-int write_and_rename(const std::filesystem::path& file, std::string_view text, Durable durable) {
-  std::filesystem::path temporary = file;
-  temporary += ".tmp" + std::to_string(getpid());
-  int problem = write_all(temporary, text, durable);
-  if (problem == 0 && rename(temporary.c_str(), file.c_str()) != 0) problem = errno;
-  if (problem != 0) unlink(temporary.c_str());
-  if (problem == 0 && durable == Durable::yes) sync_folder(file.parent_path());
-  return problem;
-}
-
-}  // namespace
-
-Result<void> write_text_atomically(const std::filesystem::path& file, std::string_view text, Durable durable) {
-  std::error_code none;
-  const auto status = std::filesystem::status(file, none);
-  int problem = 0;
-  if (std::filesystem::is_directory(status)) {
-    problem = EISDIR;
-  } else if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    problem = write_all(file, text, Durable::no);  // renaming over it would put a file in place of the device
-  } else {
-    const std::filesystem::path target = std::filesystem::weakly_canonical(file, none);
-    problem = write_and_rename(none ? file : target, text, durable);
-  }
-  if (problem == 0) return {};
-  return fail(file.string() + ": it can't be written: " + std::strerror(problem));
-}
-
 std::vector<std::string_view> split(std::string_view line) {
   std::vector<std::string_view> parts;
   const auto separator = [](char c) { return c == ' ' || c == '\t' || c == ',' || c == '\r'; };

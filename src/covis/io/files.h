@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole files in and out, and numbers from text.
+// Whole files read, and numbers from text.
 #pragma once
 
 #include <filesystem>
@@ -16,14 +16,6 @@ namespace covis::io {
 Result<std::string> read_text(const std::filesystem::path& file);
 // The same into memory that is used again.
 Result<void> read_bytes(const std::filesystem::path& file, std::string& bytes);
-
-// Writes to a temporary name in the same folder and renames: the file is there whole or, on an error (a full disk, no
-// right to write), as it was before. A link stays a link, its target is replaced. What is no regular file (a pipe, a
-// device) is written to directly. `durable`: it has reached the disk before the old file gives way to it, so that even
-// a loss of power leaves one of them whole; that takes the disk's time.
-enum class Durable { no, yes };
-Result<void> write_text_atomically(const std::filesystem::path& file, std::string_view text,
-                                   Durable durable = Durable::no);
 
 // "FILE:LINE", as messages name a line.
 inline std::string place(const std::filesystem::path& file, int line) {

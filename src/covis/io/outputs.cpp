@@ -3,7 +3,7 @@
 
 #include <bit>
 
-#include "covis/io/files.h"
+#include "covis/core/atomic_file.h"
 
 namespace covis::io {
 
@@ -17,7 +17,7 @@ Result<void> write_ply(const std::filesystem::path& file, const std::vector<Eige
     const Eigen::Vector3f p = point.cast<float>();
     text.append(reinterpret_cast<const char*>(p.data()), sizeof(float) * 3);
   }
-  return write_text_atomically(file, text);
+  return write_atomically(file, text);
 }
 
 }  // namespace covis::io

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "covis/core/atomic_file.h"
 #include "covis/io/files.h"
 
 namespace covis::io {
@@ -130,7 +131,23 @@ Result<void> write_trajectory(const std::filesystem::path& file, const Trajector
     }
     text += '\n';
   }
-  return write_text_atomically(file, text);
+  return write_atomically(file, text);
+}
+
+Result<void> write_trajectories(const std::filesystem::path& file, const std::vector<Trajectory>& of_map,
+                                TrajectoryFormat format) {
+  Result<void> problem;
+  for (size_t m = 0;; ++m) {
+    const std::string name = file.stem().string() + (m > 0 ? "_map" + std::to_string(m) : "");
+    const std::filesystem::path one = file.parent_path() / (name + file.extension().string());
+    if (m < of_map.size()) {
+      const auto written = write_trajectory(one, of_map[m], format);
+      if (!written && problem) problem = written;
+      continue;
+    }
+    std::error_code error;
+    if (!std::filesystem::remove(one, error)) return problem;
+  }
 }
 
 }  // namespace covis::io

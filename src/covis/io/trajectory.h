@@ -31,6 +31,11 @@ Result<Trajectory> read_trajectory(const std::filesystem::path& file,
                                    const std::filesystem::path& stamps = {});
 // Written to a temporary name and renamed, so that a full disk leaves no half file.
 Result<void> write_trajectory(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFormat format);
+// Maps that are not joined have a world each, and so a file each: FILE, FILE_map1, … Files of that name that an earlier
+// run left beyond the last are removed: they would pass for this one's. The first failure is the error; the others are
+// written all the same.
+Result<void> write_trajectories(const std::filesystem::path& file, const std::vector<Trajectory>& of_map,
+                                TrajectoryFormat format);
 
 }  // namespace io
 }  // namespace covis

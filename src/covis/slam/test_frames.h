@@ -10,7 +10,7 @@
 
 #include "covis/features/frontend.h"
 #include "covis/slam/mapper.h"
-#include "covis/synth/synth.h"
+#include "synth/synth.h"
 
 namespace covis {
 

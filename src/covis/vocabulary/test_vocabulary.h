@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the vocabulary's tests share: made-up images and a trained vocabulary, files in a folder of their own.
+// What the vocabulary's tests share: made-up images and a trained vocabulary.
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "covis/core/random.h"
+#include "covis/core/test_folder.h"
 #include "covis/vocabulary/train.h"
 #include "covis/vocabulary/vocabulary.h"
 
@@ -63,35 +60,6 @@ inline std::shared_ptr<const Vocabulary> train_made(const MadeImages& images, in
   auto vocabulary = train_vocabulary(images.descriptors, images.offsets, options);
   EXPECT_TRUE(vocabulary) << vocabulary.error().message;
   return *vocabulary;
-}
-
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    const std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
-    path_ = std::filesystem::temp_directory_path() / ("covis_vocabulary_" + name + std::to_string(::getpid()));
-    std::filesystem::create_directories(path_);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code error;
-    std::filesystem::remove_all(path_, error);
-  }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-inline std::string read_file(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-inline void write_file(const std::filesystem::path& file, const std::string& bytes) {
-  std::ofstream(file, std::ios::binary) << bytes;
 }
 
 }  // namespace covis

@@ -9,6 +9,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "covis/core/atomic_file.h"
+#include "covis/core/mapped_file.h"
 #include "covis/features/hamming.h"
 #include "covis/vocabulary/vocabulary_file.h"
 #include "covis/vocabulary/vocabulary_text.h"
@@ -130,7 +132,9 @@ bool Vocabulary::verify() const {
   return vocabulary_checksum(header_of(bytes_), bytes_.subspan(sizeof(VocabularyHeader))) == checksum_;
 }
 
-Result<void> Vocabulary::save(const std::filesystem::path& file) const { return write_whole(file, bytes_); }
+Result<void> Vocabulary::save(const std::filesystem::path& file) const {
+  return write_atomically(file, text_of(bytes_), Durability::durable);
+}
 
 Result<void> Vocabulary::save_text(const std::filesystem::path& file) const {
   VocabularyText text{branching_, depth_, std::vector<VocabularyNode>(nodes() - 1)};
@@ -140,8 +144,7 @@ Result<void> Vocabulary::save_text(const std::filesystem::path& file) const {
     if (leaf) text.nodes[n - 1].weight = weights_[nodes_[n].word];
     for (uint32_t child = nodes_[n].child; child < nodes_[n + 1].child; ++child) text.nodes[child - 1].parent = n;
   }
-  const std::string written = write_vocabulary_text(text);
-  return write_whole(file, std::as_bytes(std::span(written)));
+  return write_atomically(file, write_vocabulary_text(text), Durability::durable);
 }
 
 Vocabulary::Leaf Vocabulary::descend(const Descriptor& descriptor) const {

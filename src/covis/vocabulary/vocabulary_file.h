@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The binary file of a vocabulary: a header, then flat arrays that are used where they lie (docs/vocabulary.md has the
-// layout). Little-endian. And the two ways to a file: mapped for reading, written whole or not at all.
+// layout). Little-endian.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <memory>
 #include <span>
 #include <string_view>
-
-#include "covis/core/error.h"
 
 namespace covis {
 
@@ -41,23 +37,5 @@ struct VocabularyLayout {
 uint64_t header_checksum(const VocabularyHeader& header);
 // Of the sizes in the header and all that follows it.
 uint64_t vocabulary_checksum(const VocabularyHeader& header, std::span<const std::byte> content);
-
-// A file, readable as memory.
-class MappedFile {
- public:
-  static Result<std::unique_ptr<MappedFile>> open(const std::filesystem::path& file);
-  MappedFile(const MappedFile&) = delete;
-  MappedFile& operator=(const MappedFile&) = delete;
-  ~MappedFile();
-  std::span<const std::byte> bytes() const { return {data_, size_}; }
-
- private:
-  MappedFile() = default;
-  const std::byte* data_ = nullptr;
-  size_t size_ = 0;
-};
-
-// To a temporary name beside the file, brought to the disk, then renamed.
-Result<void> write_whole(const std::filesystem::path& file, std::span<const std::byte> bytes);
 
 }  // namespace covis

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Progress of a run, for people.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "covis/core/time.h"
+
+namespace covis::app {
+
+// A line on stderr that renews itself; on a terminal only.
+class Progress {
+ public:
+  static constexpr int64_t kUnknown = -1, kHidden = -2;
+  explicit Progress(int64_t total);  // frames, or one of those
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void show(std::string_view state, size_t done, size_t key_frames, size_t points);
+
+ private:
+  const bool shown_;
+  const int64_t total_;
+  Stopwatch all_, since_;
+};
+
+}  // namespace covis::app

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/run/run_json.h"
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace covis::app {
+namespace {
+
+using nlohmann::json;
+
+json to_json(const MappingReport& m) {
+  return {{"points_created", m.points_created},
+          {"points_fused", m.points_fused},
+          {"points_culled", m.points_culled},
+          {"key_frames_culled", m.key_frames_culled},
+          {"ba_key_frames", m.ba_key_frames},
+          {"ba_points", m.ba_points},
+          {"ba_observations", m.ba_observations},
+          {"ba_interrupted", m.ba_interrupted},
+          {"loop_candidates", m.loop.candidates},
+          {"loop_matches", m.loop.matches},
+          {"loop_inliers", m.loop.inliers},
+          {"loop_found_again", m.loop.found_again},
+          {"loop_closed", m.loop.loop.valid() && !m.loop.merged},
+          {"maps_joined", m.loop.merged},
+          {"loop_query_ms", m.loop.query_ms},
+          {"loop_verify_ms", m.loop.verify_ms},
+          {"loop_ms", m.loop_ms},
+          {"total_ms", m.total_ms}};
+}
+
+// The figures that closing a loop and joining two maps have in common.
+json to_json(const LoopSummary& loop) {
+  const LoopReport& report = loop.report;
+  return {{"frame", loop.frame},
+          {"matches", report.matches},
+          {"inliers", report.inliers},
+          {"found_again", report.found_again},
+          {"fused", report.fused},
+          {"scale", report.scale},
+          {"query_ms", report.query_ms},
+          {"verify_ms", report.verify_ms},
+          {"correct_ms", report.correct_ms}};
+}
+
+json loops_json(const std::vector<LoopSummary>& loops) {
+  json list = json::array();
+  for (const LoopSummary& loop : loops) {
+    list.emplace_back(to_json(loop))
+        .update({{"path_m", loop.report.path},
+                 {"correction_m", loop.report.correction},
+                 {"rotation_deg", loop.report.rotation_deg},
+                 {"pose_graph_ms", loop.report.pose_graph_ms},
+                 {"full_ba_ms", loop.full_ba_ms}});
+  }
+  return list;
+}
+
+json merges_json(const std::vector<LoopSummary>& merges) {
+  json list = json::array();
+  for (const LoopSummary& merge : merges)
+    list.emplace_back(to_json(merge))["key_frames_moved"] = merge.report.merged_key_frames;
+  return list;
+}
+
+json submaps_json(const std::vector<SubmapSummary>& submaps) {
+  json list = json::array();
+  for (const SubmapSummary& map : submaps) {
+    list.push_back(
+        {{"loaded", map.loaded}, {"frames", map.frames}, {"keyframes", map.key_frames}, {"map_points", map.points}});
+  }
+  return list;
+}
+
+json losses_json(const std::vector<Loss>& losses) {
+  json list = json::array();
+  for (const Loss& loss : losses)
+    list.push_back({{"first", loss.first}, {"last", loss.last}, {"state", name(loss.state)}, {"reason", loss.reason}});
+  return list;
+}
+
+json to_json(const Spread& spread) { return {{"median", spread.median}, {"p95", spread.p95}}; }
+
+json to_json(const std::vector<std::pair<const char*, Spread>>& stages) {
+  json times;
+  for (const auto& [stage, spread] : stages) times[stage] = to_json(spread);
+  return times;
+}
+
+// `map`: the one the frame's pose belongs to, by its place in the summary's list.
+json to_json(const FrameStats& f, std::optional<int> map) {
+  json line{{"frame", f.frame}, {"stamp", to_seconds(f.stamp)}, {"state", name(f.state)}, {"reason", f.reason}};
+  if (map) line["map"] = *map;
+  if (!f.processed()) return line;
+  line.update({{"method", name(f.track.method)},
+               {"features", f.track.features},
+               {"matches", f.track.predicted_matches},
+               {"local_points", f.track.local_points},
+               {"in_view", f.track.local_in_view},
+               {"inliers", f.track.inliers},
+               {"tentative", f.track.tentative},
+               {"key_frame", f.track.key_frame},
+               {"tracking_ms", f.tracking_ms()},
+               {"cpu_ms", f.cpu_ms}});
+  json& ms = line["ms"] = {{"track", f.timing.track_ms}, {"total", f.timing.total_ms}};
+  for (const Stage& stage : kStages) ms[stage.name] = stage.ms(f);
+  if (f.rss_mb > 0) line["rss_mb"] = f.rss_mb;
+  return line;
+}
+
+}  // namespace
+
+std::string stats_text(const RunRecord& run, const std::vector<PoseOfFrame>& poses) {
+  std::string text;
+  size_t next = 0;            // reports of mapping come in the order of their frames
+  auto pose = poses.begin();  // so do poses
+  for (const FrameStats& frame : run.frames) {
+    while (pose != poses.end() && pose->frame < frame.frame) ++pose;
+    const bool has_pose = pose != poses.end() && pose->frame == frame.frame;
+    json line = to_json(frame, has_pose ? std::optional(pose->submap_index) : std::nullopt);
+    for (; next < run.mapping.size() && run.mapping[next].frame <= frame.frame; ++next) {
+      if (run.mapping[next].frame == frame.frame) line["mapping"] = to_json(run.mapping[next]);
+    }
+    // A message may quote a file name that is not UTF-8.
+    text += line.dump(-1, ' ', false, json::error_handler_t::replace);
+    text += '\n';
+  }
+  return text;
+}
+
+json to_json(const RunSummary& s) {
+  json all{{"source", s.source},
+           {"sensor", name(s.sensor)},
+           {"camera", {{"fx", s.camera.fx}, {"fy", s.camera.fy}, {"cx", s.camera.cx}, {"cy", s.camera.cy}}},
+           {"frames", s.frames.all},
+           {"frames_tracked", s.frames.tracked},
+           {"frames_tracked_online", s.frames.tracked_online},
+           {"first_tracked_frame", s.frames.first_tracked},
+           {"frames_late", s.frames.late},
+           {"frames_unreadable", s.frames.unreadable},
+           {"interrupted", s.interrupted},
+           {"keyframes", s.map.key_frames},
+           {"keyframes_made", s.map.key_frames_made},
+           {"map_points", s.map.points},
+           {"refused_non_finite", s.map.refused_non_finite},
+           {"tracking_ms", to_json(s.times.tracking)},
+           {"frame_ms", to_json(s.times.frame)},
+           {"cpu_ms", to_json(s.times.cpu)},
+           {"stage_ms", to_json(s.times.stages)},
+           {"mapping_ms", to_json(s.times.mapping)},
+           {"loops", loops_json(s.loops)},
+           {"maps", submaps_json(s.map.submaps)},
+           {"merges", merges_json(s.merges)},
+           {"frames_per_second", s.costs.frames_per_second},
+           {"wall_s", s.costs.wall_seconds},
+           {"first_pose_ms", s.costs.first_pose_ms},
+           {"peak_rss_mb", s.costs.peak_rss_mb},
+           {"not_tracked", losses_json(s.not_tracked)}};
+  if (!s.accuracy) return all;
+  const Accuracy& a = *s.accuracy;
+  all.update({{"ate_m", a.ate},
+              {"ate_online_m", a.ate_online},
+              {"ate_alignment", name_of_alignment(a.alignment)},
+              {"truth_path_m", a.path_length}});
+  if (a.scaled) all.update({{"ate_sim3_m", a.scaled->ate}, {"scale", a.scaled->scale}});
+  return all;
+}
+
+}  // namespace covis::app

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/run/run_loop.h"
+
+#include <optional>
+#include <utility>
+
+#include "apps/run/pace.h"
+#include "apps/run/progress.h"
+#include "apps/run/resources.h"
+#include "apps/system_input.h"
+#include "covis/core/log.h"
+
+namespace covis::app {
+namespace {
+
+constexpr size_t kMemoryEvery = 100;  // frames
+
+}  // namespace
+
+void track_all(io::Sequence& sequence, System& system, const LoopOptions& options, RunRecord& run) {
+  const Stopwatch wall;
+  Progress progress(options.show_progress ? sequence.size() : Progress::kHidden);
+  std::optional<Stopwatch> since_first;
+  Pace pace(*options.stop);
+  io::Frame frame;
+  int64_t expected = options.first;
+  while (*options.stop == 0) {
+    const Stopwatch decode;
+    Result<std::optional<io::Frame>> next = sequence.next(std::move(frame));
+    frame = {};
+    if (!next) {
+      log(LogLevel::warning, next.error().message);
+      run.frames.push_back(skipped_frame(expected, 0, FrameState::unreadable, next.error().message));
+      expected += options.stride;
+      continue;
+    }
+    if (!*next) break;
+    frame = std::move(**next);
+    expected = frame.index + options.stride;
+    const double decode_ms = decode.ms();
+    if (!since_first) since_first.emplace();
+    if (options.pacing == Pacing::recorded &&
+        pace.wait_until_due(frame.stamp, 1.0 / sequence.frame_rate()) == Due::late) {
+      run.frames.push_back(skipped_frame(frame.index, frame.stamp, FrameState::late,
+                                         "the next frame was due before this one could be taken"));
+      continue;
+    }
+    const double cpu_start = thread_cpu_ms();
+    const FrameReport report = system.process(input_of(frame));
+    if (run.first_pose_ms < 0 && report.track.state == TrackState::tracking) run.first_pose_ms = since_first->ms();
+    run.mapping.insert(run.mapping.end(), report.mapping.begin(), report.mapping.end());
+    FrameStats stats = tracked_frame(frame, report, options.mode);
+    stats.decode_ms = decode_ms;
+    stats.cpu_ms = thread_cpu_ms() - cpu_start;
+    if (run.frames.size() % kMemoryEvery == 0) stats.rss_mb = resident_mb();
+    run.frames.push_back(std::move(stats));
+    const auto map = system.map().read();
+    progress.show(name(run.frames.back().state), run.frames.size(), map->key_frame_count(), map->point_count());
+  }
+  const std::vector<MappingReport> rest = system.finish();
+  run.mapping.insert(run.mapping.end(), rest.begin(), rest.end());
+  mark_retracted(system.records(), options.mode, run.frames);
+  run.wall_seconds = wall.ms() / 1000;
+  run.interrupted = *options.stop != 0;
+}
+
+}  // namespace covis::app

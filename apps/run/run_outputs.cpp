@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/run/run_outputs.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "apps/run/run_json.h"
+#include "apps/run/run_text.h"
+#include "covis/core/atomic_file.h"
+#include "covis/eval/report.h"
+#include "covis/io/outputs.h"
+
+namespace covis::app {
+namespace {
+
+// One trajectory for each map; an empty one when there is no map at all.
+std::vector<Trajectory> by_map(const std::vector<PoseOfFrame>& poses, size_t maps) {
+  std::vector<Trajectory> trajectories(std::max<size_t>(1, maps));
+  for (const PoseOfFrame& pose : poses)
+    trajectories[static_cast<size_t>(pose.submap_index)].push_back({pose.stamp, pose.T_wc});
+  return trajectories;
+}
+
+std::vector<ReportFrame> report_frames(const RunRecord& run) {
+  std::vector<ReportFrame> frames;
+  for (const FrameStats& f : run.frames) {
+    frames.push_back({f.frame, std::string(f.state == FrameState::tracking ? "" : name(f.state)), f.reason,
+                      f.processed() ? f.tracking_ms() : 0, f.track.inliers, f.track.key_frame});
+  }
+  return frames;
+}
+
+ReportInput report_of(const RunRecord& run, const RunResults& results, const RunSummary& summary,
+                      const OutputOptions& options) {
+  ReportInput report;
+  report.title = options.title;
+  report.estimate = results.trajectory;
+  report.key_frames = results.key_frames;
+  report.truth = options.truth;
+  report.align = alignment_of(run.sensor);
+  report.points = results.points;
+  report.frames = report_frames(run);
+  report.summary = summary_rows(summary);
+  return report;
+}
+
+}  // namespace
+
+Result<void> write_outputs(const RunRecord& run, const RunResults& results, const RunSummary& summary,
+                           const OutputOptions& options) {
+  using nlohmann::json;
+  const std::filesystem::path& out = options.directory;
+  Result<void> problem;
+  const auto keep_first = [&](Result<void> written) {
+    if (!written && problem) problem = std::move(written);
+  };
+  keep_first(
+      io::write_trajectories(out / "trajectory.txt", by_map(results.poses, results.submaps.size()), options.format));
+  keep_first(io::write_trajectory(out / "trajectory_online.txt", results.online_trajectory, options.format));
+  keep_first(io::write_trajectory(out / "keyframes.txt", results.key_frames, options.format));
+  keep_first(io::write_ply(out / "map.ply", results.points));
+  keep_first(write_atomically(out / "stats.jsonl", stats_text(run, results.poses)));
+  keep_first(write_atomically(out / "summary.json",
+                              to_json(summary).dump(2, ' ', false, json::error_handler_t::replace) + "\n"));
+  keep_first(write_report(out, report_of(run, results, summary, options)));
+  return problem;
+}
+
+}  // namespace covis::app

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/run/run_outputs.h"
+
+#include <gmock/gmock.h>
+
+#include "apps/run/test_run.h"
+#include "covis/core/test_folder.h"
+
+namespace covis::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+class RunOutputs : public testing::Test {
+ protected:
+  Result<void> write() const {
+    OutputOptions options;
+    options.directory = folder.path();
+    const RunSummary summary = summarise(made_record(), made_results(), nullptr, 0);
+    return write_outputs(made_record(), made_results(), summary, options);
+  }
+  const TemporaryFolder folder;
+};
+
+TEST_F(RunOutputs, LeavesAllFiles) {
+  const auto written = write();
+  ASSERT_TRUE(written) << written.error().message;
+  for (const char* file : {"trajectory.txt", "trajectory_map1.txt", "trajectory_online.txt", "keyframes.txt", "map.ply",
+                           "stats.jsonl", "summary.json", "report.html", "trajectory.png"}) {
+    EXPECT_GT(fs::file_size(folder / file), 0u) << file;
+  }
+  EXPECT_THAT(read_file(folder / "report.html"), testing::HasSubstr("reason 5"));
+}
+
+TEST_F(RunOutputs, TheOthersAreWrittenWhenOneFails) {
+  fs::create_directories(folder / "keyframes.txt" / "in the way");
+  const auto written = write();
+  ASSERT_FALSE(written);
+  EXPECT_THAT(written.error().message, testing::HasSubstr("keyframes.txt"));
+  EXPECT_TRUE(fs::exists(folder / "summary.json"));
+  EXPECT_TRUE(fs::exists(folder / "map.ply"));
+}
+
+}  // namespace
+}  // namespace covis::app

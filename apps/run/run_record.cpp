@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/run/run_record.h"
+
+#include <utility>
+
+namespace covis::app {
+namespace {
+
+FrameState lost_state(RunMode mode) {
+  return mode == RunMode::localization ? FrameState::not_localised : FrameState::lost;
+}
+
+FrameState state_of(TrackState state, RunMode mode) {
+  switch (state) {
+    case TrackState::tracking:
+      return FrameState::tracking;
+    case TrackState::lost:
+      return lost_state(mode);
+    case TrackState::not_initialised:
+      break;
+  }
+  return FrameState::not_initialised;
+}
+
+}  // namespace
+
+std::string_view name(FrameState state) {
+  switch (state) {
+    case FrameState::tracking:
+      return "tracking";
+    case FrameState::lost:
+      return "lost";
+    case FrameState::not_initialised:
+      return "not_initialised";
+    case FrameState::not_localised:
+      return "not_localised";
+    case FrameState::late:
+      return "late";
+    case FrameState::unreadable:
+      return "unreadable";
+  }
+  return "";
+}
+
+FrameStats tracked_frame(const io::Frame& frame, const FrameReport& report, RunMode mode) {
+  FrameStats stats;
+  stats.frame = frame.index;
+  stats.stamp = frame.stamp;
+  stats.state = state_of(report.track.state, mode);
+  stats.reason = report.track.reason;
+  stats.track = report.track;
+  stats.timing = report.timing;
+  return stats;
+}
+
+FrameStats skipped_frame(int64_t frame, Timestamp stamp, FrameState state, std::string reason) {
+  FrameStats stats;
+  stats.frame = frame;
+  stats.stamp = stamp;
+  stats.state = state;
+  stats.reason = std::move(reason);
+  return stats;
+}
+
+void mark_retracted(const std::vector<FrameRecord>& records, RunMode mode, std::vector<FrameStats>& frames) {
+  auto record = records.begin();  // both come in the order of their frames
+  for (FrameStats& frame : frames) {
+    while (record != records.end() && record->frame < frame.frame) ++record;
+    if (record == records.end()) return;
+    if (record->frame != frame.frame || record->tracked || frame.state != FrameState::tracking) continue;
+    frame.state = lost_state(mode);
+    frame.reason = "its pose was taken back: the place or the map proved wrong";
+  }
+}
+
+}  // namespace covis::app

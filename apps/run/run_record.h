@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// The record of one `covis run`, as it is kept while the run goes on: a row for each frame.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "covis/core/sensor.h"
+#include "covis/core/time.h"
+#include "covis/io/sequence.h"
+#include "covis/slam/system.h"
+
+namespace covis::app {
+
+// Result for one frame of the recording. not_localised: a lost frame of a run that localises only; late: dropped in
+// real time; unreadable: its image could not be decoded.
+enum class FrameState { tracking, lost, not_initialised, not_localised, late, unreadable };
+std::string_view name(FrameState state);
+
+// Purpose of the run: frames without a pose are lost from a map, or not localised in one.
+enum class RunMode { mapping, localization };
+
+struct FrameStats {
+  int64_t frame = 0;
+  Timestamp stamp = 0;
+  FrameState state = FrameState::not_initialised;
+  std::string reason;  // why there is no pose; empty when tracking
+  TrackFigures track;
+  double decode_ms = 0;  // waiting for the decoded image
+  FrameTiming timing;
+  double cpu_ms = 0;  // time the tracking thread itself worked: other busy programs do not enter
+  double rss_mb = 0;  // resident memory after this frame, of every hundredth; 0: not asked
+
+  // The tracker had the frame; the fields after `reason` are set.
+  bool processed() const { return state != FrameState::late && state != FrameState::unreadable; }
+  // Cost of tracking an image already decoded: everything but waiting for mapping.
+  double tracking_ms() const { return timing.total_ms - timing.wait_ms; }
+};
+
+// The stages that a frame's time is spent in, milliseconds.
+struct Stage {
+  const char* name;
+  double (*ms)(const FrameStats&);
+};
+inline constexpr std::array<Stage, 8> kStages{
+    {{"extract", [](const FrameStats& f) { return f.timing.extract_ms; }},
+     {"depth", [](const FrameStats& f) { return f.timing.depth_ms; }},
+     {"motion", [](const FrameStats& f) { return f.track.motion_ms; }},
+     {"local_update", [](const FrameStats& f) { return f.track.local_update_ms; }},
+     {"local_search", [](const FrameStats& f) { return f.track.local_search_ms; }},
+     {"pose", [](const FrameStats& f) { return f.track.pose_ms; }},
+     {"mapping_wait", [](const FrameStats& f) { return f.timing.wait_ms; }},
+     {"decode_wait", [](const FrameStats& f) { return f.decode_ms; }}}};
+
+struct RunRecord {
+  std::string source;  // description of the recording
+  Sensor sensor = Sensor::monocular;
+  std::vector<FrameStats> frames;
+  std::vector<MappingReport> mapping;
+  bool interrupted = false;
+  double wall_seconds = 0;
+  double first_pose_ms = -1;  // from the first decoded image to the first pose; negative: there was none
+};
+
+// The row of a frame that the tracker had.
+FrameStats tracked_frame(const io::Frame& frame, const FrameReport& report, RunMode mode);
+// The row of one that it had not: late or unreadable.
+FrameStats skipped_frame(int64_t frame, Timestamp stamp, FrameState state, std::string reason);
+// At the end of a run: frames whose poses were retracted after they were tracked lose their state `tracking`.
+void mark_retracted(const std::vector<FrameRecord>& records, RunMode mode, std::vector<FrameStats>& frames);
+
+}  // namespace covis::app

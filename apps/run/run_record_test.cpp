@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/run/run_record.h"
+
+#include <gtest/gtest.h>
+
+namespace covis::app {
+namespace {
+
+FrameReport report(TrackState state) {
+  FrameReport made;
+  made.track.state = state;
+  made.track.reason = state == TrackState::tracking ? "" : "too few matches";
+  made.timing.total_ms = 9;
+  made.timing.wait_ms = 2;
+  return made;
+}
+
+TEST(RunRecord, AFrameKeepsWhatWasReported) {
+  io::Frame frame;
+  frame.index = 7;
+  frame.stamp = 70;
+  const FrameStats row = tracked_frame(frame, report(TrackState::lost), RunMode::mapping);
+  EXPECT_EQ(row.frame, 7);
+  EXPECT_EQ(row.stamp, 70);
+  EXPECT_EQ(row.state, FrameState::lost);
+  EXPECT_EQ(row.reason, "too few matches");
+  EXPECT_EQ(row.tracking_ms(), 7);
+  EXPECT_TRUE(row.processed());
+}
+
+TEST(RunRecord, LostFramesOfALocalizationAreNotLocalised) {
+  const auto state = [](TrackState tracked) { return tracked_frame({}, report(tracked), RunMode::localization).state; };
+  EXPECT_EQ(state(TrackState::lost), FrameState::not_localised);
+  EXPECT_EQ(state(TrackState::tracking), FrameState::tracking);
+  EXPECT_EQ(state(TrackState::not_initialised), FrameState::not_initialised);
+}
+
+TEST(RunRecord, SkippedFramesWereNotProcessed) {
+  for (const FrameState state : {FrameState::late, FrameState::unreadable}) {
+    const FrameStats row = skipped_frame(3, 30, state, "why");
+    EXPECT_FALSE(row.processed());
+    EXPECT_EQ(row.frame, 3);
+    EXPECT_EQ(row.reason, "why");
+  }
+}
+
+TEST(RunRecord, RetractedPosesAreMarkedByTheirFrames) {
+  std::vector<FrameStats> frames;
+  for (const int64_t index : {10, 20, 30, 40}) frames.push_back(skipped_frame(index, 0, FrameState::tracking, ""));
+  frames[2].state = FrameState::not_initialised;
+  std::vector<FrameRecord> records(4);  // frame 20 is not among them: it was late
+  for (size_t k = 0; k < records.size(); ++k) records[k].frame = std::array{10, 15, 30, 40}[k];
+  records[0].tracked = true;
+  mark_retracted(records, RunMode::mapping, frames);
+  EXPECT_EQ(frames[0].state, FrameState::tracking);
+  EXPECT_EQ(frames[1].state, FrameState::tracking);
+  EXPECT_EQ(frames[2].state, FrameState::not_initialised) << "it had no pose to lose";
+  EXPECT_EQ(frames[3].state, FrameState::lost);
+  EXPECT_NE(frames[3].reason, "");
+  mark_retracted(std::vector<FrameRecord>(1), RunMode::mapping, frames);
+  EXPECT_EQ(frames[0].state, FrameState::tracking);
+}
+
+TEST(RunRecord, EveryStateHasItsName) {
+  std::vector<std::string_view> names;
+  for (int state = 0; state <= static_cast<int>(FrameState::unreadable); ++state)
+    names.push_back(name(static_cast<FrameState>(state)));
+  EXPECT_EQ(names, (std::vector<std::string_view>{"tracking", "lost", "not_initialised", "not_localised", "late",
+                                                  "unreadable"}));
+}
+
+}  // namespace
+}  // namespace covis::app

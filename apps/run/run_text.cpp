@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/run/run_text.h"
+
+#include <cstdio>
+
+namespace covis::app {
+namespace {
+
+std::string fixed(double value, int digits, const char* unit) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f%s", digits, value, unit);
+  return text;
+}
+
+}  // namespace
+
+std::string summary_text(const RunSummary& s, const std::filesystem::path& out) {
+  std::string text = std::to_string(s.frames.tracked) + " of " + std::to_string(s.frames.all) + " frames tracked, " +
+                     std::to_string(s.map.key_frames) + " key frames, " + std::to_string(s.map.points) + " points\n";
+  if (s.map.submaps.size() > 1) {
+    text += std::to_string(s.map.submaps.size()) + " maps that could not be joined; trajectory.txt has the " +
+            std::to_string(s.map.submaps.front().frames) + " frames of the first\n";
+  }
+  text += "tracking " + fixed(s.times.tracking.median, 2, " ms a frame (median), ") +
+          fixed(s.times.tracking.p95, 2, " ms (95 %); ") + fixed(s.costs.frames_per_second, 1, " frames/s in all; ") +
+          "peak memory " + fixed(s.costs.peak_rss_mb, 0, " MB\n");
+  if (s.accuracy) {
+    text += "error (ATE RMSE): " + fixed(s.accuracy->ate, 4, " m after ") + name_of_alignment(s.accuracy->alignment) +
+            " alignment, over " + fixed(s.accuracy->path_length, 1, " m\n");
+  }
+  return text + "written to " + out.string() + "\n";
+}
+
+std::vector<std::pair<std::string, std::string>> summary_rows(const RunSummary& s) {
+  std::vector<std::pair<std::string, std::string>> rows{
+      {"recording", s.source},
+      {"frames tracked", std::to_string(s.frames.tracked) + " of " + std::to_string(s.frames.all)},
+      {"key frames", std::to_string(s.map.key_frames)},
+      {"map points", std::to_string(s.map.points)},
+      {"tracking, median (95 %)",
+       fixed(s.times.tracking.median, 2, " ms") + " (" + fixed(s.times.tracking.p95, 2, " ms)")},
+      {"frames a second", fixed(s.costs.frames_per_second, 1, "")},
+      {"peak memory", fixed(s.costs.peak_rss_mb, 0, " MB")}};
+  if (s.map.submaps.size() > 1) rows.emplace_back("maps, not joined", std::to_string(s.map.submaps.size()));
+  if (s.accuracy) {
+    rows.emplace_back(std::string("error (ATE RMSE, ") + name_of_alignment(s.accuracy->alignment) + ")",
+                      fixed(s.accuracy->ate, 4, " m"));
+    rows.emplace_back("as it was when tracked", fixed(s.accuracy->ate_online, 4, " m"));
+    rows.emplace_back("length of the path", fixed(s.accuracy->path_length, 2, " m"));
+  }
+  return rows;
+}
+
+}  // namespace covis::app

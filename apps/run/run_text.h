@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// The main figures of a run in words: for the terminal, and for the report's table.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/run/run_summary.h"
+
+namespace covis::app {
+
+// Some lines; `out`: the folder that the results were written to.
+std::string summary_text(const RunSummary& summary, const std::filesystem::path& out);
+std::vector<std::pair<std::string, std::string>> summary_rows(const RunSummary& summary);
+
+}  // namespace covis::app

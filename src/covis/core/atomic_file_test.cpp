@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writing: whole or not at all, whatever stands in the way, and nothing left behind.
+#include "covis/core/atomic_file.h"
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <csignal>
+#include <thread>
+#include <vector>
+
+#include "covis/core/test_folder.h"
+
+namespace covis {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class AtomicFile : public testing::Test {
+ protected:
+  auto files() const { return std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()); }
+  std::string problem(const fs::path& file, std::string_view bytes) const {
+    const auto written = write_atomically(file, bytes);
+    return written ? "" : written.error().message;
+  }
+  const TemporaryFolder folder;
+};
+
+TEST_F(AtomicFile, HoldsTheBytesAndNothingIsLeftBeside) {
+  const std::string bytes("a\0b\n", 4);
+  for (const Durability durability : {Durability::fast, Durability::durable}) {
+    ASSERT_TRUE(write_atomically(folder / "out", bytes, durability));
+    EXPECT_EQ(read_file(folder / "out"), bytes);
+    ASSERT_TRUE(write_atomically(folder / "out", "", durability));
+    EXPECT_EQ(read_file(folder / "out"), "");
+    EXPECT_EQ(files(), 1);
+  }
+}
+
+TEST_F(AtomicFile, FullDiskLeavesTheOldFile) {
+  ASSERT_TRUE(write_atomically(folder / "out", "old"));
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit small = before;
+  small.rlim_cur = 1000;
+  setrlimit(RLIMIT_FSIZE, &small);
+  const auto written = write_atomically(folder / "out", std::string(5000, 'x'), Durability::durable);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  ASSERT_FALSE(written);
+  EXPECT_THAT(written.error().message, AllOf(HasSubstr("out"), HasSubstr("can't be written")));
+  EXPECT_EQ(read_file(folder / "out"), "old");
+  EXPECT_EQ(files(), 1) << "a temporary file is left";
+}
+
+TEST_F(AtomicFile, WhatCanNotBeWrittenIsAnError) {
+  EXPECT_THAT(problem(folder / "no/out", "x"), HasSubstr("no/out: it can't be written"));
+  fs::create_directories(folder / "inner");
+  EXPECT_THAT(problem(folder / "inner", "x"), HasSubstr("directory"));
+  fs::create_symlink("nowhere", folder / "link");
+  EXPECT_THAT(problem(folder / "link", "x"), HasSubstr("link"));
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(files(), 2);
+}
+
+TEST_F(AtomicFile, DevicesAreWrittenTo) {
+  // By links, so that a mistake would take their place and not the device's.
+  fs::create_symlink("/dev/full", folder / "full");
+  EXPECT_THAT(problem(folder / "full", "x"), AllOf(HasSubstr("full"), HasSubstr("No space left")));
+  EXPECT_TRUE(fs::is_character_file(folder / "full"));
+  fs::create_symlink("/dev/null", folder / "null");
+  EXPECT_EQ(problem(folder / "null", "x"), "");
+  EXPECT_TRUE(fs::is_character_file(folder / "null"));
+}
+
+TEST_F(AtomicFile, LinksStayAndTheirTargetsAreReplaced) {
+  fs::create_directories(folder / "inner");
+  write_file(folder / "inner/target", "old");
+  fs::create_symlink("inner/target", folder / "link");
+  EXPECT_EQ(problem(folder / "link", "new"), "");
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(read_file(folder / "inner/target"), "new");
+}
+
+TEST_F(AtomicFile, PermissionsOfTheOldFileStay) {
+  write_file(folder / "out", "old");
+  const auto owner = fs::perms::owner_read | fs::perms::owner_write;
+  fs::permissions(folder / "out", owner);
+  EXPECT_EQ(problem(folder / "out", "new"), "");
+  EXPECT_EQ(fs::status(folder / "out").permissions(), owner);
+  const mode_t mask = ::umask(027);
+  EXPECT_EQ(problem(folder / "fresh", "new"), "");
+  ::umask(mask);
+  EXPECT_EQ(fs::status(folder / "fresh").permissions(), owner | fs::perms::group_read);
+}
+
+// A link laid where the temporary file will be must not lead the bytes elsewhere.
+TEST_F(AtomicFile, NothingThatLiesThereIsWrittenThrough) {
+  write_file(folder / "precious", "kept");
+  const std::string stem = "out.tmp" + std::to_string(::getpid()) + "-";
+  for (int i = 0; i < 200; ++i) fs::create_symlink("precious", folder / (stem + std::to_string(i)));
+  EXPECT_EQ(problem(folder / "out", "new"), "");
+  EXPECT_EQ(read_file(folder / "precious"), "kept");
+  EXPECT_EQ(read_file(folder / "out"), "new");
+  EXPECT_FALSE(fs::is_symlink(folder / "out"));
+}
+
+TEST_F(AtomicFile, ThreadsThatWriteTheSameFileLeaveOneOfTheirs) {
+  constexpr size_t kBytes = 100'000;
+  std::vector<std::thread> threads;
+  for (const char letter : {'a', 'b', 'c'}) {
+    threads.emplace_back([&, letter] {
+      for (int k = 0; k < 10; ++k) EXPECT_TRUE(write_atomically(folder / "out", std::string(kBytes, letter)));
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  const std::string left = read_file(folder / "out");
+  EXPECT_EQ(left, std::string(kBytes, left.front()));
+  EXPECT_EQ(files(), 1);
+}
+
+}  // namespace
+}  // namespace covis

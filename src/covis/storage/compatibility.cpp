@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/storage/compatibility.h"
+
+#include <cstdio>
+#include <string>
+
+namespace covis::storage {
+namespace {
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+}  // namespace
+
+Result<void> check_compatible(const MapHeader& saved, const MapHeader& run, MapUse use) {
+  const bool monocular = saved.sensor == Sensor::monocular;
+  if (monocular != (run.sensor == Sensor::monocular)) {
+    return fail(
+        std::string("the map was made ") +
+        (monocular ? "by a monocular camera, whose unit of length is arbitrary" : "by a camera with depth, in metres") +
+        "; the recording is of the other kind (--sensor)");
+  }
+  if (saved.levels != run.levels || saved.factor != run.factor) {
+    return fail("the map was made with orb.levels " + std::to_string(saved.levels) + " and orb.scale_factor " +
+                number(static_cast<double>(saved.factor)) + "; use the same");
+  }
+  if (use == MapUse::localization) return {};
+  if (const std::string other = difference(run.camera, saved.camera); !other.empty()) {
+    return fail("the map was made by another camera (" + other +
+                "): it can't be continued, for a map has one camera; localise in it only (--localize)");
+  }
+  return {};
+}
+
+Result<SavedMap> load_compatible_map(const std::filesystem::path& file, const MapHeader& run, MapUse use) {
+  auto saved = load_map(file);
+  if (!saved) return saved;
+  if (const auto fits = check_compatible(saved->header, run, use); !fits)
+    return fail(file.string() + ": " + fits.error().message);
+  if (saved->map.key_frame_count() == 0) return fail(file.string() + ": the map is empty");
+  return saved;
+}
+
+}  // namespace covis::storage

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/storage/compatibility.h"
+
+#include <gmock/gmock.h>
+
+#include "covis/core/test_folder.h"
+#include "covis/storage/test_maps.h"
+
+namespace covis::storage {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+// What is said of a map made with test_header() in a run whose header differs from it by `change`; empty: it fits.
+template <class Change>
+std::string problem(Change&& change, MapUse use = MapUse::continuation) {
+  MapHeader run = test_header();
+  change(run);
+  const auto fits = check_compatible(test_header(), run, use);
+  return fits ? "" : fits.error().message;
+}
+
+TEST(Compatibility, TheSameRunFits) {
+  for (const MapUse use : {MapUse::continuation, MapUse::localization}) {
+    EXPECT_EQ(problem([](MapHeader&) {}, use), "");
+  }
+}
+
+TEST(Compatibility, TheUnitOfLengthMustBeTheSame) {
+  EXPECT_EQ(problem([](MapHeader& h) { h.sensor = Sensor::stereo; }), "") << "both are in metres";
+  for (const MapUse use : {MapUse::continuation, MapUse::localization}) {
+    EXPECT_THAT(problem([](MapHeader& h) { h.sensor = Sensor::monocular; }, use), HasSubstr("in metres"));
+  }
+  MapHeader monocular = test_header();
+  monocular.sensor = Sensor::monocular;
+  EXPECT_TRUE(check_compatible(monocular, monocular, MapUse::continuation));
+  EXPECT_THAT(check_compatible(monocular, test_header(), MapUse::localization).error().message, HasSubstr("arbitrary"));
+}
+
+TEST(Compatibility, ThePyramidMustBeTheSame) {
+  for (const MapUse use : {MapUse::continuation, MapUse::localization}) {
+    EXPECT_THAT(problem([](MapHeader& h) { h.levels = 6; }, use),
+                AllOf(HasSubstr("orb.levels 8"), HasSubstr("orb.scale_factor 1.2")));
+    EXPECT_THAT(problem([](MapHeader& h) { h.factor = 1.3f; }, use), HasSubstr("orb.scale_factor 1.2;"));
+  }
+}
+
+TEST(Compatibility, AnotherCameraMayLocaliseOnly) {
+  const auto change = [](MapHeader& h) { h.camera.pinhole.fx = 480; };
+  EXPECT_THAT(problem(change), AllOf(HasSubstr("fx 500 instead of 480"), HasSubstr("--localize")));
+  EXPECT_EQ(problem(change, MapUse::localization), "");
+  EXPECT_EQ(problem([](MapHeader& h) { h.camera.pinhole.fx *= 1 + 1e-9; }), "") << "the digits of a file";
+  EXPECT_THAT(problem([](MapHeader& h) { h.camera.distortion = Distortion::none; }), HasSubstr("another lens"));
+}
+
+TEST(Compatibility, TheVocabularyMayBeAnother) {
+  EXPECT_EQ(problem([](MapHeader& h) { h.vocabulary.clear(); }), "");
+}
+
+TEST(Compatibility, LoadsWhatFitsAndNamesTheFile) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(save_map(folder / "m", random_map(1, 60).state(), test_header()));
+  const auto fits = load_compatible_map(folder / "m", test_header(), MapUse::continuation);
+  ASSERT_TRUE(fits) << fits.error().message;
+  EXPECT_GT(fits->map.key_frame_count(), 0u);
+  MapHeader other = test_header();
+  other.levels = 4;
+  EXPECT_THAT(load_compatible_map(folder / "m", other, MapUse::continuation).error().message,
+              AllOf(HasSubstr("m: the map was made"), HasSubstr("orb.levels 8")));
+  ASSERT_TRUE(save_map(folder / "empty", Map().state(), test_header()));
+  EXPECT_THAT(load_compatible_map(folder / "empty", test_header(), MapUse::localization).error().message,
+              HasSubstr("empty: the map is empty"));
+  EXPECT_FALSE(load_compatible_map(folder / "none", test_header(), MapUse::localization));
+}
+
+}  // namespace
+}  // namespace covis::storage

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/storage/map_file.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "covis/core/atomic_file.h"
+#include "covis/core/log.h"
+#include "covis/storage/map_file_format.h"
+
+namespace covis::storage {
+namespace {
+
+// The sections' ids.
+constexpr uint32_t kAbout = 1, kKeyFrames = 2, kFeatures = 3, kObservations = 4, kPoints = 5;
+
+constexpr const char* kNotRightLength = "it is damaged: a section has not the length that its contents ask for";
+
+struct Counts {
+  uint32_t key_frames = 0, points = 0, root = MapState::kNone, next_serial = 0;
+  uint64_t features = 0, observations = 0;
+  friend bool operator==(const Counts&, const Counts&) = default;
+};
+
+Counts counts_of(const MapState& map) {
+  Counts c{static_cast<uint32_t>(map.key_frames.size()), static_cast<uint32_t>(map.points.size()), map.root,
+           map.next_serial};
+  for (const KeyFrameState& k : map.key_frames) {
+    c.features += k.points.size();
+    c.observations += k.points.size();
+    c.observations -= static_cast<uint64_t>(std::count(k.points.begin(), k.points.end(), MapState::kNone));
+  }
+  return c;
+}
+
+// ---- The layout: each function for both directions, Fields being FieldWriter or FieldReader ----
+
+template <class Fields, class P>
+void pinhole_fields(Fields& fields, P& p) {
+  for (auto* value : {&p.fx, &p.fy, &p.cx, &p.cy, &p.bf}) fields(*value);
+}
+
+template <class Fields, class H, class C>
+void about_fields(Fields& fields, H& h, C& c) {
+  fields(h.camera.width);
+  fields(h.camera.height);
+  pinhole_fields(fields, h.camera.pinhole);
+  fields(h.camera.distortion);
+  fields.array(h.camera.coefficients.data(), h.camera.coefficients.size());
+  fields(h.sensor);
+  fields(h.levels);
+  fields(h.factor);
+  fields.list(h.vocabulary);
+  fields(c.key_frames);
+  fields(c.points);
+  fields(c.root);
+  fields(c.next_serial);
+  fields(c.features);
+  fields(c.observations);
+}
+
+// Of a key frame what does not depend on the features' number.
+struct FrameRecord {
+  std::array<double, 9> R{};  // by rows
+  std::array<double, 3> t{};
+  Pinhole camera;
+  ImageBounds bounds;
+  uint32_t features = 0;
+  int32_t levels = 0;
+  float factor = 0;
+};
+
+template <class Fields, class K, class R>
+void key_frame_fields(Fields& fields, K& k, R& record) {
+  fields(k.serial);
+  fields(k.frame);
+  fields(k.stamp);
+  fields.array(record.R.data(), record.R.size());
+  fields.array(record.t.data(), record.t.size());
+  fields(k.parent);
+  fields(record.features);
+  pinhole_fields(fields, record.camera);
+  for (auto* value : {&record.bounds.min_x, &record.bounds.min_y, &record.bounds.max_x, &record.bounds.max_y}) {
+    fields(*value);
+  }
+  fields(record.levels);
+  fields(record.factor);
+  fields.list(k.loop_edges);
+}
+
+// Calls visit(array) for each array of the features, in the order of the file; `image_x` and `image_y` are the raw
+// pixels, which the file always has.
+template <class F, class Pixels, class Visit>
+void for_each_array(F& f, Pixels& image_x, Pixels& image_y, Visit&& visit) {
+  for (auto* array : {&f.x, &f.y}) visit(*array);
+  for (auto* array : {&image_x, &image_y}) visit(*array);
+  for (auto* array : {&f.angle, &f.u_right, &f.depth}) visit(*array);
+  visit(f.level);
+  visit(f.descriptor);
+}
+
+template <class Fields, class P>
+void point_fields(Fields& fields, P& p) {
+  fields.array(p.position_w.data(), 3);
+  fields.array(p.normal_w.data(), 3);
+  fields.array(p.descriptor.bits.data(), p.descriptor.bits.size());
+  fields(p.d_min);
+  fields(p.d_max);
+  for (auto* value : {&p.reference, &p.created_serial, &p.visible, &p.found}) fields(*value);
+}
+
+// ---- Checks ----
+
+std::string problem_of(const MapHeader& h) {
+  const Pinhole& p = h.camera.pinhole;
+  const auto finite = [](double v) { return std::isfinite(v); };
+  const std::array<double, 5> figures{p.fx, p.fy, p.cx, p.cy, p.bf};
+  if (!std::all_of(figures.begin(), figures.end(), finite) || !(p.fx > 0 && p.fy > 0 && p.bf >= 0) ||
+      !std::all_of(h.camera.coefficients.begin(), h.camera.coefficients.end(), finite)) {
+    return "its camera makes no sense";
+  }
+  if (h.camera.width < 1 || h.camera.height < 1) return "its camera has no image size";
+  const int distortion = static_cast<int>(h.camera.distortion), sensor = static_cast<int>(h.sensor);
+  if (distortion < 0 || distortion > static_cast<int>(Distortion::kannala_brandt)) return "its lens is unknown";
+  if (sensor < 0 || sensor > static_cast<int>(Sensor::rgbd)) return "its sensor is unknown";
+  if (!valid_pyramid(h.levels, h.factor)) return "its pyramid makes no sense";
+  return {};
+}
+
+// ---- Writing ----
+
+FrameRecord record_of(const KeyFrameState& k, const Pinhole& camera) {
+  const Features& f = *k.features;
+  FrameRecord r;
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.R.data()) = k.T_cw.R();
+  Eigen::Map<Eigen::Vector3d>(r.t.data()) = k.T_cw.t();
+  r.camera = camera;
+  r.bounds = f.grid.bounds;
+  r.features = static_cast<uint32_t>(f.size());
+  r.levels = f.pyramid->levels;
+  r.factor = f.pyramid->factor;
+  return r;
+}
+
+std::vector<Section> sections_of(const MapState& map, const MapHeader& header) {
+  const Counts counts = counts_of(map);
+  FieldWriter about, key_frames, features, observations, points;
+  for (const KeyFrameState& k : map.key_frames) {
+    const FrameRecord record = record_of(k, map.camera);
+    key_frame_fields(key_frames, k, record);
+    observations.array(k.points.data(), k.points.size());
+  }
+  for (const KeyFrameState& k : map.key_frames) {
+    for_each_array(*k.features, k.features->image_x(), k.features->image_y(),
+                   [&](const auto& array) { features.array(array.data(), array.size()); });
+  }
+  for (const MapPointState& p : map.points) point_fields(points, p);
+  about_fields(about, header, counts);
+  return {{kAbout, about.take()},
+          {kKeyFrames, key_frames.take()},
+          {kFeatures, features.take()},
+          {kObservations, observations.take()},
+          {kPoints, points.take()}};
+}
+
+// ---- Reading ----
+
+struct About {
+  MapHeader header;
+  Counts counts;
+};
+
+Result<About> read_about(SectionFile& file) {
+  const auto bytes = file.read(kAbout, "about");
+  if (!bytes) return tl::unexpected(bytes.error());
+  FieldReader fields(*bytes);
+  About about;
+  about_fields(fields, about.header, about.counts);
+  if (!fields.whole()) return fail(file.error(kNotRightLength));
+  const std::string problem = problem_of(about.header);
+  if (!problem.empty()) return fail(file.error(problem));
+  return about;
+}
+
+// The key frames without features and observations; `records` says the rest of them.
+Result<std::vector<KeyFrameState>> read_key_frames(SectionFile& file, uint32_t count,
+                                                   std::vector<FrameRecord>& records) {
+  const auto bytes = file.read(kKeyFrames, "key frames");
+  if (!bytes) return tl::unexpected(bytes.error());
+  FieldReader fields(*bytes);
+  std::vector<KeyFrameState> key_frames;
+  for (uint32_t i = 0; i < count && fields.ok(); ++i) {
+    KeyFrameState& k = key_frames.emplace_back();
+    FrameRecord& r = records.emplace_back();
+    key_frame_fields(fields, k, r);
+    k.T_cw = SE3(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.R.data()),
+                 Eigen::Map<const Eigen::Vector3d>(r.t.data()));
+  }
+  if (!fields.whole()) return fail(file.error(kNotRightLength));
+  return key_frames;
+}
+
+bool same_bits(const AlignedVector<float>& a, const AlignedVector<float>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](float p, float q) { return std::bit_cast<uint32_t>(p) == std::bit_cast<uint32_t>(q); });
+}
+
+Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& records,
+                           std::vector<KeyFrameState>& key_frames) {
+  const auto bytes = file.read(kFeatures, "features");
+  if (!bytes) return tl::unexpected(bytes.error());
+  FieldReader fields(*bytes);
+  std::shared_ptr<const ScalePyramid> pyramid;
+  for (size_t i = 0; i < records.size(); ++i) {
+    const FrameRecord& r = records[i];
+    const std::string name = "key frame " + std::to_string(i) + " ";
+    if (!valid_pyramid(r.levels, r.factor)) return fail(file.error(name + "has no valid pyramid"));
+    if (!pyramid || pyramid->levels != r.levels || pyramid->factor != r.factor) {
+      pyramid = std::make_shared<ScalePyramid>(r.levels, r.factor);  // most often one for all key frames
+    }
+    const auto f = std::make_shared<Features>();
+    AlignedVector<float> image_x, image_y;
+    for_each_array(*f, image_x, image_y, [&](auto& array) { fields.sized_list(array, r.features); });
+    if (!fields.ok()) break;
+    if (!same_bits(image_x, f->x) || !same_bits(image_y, f->y)) {
+      f->raw_x = std::move(image_x);
+      f->raw_y = std::move(image_y);
+    }
+    f->pyramid = pyramid;
+    if (!valid_camera(r.camera)) return fail(file.error(name + "has no valid camera"));
+    const std::string problem = covis::problem_of(*f, r.bounds);
+    if (!problem.empty()) return fail(file.error(name + problem));
+    f->grid.build(r.bounds, f->x, f->y);
+    key_frames[i].features = f;
+  }
+  if (!fields.whole()) return fail(file.error(kNotRightLength));
+  return {};
+}
+
+Result<void> read_observations(SectionFile& file, std::vector<KeyFrameState>& key_frames) {
+  const auto bytes = file.read(kObservations, "observations");
+  if (!bytes) return tl::unexpected(bytes.error());
+  FieldReader fields(*bytes);
+  for (KeyFrameState& k : key_frames) fields.sized_list(k.points, static_cast<size_t>(k.features->size()));
+  if (!fields.whole()) return fail(file.error(kNotRightLength));
+  return {};
+}
+
+Result<void> read_points(SectionFile& file, uint32_t count, std::vector<MapPointState>& points) {
+  const auto bytes = file.read(kPoints, "points");
+  if (!bytes) return tl::unexpected(bytes.error());
+  FieldReader fields(*bytes);
+  for (uint32_t i = 0; i < count && fields.ok(); ++i) point_fields(fields, points.emplace_back());
+  if (!fields.whole()) return fail(file.error(kNotRightLength));
+  return {};
+}
+
+// The one of all key frames. Early versions could leave key frames of two in a map: the first key frame's serves then,
+// as in any adjustment they made.
+Pinhole camera_of(const std::vector<FrameRecord>& records, const SectionFile& file) {
+  const Pinhole& first = records.front().camera;
+  const auto others =
+      std::count_if(records.begin(), records.end(), [&](const FrameRecord& r) { return r.camera != first; });
+  if (others > 0) {
+    log(LogLevel::warning, file.error("its key frames are of several cameras, " + std::to_string(others) +
+                                      " of others than the first: that one's focal length is taken for all"));
+  }
+  return first;
+}
+
+Result<MapState> read_state(SectionFile& file, const Counts& counts, const Pinhole& given) {
+  MapState state;
+  state.root = counts.root;
+  state.next_serial = counts.next_serial;
+  std::vector<FrameRecord> records;
+  auto key_frames = read_key_frames(file, counts.key_frames, records);
+  if (!key_frames) return tl::unexpected(key_frames.error());
+  state.key_frames = std::move(*key_frames);
+  state.camera = records.empty() ? given : camera_of(records, file);
+  Result<void> read = read_features(file, records, state.key_frames);
+  if (read) read = read_observations(file, state.key_frames);
+  if (read) read = read_points(file, counts.points, state.points);
+  if (read) read = file.verify_others();
+  if (!read) return tl::unexpected(read.error());
+  if (counts_of(state) != counts) return fail(file.error("it is damaged: it does not hold what it says of itself"));
+  return state;
+}
+
+}  // namespace
+
+Result<void> save_map(const std::filesystem::path& file, const MapState& map, const MapHeader& header) {
+  std::string problem = problem_of(header);
+  if (problem.empty()) problem = covis::problem_of(map);
+  if (!problem.empty()) return fail(file.string() + ": the map is not sound and was not saved: " + problem);
+  const auto bytes = pack_sections(sections_of(map, header));
+  if (!bytes) return fail(file.string() + ": " + bytes.error().message);
+  return write_atomically(file, *bytes, Durability::durable);
+}
+
+Result<SavedMap> load_map(const std::filesystem::path& path) {
+  auto file = SectionFile::open(path);
+  if (!file) return tl::unexpected(file.error());
+  const auto about = read_about(*file);
+  if (!about) return tl::unexpected(about.error());
+  auto state = read_state(*file, about->counts, about->header.camera.pinhole);
+  if (!state) return tl::unexpected(state.error());
+  auto map = Map::from_state(std::move(*state));
+  if (!map) return fail(file->error("its map is not sound: " + map.error().message));
+  return SavedMap{about->header, std::move(*map)};
+}
+
+Result<MapInfo> read_map_info(const std::filesystem::path& path) {
+  auto file = SectionFile::open(path);
+  if (!file) return tl::unexpected(file.error());
+  const auto about = read_about(*file);
+  if (!about) return tl::unexpected(about.error());
+  std::vector<FrameRecord> records;
+  const auto key_frames = read_key_frames(*file, about->counts.key_frames, records);
+  if (!key_frames) return tl::unexpected(key_frames.error());
+  const Counts& c = about->counts;
+  MapInfo info{about->header, file->major(), file->minor(),  file->size(),
+               c.key_frames,  c.points,      c.observations, c.features};
+  info.submaps = static_cast<uint64_t>(std::count_if(
+      key_frames->begin(), key_frames->end(), [](const KeyFrameState& k) { return k.parent == MapState::kNone; }));
+  if (key_frames->empty()) return info;
+  Eigen::AlignedBox3d box;
+  Timestamp first = key_frames->front().stamp, last = first;
+  for (const KeyFrameState& k : *key_frames) {
+    if (!k.T_cw.all_finite()) return fail(file->error("a key frame has a pose that is not finite"));
+    box.extend(k.T_cw.centre());
+    first = std::min(first, k.stamp);
+    last = std::max(last, k.stamp);
+  }
+  info.extent = box.sizes();
+  info.seconds = to_seconds(last) - to_seconds(first);
+  return info;
+}
+
+}  // namespace covis::storage

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/storage/map_file_format.h"
+
+#include <zstd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <system_error>
+
+namespace covis::storage {
+namespace {
+
+constexpr std::string_view kMagic = "COVISMAP";
+constexpr size_t kHeaderSize = 32, kEntrySize = 24;
+constexpr int kLevel = 3;  // zstd's own default: descriptors hardly shrink, more effort is lost on them
+constexpr uint64_t kGreatestRatio = 32768;  // zstd makes at most 128 KiB of a block of 4 bytes
+
+// tables[k][b]: the checksum of byte b followed by k zero bytes; eight of them take eight bytes at once.
+using CrcTables = std::array<std::array<uint32_t, 256>, 8>;
+
+constexpr CrcTables make_crc_tables() {
+  CrcTables tables{};
+  for (uint32_t b = 0; b < 256; ++b) {
+    uint32_t crc = b;
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1) != 0 ? 0xedb88320u : 0u);
+    tables[0][b] = crc;
+  }
+  for (size_t k = 1; k < 8; ++k) {
+    for (size_t b = 0; b < 256; ++b) {
+      const uint32_t before = tables[k - 1][b];
+      tables[k][b] = (before >> 8) ^ tables[0][before & 255];
+    }
+  }
+  return tables;
+}
+
+constexpr CrcTables kCrc = make_crc_tables();
+
+Result<std::string> compress(std::string_view bytes) {
+  std::string packed(ZSTD_compressBound(bytes.size()), '\0');
+  const size_t size = ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), kLevel);
+  if (ZSTD_isError(size)) return fail(std::string("zstd: ") + ZSTD_getErrorName(size));
+  packed.resize(size);
+  return packed;
+}
+
+}  // namespace
+
+uint32_t crc32(std::string_view bytes, uint32_t crc) {
+  crc = ~crc;
+  for (; bytes.size() >= 8; bytes.remove_prefix(8)) {
+    uint64_t word = 0;
+    std::memcpy(&word, bytes.data(), 8);
+    word ^= crc;
+    crc = 0;
+    for (size_t k = 0; k < 8; ++k) crc ^= kCrc[7 - k][(word >> (8 * k)) & 255];
+  }
+  for (const char c : bytes) crc = (crc >> 8) ^ kCrc[0][(crc ^ static_cast<uint8_t>(c)) & 255];
+  return ~crc;
+}
+
+Result<std::string> pack_sections(std::vector<Section> sections, uint16_t major, uint16_t minor) {
+  FieldWriter table;
+  uint64_t size = kHeaderSize + kEntrySize * sections.size();
+  for (Section& section : sections) {
+    const uint64_t raw = section.bytes.size();
+    auto packed = compress(section.bytes);
+    if (!packed) return packed;
+    section.bytes = std::move(*packed);  // the most of a map's memory is given back here, section by section
+    table(section.id);
+    table(crc32(section.bytes));
+    table(uint64_t{section.bytes.size()});
+    table(raw);
+    size += section.bytes.size();
+  }
+  FieldWriter header;
+  header.array(kMagic.data(), kMagic.size());
+  header(major);
+  header(minor);
+  header(static_cast<uint32_t>(sections.size()));
+  header(size);
+  header(uint32_t{0});  // reserved
+  std::string file = header.take();
+  const std::string entries = table.take();
+  FieldWriter crc;
+  crc(crc32(entries, crc32(file)));
+  file.reserve(size);
+  file += crc.take();
+  file += entries;
+  for (const Section& section : sections) file += section.bytes;
+  return file;
+}
+
+Result<SectionFile> SectionFile::open(const std::filesystem::path& path) {
+  SectionFile file;
+  file.file_ = path;
+  std::error_code none;
+  const auto status = std::filesystem::status(path, none);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    return fail(file.error("it is a folder or a device, a map file is wanted"));
+  }
+  file.stream_.open(path, std::ios::binary);
+  if (!file.stream_) return fail(file.error("it can't be opened: " + std::generic_category().message(errno)));
+  file.size_ = std::filesystem::file_size(path, none);
+  if (none) return fail(file.error("it can't be read: " + none.message()));
+  std::string header(kHeaderSize, '\0');
+  file.stream_.read(header.data(), kHeaderSize);
+  const auto got = static_cast<size_t>(file.stream_.gcount());
+  if (got == 0) return fail(file.error("it is empty"));
+  if (header.compare(0, kMagic.size(), kMagic) != 0) return fail(file.error("it is not a map of Covis"));
+  if (got < kHeaderSize) return fail(file.error("it is cut off within its header"));
+  FieldReader fields(std::string_view(header).substr(kMagic.size()));
+  uint32_t count = 0, reserved = 0, crc = 0;
+  uint64_t size = 0;
+  fields(file.major_);
+  fields(file.minor_);
+  fields(count);
+  fields(size);
+  fields(reserved);
+  fields(crc);
+  if (file.major_ != kMapFileMajor) {
+    return fail(file.error("it is of version " + std::to_string(file.major_) + "." + std::to_string(file.minor_) +
+                           " of the map format; this Covis reads version " + std::to_string(kMapFileMajor)));
+  }
+  if (size != file.size_) {
+    return fail(file.error("it is damaged: it has " + std::to_string(file.size_) + " bytes, its header says " +
+                           std::to_string(size)));
+  }
+  const uint32_t so_far = crc32(std::string_view(header).substr(0, kHeaderSize - sizeof crc));
+  if (auto table = file.read_table(count, so_far, crc); !table) return tl::unexpected(table.error());
+  return file;
+}
+
+Result<void> SectionFile::read_table(uint32_t count, uint32_t so_far, uint32_t wanted_crc) {
+  if (count > (size_ - kHeaderSize) / kEntrySize) return fail(error("it is damaged: its header is wrong"));
+  std::string table(kEntrySize * count, '\0');
+  stream_.read(table.data(), static_cast<std::streamsize>(table.size()));
+  if (!stream_ || crc32(table, so_far) != wanted_crc) return fail(error("it is damaged: its header is wrong"));
+  FieldReader fields(table);
+  uint64_t offset = kHeaderSize + table.size();
+  for (uint32_t i = 0; i < count; ++i) {
+    Entry e;
+    fields(e.id);
+    fields(e.crc);
+    fields(e.stored);
+    fields(e.raw);
+    e.offset = offset;
+    if (e.stored > size_ - offset) return fail(error("it is damaged: its sections do not fit into it"));
+    offset += e.stored;
+    entries_.push_back(e);
+  }
+  if (offset != size_) return fail(error("it is damaged: there is more than its sections"));
+  return {};
+}
+
+Result<std::string> SectionFile::read_stored(Entry& entry, std::string_view name) {
+  std::string stored(entry.stored, '\0');
+  stream_.seekg(static_cast<std::streamoff>(entry.offset));
+  stream_.read(stored.data(), static_cast<std::streamsize>(stored.size()));
+  if (!stream_) return fail(error("it can't be read"));
+  if (crc32(stored) != entry.crc) {
+    return fail(error("it is damaged: the checksum of its section '" + std::string(name) + "' is wrong"));
+  }
+  entry.read = true;
+  return stored;
+}
+
+Result<std::string> SectionFile::read(uint32_t id, std::string_view name) {
+  const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.id == id; });
+  if (entry == entries_.end()) return fail(error("it has no section '" + std::string(name) + "'"));
+  auto stored = read_stored(*entry, name);
+  if (!stored) return stored;
+  const std::string problem = error("its section '" + std::string(name) + "' can't be uncompressed");
+  if (entry->raw / kGreatestRatio > entry->stored) return fail(problem);  // don't take memory on its word
+  std::string raw(entry->raw, '\0');
+  const size_t size = ZSTD_decompress(raw.data(), raw.size(), stored->data(), stored->size());
+  if (ZSTD_isError(size) || size != raw.size()) return fail(problem);
+  return raw;
+}
+
+Result<void> SectionFile::verify_others() {
+  for (Entry& entry : entries_) {
+    if (entry.read) continue;
+    if (auto stored = read_stored(entry, std::to_string(entry.id)); !stored) return tl::unexpected(stored.error());
+  }
+  return {};
+}
+
+}  // namespace covis::storage

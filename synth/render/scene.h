@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// A world: textured convex polygons in metres, z up, and helpers that build boxes, prisms and recessed openings.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "covis/core/random.h"
+#include "synth/render/canvas.h"
+#include "synth/render/texture.h"
+
+namespace covis::synth {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// What a face looks like.
+struct Skin {
+  int texture = 0;
+  double metres = 0;    // how much of the world the texture spans sideways and downwards; 0: stretched over the face
+  double gain = 1;      // brightness
+  double detail = 0.1;  // strength of the fine-grained detail seen close up
+};
+
+// A flat convex polygon. Texture coordinates are affine in the world: u = u_w . p + u_0.
+struct Polygon {
+  int first = 0, count = 0;  // in Scene::vertices
+  Vector3d normal;           // towards the side it is seen from
+  double offset = 0;         // normal . p = offset
+  Vector3d u_w, v_w;
+  double u_0 = 0, v_0 = 0;
+  Vector3d centre;
+  double radius = 0;
+  int texture = 0;
+  float gain = 1;
+  float detail = 0;                  // relative amplitude
+  float detail_u = 1, detail_v = 1;  // detail repeats per texture repeat
+  bool two_sided = false;
+  bool sky = false;  // at infinity for depth
+};
+
+// A place on the floor: origin and heading of a thing. Local x is forward... of the thing's front, y to its left, z up.
+struct Place {
+  Vector3d origin = Vector3d::Zero();
+  double heading = 0;  // radians, of local x, about z
+
+  Vector3d operator()(double x, double y, double z) const;
+  Vector3d turn(double x, double y, double z) const;
+  Place at(double x, double y, double z, double turn = 0) const;
+};
+
+// A piece cut out of a scene, to be put into it at several places. Its textures stay in the scene.
+struct Piece {
+  std::vector<Polygon> polygons;
+  std::vector<Vector3d> vertices;
+};
+
+class Scene {
+ public:
+  explicit Scene(uint64_t seed);
+
+  int add_texture(const Canvas& canvas);
+
+  // A convex polygon in the order that looks anticlockwise from its visible side, with the texture's origin at
+  // `origin`, right by `right` and down by `down` for one whole texture.
+  Polygon& add_polygon(const std::vector<Vector3d>& corners, const Vector3d& origin, const Vector3d& right,
+                       const Vector3d& down, const Skin& skin);
+  // A rectangle seen from the side from which `right` points right and `down` down; `origin` is its top left corner.
+  Polygon& add_rect(const Vector3d& origin, const Vector3d& right, const Vector3d& down, const Skin& skin);
+
+  // Takes everything out of the scene but the first `polygon_count` polygons.
+  Piece cut(size_t polygon_count);
+  // Adds the piece as it was cut, but with the world's origin and axes moved to `place`: the same look, light included.
+  void put(const Piece& piece, const Place& place);
+
+  std::vector<Polygon> polygons;
+  std::vector<Vector3d> vertices;
+  std::vector<Texture> textures;
+  Random random;                // for the builders
+  double detail_metres = 0.45;  // what a whole detail texture (texture 0) spans on a surface
+};
+
+// Skins of a box's faces: front (+x), back (-x), left (+y), right (-y), top, bottom.
+struct BoxSkin {
+  Skin front, back, left, right, top, bottom;
+  explicit BoxSkin(const Skin& all) : front(all), back(all), left(all), right(all), top(all), bottom(all) {}
+  BoxSkin(const Skin& front_skin, const Skin& others) : BoxSkin(others) { front = front_skin; }
+};
+
+// A box whose bottom centre is at `place`, `depth` along its x, `width` along y. Faces get a little light from their
+// direction.
+void add_box(Scene& scene, const Place& place, double depth, double width, double height, const BoxSkin& skin,
+             bool with_bottom = false);
+// An upright prism of `sides` faces whose radius goes from r0 at the bottom to r1 at the top, with a lid.
+void add_prism(Scene& scene, const Place& place, double r0, double r1, double height, int sides, const Skin& side,
+               const Skin& lid);
+// Light on a surface that faces `normal`: 1 for a wall in the middle tone.
+double light(const Vector3d& normal);
+
+}  // namespace covis::synth

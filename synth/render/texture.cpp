@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "synth/render/texture.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace covis::synth {
+namespace {
+
+// Halves one dimension by area: output i covers [i, i + 1) * (size / half) of the input, so that odd sizes stay in
+// place. `step` is the distance between neighbours, `lines` the number of lines, `line` the distance between lines.
+std::vector<float> halve(const std::vector<float>& in, int size, int lines, bool along_rows) {
+  const int half = (size + 1) / 2;
+  std::vector<float> out(static_cast<size_t>(half) * static_cast<size_t>(lines));
+  const double ratio = static_cast<double>(size) / half;
+  for (int i = 0; i < half; ++i) {
+    const double begin = i * ratio, end = std::min<double>((i + 1) * ratio, size);
+    const int first = static_cast<int>(begin), last = std::min(size - 1, static_cast<int>(std::ceil(end - 1e-9)) - 1);
+    float weight[3] = {0, 0, 0};
+    for (int k = first; k <= last; ++k) {
+      weight[k - first] =
+          static_cast<float>((std::min<double>(k + 1, end) - std::max<double>(k, begin)) / (end - begin));
+    }
+    for (int l = 0; l < lines; ++l) {
+      float sum = 0;
+      for (int k = first; k <= last; ++k) {
+        const int at = along_rows ? l * size + k : k * lines + l;
+        sum += weight[k - first] * in[static_cast<size_t>(at)];
+      }
+      out[static_cast<size_t>(along_rows ? l * half + i : i * lines + l)] = sum;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Texture::Texture(const Canvas& canvas) {
+  int columns = canvas.columns(), rows = canvas.rows();
+  append_level(canvas.pixels(), columns, rows);
+  std::vector<float> values;
+  while (columns > 1 || rows > 1) {
+    const std::vector<float>& from = values.empty() ? canvas.pixels() : values;
+    std::vector<float> narrow = halve(from, columns, rows, true);
+    columns = (columns + 1) / 2;
+    values = halve(narrow, rows, columns, false);
+    rows = (rows + 1) / 2;
+    append_level(values, columns, rows);
+  }
+  texels_.resize(texels_.size() + 4);  // what a look-up of the last texel reads with it
+}
+
+void Texture::append_level(const std::vector<float>& values, int columns, int rows) {
+  const int stride = columns + 3;  // one repeated texel before, two after: u = 1 rounds up to the last but one
+  columns_.push_back(static_cast<float>(columns));
+  rows_.push_back(static_cast<float>(rows));
+  stride_.push_back(stride);
+  offset_.push_back(static_cast<int32_t>(texels_.size()));
+  texels_.resize(texels_.size() + static_cast<size_t>(stride) * static_cast<size_t>(rows + 3));
+  uint8_t* to = texels_.data() + offset_.back();
+  for (int y = -1; y < rows + 2; ++y) {
+    const float* row = values.data() + static_cast<size_t>(std::clamp(y, 0, rows - 1)) * static_cast<size_t>(columns);
+    const auto texel = [](float v) { return static_cast<uint8_t>(std::min(std::max(v, 0.0f), 255.0f) + 0.5f); };
+    *to++ = texel(row[0]);
+    for (int x = 0; x < columns; ++x) *to++ = texel(row[x]);
+    *to++ = texel(row[columns - 1]);
+    *to++ = texel(row[columns - 1]);
+  }
+}
+
+}  // namespace covis::synth

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// A grey texture with its mip chain. It is looked up (shading.h) bilinearly within a level and linearly between two.
+// Source: Williams, "Pyramidal parametrics", SIGGRAPH 1983.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "synth/render/canvas.h"
+
+namespace covis::synth {
+
+// Level l has columns[l] x rows[l] texels in rows of stride[l] bytes from offset[l] on. Each level has a border of one
+// repeated texel before the first column and row and two after the last, so that a look-up half a texel outside needs
+// no case of its own; four bytes may be read from any texel.
+struct TextureView {
+  const uint8_t* texels;
+  const float *columns, *rows;
+  const int32_t *stride, *offset;
+  float max_lod;  // the last level
+};
+
+class Texture {
+ public:
+  explicit Texture(const Canvas& canvas);
+
+  TextureView view() const {
+    return {texels_.data(), columns_.data(), rows_.data(),
+            stride_.data(), offset_.data(),  static_cast<float>(columns_.size() - 1)};
+  }
+
+ private:
+  void append_level(const std::vector<float>& values, int columns, int rows);
+
+  std::vector<uint8_t> texels_;
+  std::vector<float> columns_, rows_;
+  std::vector<int32_t> stride_, offset_;
+};
+
+}  // namespace covis::synth
