@@ -37,7 +37,7 @@ def anchors(text):
     return found
 
 
-def problem_of(page, text, label, target):
+def problem_of(page, label, target):
     """What is wrong with a link of a page, or None."""
     if re.match(r'[a-z][a-z0-9+.-]*:', target):
         return None
@@ -65,7 +65,7 @@ def broken_links(root):
     for page in pages(root):
         text = without_fences(page.read_text(encoding='utf-8'))
         for match in LINK.finditer(text):
-            problem = problem_of(page, text, match.group(1), match.group(2))
+            problem = problem_of(page, match.group(1), match.group(2))
             if problem:
                 yield f'{page.relative_to(root)}:{text.count(chr(10), 0, match.start()) + 1}: {problem}'
 
