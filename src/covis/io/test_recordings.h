@@ -100,4 +100,7 @@ class RecordingTest : public testing::Test {
   fs::path folder;
 };
 
+class Sequences : public RecordingTest {};
+class BadInput : public RecordingTest {};  // recordings with something wrong
+
 }  // namespace covis::io

@@ -51,12 +51,6 @@ class MapFile : public testing::Test {
   }
 };
 
-TEST_F(MapFile, ChecksumIsTheOneOfTheStandard) {
-  EXPECT_EQ(crc32("123456789"), 0xcbf43926u);
-  EXPECT_EQ(crc32("56789", crc32("1234")), 0xcbf43926u);
-  EXPECT_EQ(crc32(""), 0u);
-}
-
 TEST_F(MapFile, LoadedMapEqualsTheSavedOneAndSavesTheSameBytes) {
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     const Map map = random_map(seed, 100 * static_cast<int>(seed));

@@ -62,4 +62,29 @@ inline std::shared_ptr<const Vocabulary> train_made(const MadeImages& images, in
   return *vocabulary;
 }
 
+// A trained vocabulary in a file, and its bytes to be changed.
+class VocabularyFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    vocabulary_ = train_made(images_, 4, 3);
+    ASSERT_TRUE(vocabulary_->save(folder_ / "good"));
+    bytes_ = read_file(folder_ / "good");
+  }
+  // What loading these bytes says; "loaded" if it does.
+  std::string load(const std::string& bytes) {
+    write_file(folder_ / "bad", bytes);
+    const auto loaded = Vocabulary::load(folder_ / "bad");
+    if (!loaded) return loaded.error().message;
+    for (size_t i = 0; i < 5; ++i) EXPECT_LE((*loaded)->transform(images_.image(i)).words.size(), (*loaded)->words());
+    damage_seen_ = !(*loaded)->verify();
+    return "loaded";
+  }
+
+  const TemporaryFolder folder_;
+  MadeImages images_{21, 12, 60, 40};
+  std::shared_ptr<const Vocabulary> vocabulary_;
+  std::string bytes_;
+  bool damage_seen_ = false;
+};
+
 }  // namespace covis
