@@ -82,12 +82,12 @@ void track_all(io::Sequence& sequence, System& system, const RunArguments& argum
     stats.cpu_ms = thread_cpu_ms() - cpu_start;
     if (run.frames.size() % kMemoryEvery == 0) stats.rss_mb = resident_mb();
     run.frames.push_back(std::move(stats));
-    const auto map = system.map().read();
-    progress.show(run.frames.back().state, run.frames.size(), map->key_frame_count(), map->point_count());
+    const System::MapSize map = system.map_size();
+    progress.show(run.frames.back().state, run.frames.size(), map.key_frames, map.points);
   }
   const std::vector<MappingReport> rest = system.finish();
   run.mapping.insert(run.mapping.end(), rest.begin(), rest.end());
-  mark_taken_back(system, arguments.localize, run.frames);
+  mark_taken_back(*system.snapshot(), arguments.localize, run.frames);
 }
 
 // The settings as the file, --set and the other options have them.
@@ -139,10 +139,9 @@ Result<nlohmann::json> save(const RunArguments& arguments, const RunRecord& reco
   output.format = kWriteFormats.at(arguments.format);
   output.title = std::filesystem::path(arguments.path).lexically_normal().filename().string();
   if (truth) output.truth = &*truth;
-  auto summary = write_outputs(record, system, output);
+  auto summary = write_outputs(record, *system.snapshot(), output);
   if (!arguments.save_map.empty()) {
-    const MapState state = system.map().read()->state();
-    if (const auto saved = io::save_map(arguments.save_map, state, header); !saved)
+    if (const auto saved = io::save_map(arguments.save_map, system.map_state(), header); !saved)
       return tl::unexpected(saved.error());
   }
   return summary;

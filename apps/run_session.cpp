@@ -17,9 +17,13 @@ namespace {
 using nlohmann::json;
 
 // One for each map; an empty one when there is no map at all.
-std::vector<Trajectory> by_map(const std::vector<PoseOfFrame>& poses, size_t maps) {
-  std::vector<Trajectory> trajectories(std::max<size_t>(1, maps));
-  for (const PoseOfFrame& pose : poses) trajectories[static_cast<size_t>(pose.submap_index)].push_back({pose.stamp, pose.T_wc});
+template <class Poses>
+std::vector<Trajectory> by_map(const Poses& poses, const Snapshot& snapshot) {
+  std::vector<Trajectory> trajectories(std::max<size_t>(1, snapshot.submaps.size()));
+  for (const PoseOfFrame& pose : poses) {
+    // A pose as it was when tracked may be in a submap that has been joined to another since.
+    if (const auto index = snapshot.index_of(pose.submap)) trajectories[*index].push_back({pose.stamp, pose.T_wc});
+  }
   return trajectories;
 }
 
@@ -82,21 +86,16 @@ std::vector<ReportFrame> report_frames(const RunRecord& run) {
 
 }  // namespace
 
-Result<json> write_outputs(const RunRecord& run, const System& system, const OutputOptions& options) {
-  const std::vector<SubmapSummary> submaps = system.submaps();
-  const std::vector<PoseOfFrame> poses = system.trajectory();
-  const std::vector<Trajectory> trajectories = by_map(poses, submaps.size());
+Result<json> write_outputs(const RunRecord& run, const Snapshot& snapshot, const OutputOptions& options) {
+  const std::vector<Trajectory> trajectories = by_map(snapshot.trajectory, snapshot);
   const Trajectory& final = trajectories.front();
-  const Trajectory online = by_map(system.online_trajectory(), submaps.size()).front();
-  const Trajectory key_frames = by_map(system.key_frames(), submaps.size()).front();
+  const Trajectory online = by_map(snapshot.online, snapshot).front();
+  const Trajectory key_frames = by_map(snapshot.key_frames, snapshot).front();
   std::vector<Eigen::Vector3d> points;
-  {
-    const auto map = system.map().read();
-    map->for_each_point([&](MapPointId, const MapPoint& point) {
-      if (map->at(point.reference).submap == submaps.front().id) points.push_back(point.position_w);
-    });
+  for (const Snapshot::Point& point : snapshot.points) {
+    if (snapshot.index_of(point.submap) == 0) points.push_back(point.position_w);
   }
-  json summary = summarise(run, system);
+  json summary = summarise(run, snapshot);
   add_errors(options, run.sensor, final, online, summary);
   const std::filesystem::path& out = options.directory;
   Result<void> problem;
@@ -107,7 +106,7 @@ Result<json> write_outputs(const RunRecord& run, const System& system, const Out
   keep_first(io::write_trajectory(out / "trajectory_online.txt", online, options.format));
   keep_first(io::write_trajectory(out / "keyframes.txt", key_frames, options.format));
   keep_first(io::write_ply(out / "map.ply", points));
-  keep_first(io::write_text_atomically(out / "stats.jsonl", stats_text(run, poses)));
+  keep_first(io::write_text_atomically(out / "stats.jsonl", stats_text(run, snapshot)));
   keep_first(io::write_text_atomically(out / "summary.json",
                                        summary.dump(2, ' ', false, json::error_handler_t::replace) + "\n"));
   ReportInput report;

@@ -24,6 +24,6 @@ struct OutputOptions {
 // trajectory_map1.txt and so on of maps not joined to it, stats.jsonl, summary.json, report.html and trajectory.png.
 // Returns the summary. Each file is written whole or not at all; the first that fails is the error, the others are
 // written all the same.
-Result<nlohmann::json> write_outputs(const RunRecord& run, const System& system, const OutputOptions& options);
+Result<nlohmann::json> write_outputs(const RunRecord& run, const Snapshot& snapshot, const OutputOptions& options);
 
 }  // namespace covis::app

@@ -105,7 +105,7 @@ constexpr std::pair<const char*, double (*)(const FrameStats&)> kStages[] = {
     {"decode_wait", [](const FrameStats& f) { return f.decode_ms; }}};
 
 // `map`: the one the frame's pose belongs to, by its place in the summary's list.
-json to_json(const FrameStats& f, std::optional<int> map) {
+json to_json(const FrameStats& f, std::optional<size_t> map) {
   json line{{"frame", f.frame}, {"stamp", to_seconds(f.stamp)}, {"state", f.state}, {"reason", f.reason}};
   if (map) line["map"] = *map;
   if (!processed(f)) return line;
@@ -184,12 +184,12 @@ FrameStats untracked(int64_t frame, Timestamp stamp, const char* state, const st
   return stats;
 }
 
-void mark_taken_back(const System& system, bool localize, std::vector<FrameStats>& frames) {
-  auto record = system.records().begin();  // both come in the order of their frames
+void mark_taken_back(const Snapshot& snapshot, bool localize, std::vector<FrameStats>& frames) {
+  auto pose = snapshot.trajectory.begin();  // both come in the order of their frames
   for (FrameStats& frame : frames) {
-    while (record != system.records().end() && record->frame < frame.frame) ++record;
-    if (record == system.records().end()) return;
-    if (record->frame != frame.frame || record->tracked || frame.state != "tracking") continue;
+    while (pose != snapshot.trajectory.end() && pose->frame < frame.frame) ++pose;
+    const bool has_pose = pose != snapshot.trajectory.end() && pose->frame == frame.frame;
+    if (has_pose || frame.state != "tracking") continue;
     frame.state = localize ? "not_localised" : "lost";
     frame.reason = "its pose was taken back: the place or the map proved wrong";
   }
@@ -197,14 +197,15 @@ void mark_taken_back(const System& system, bool localize, std::vector<FrameStats
 
 bool processed(const FrameStats& frame) { return frame.state != "late" && frame.state != "unreadable"; }
 
-std::string stats_text(const RunRecord& run, const std::vector<PoseOfFrame>& poses) {
+std::string stats_text(const RunRecord& run, const Snapshot& snapshot) {
+  const std::vector<PoseOfFrame>& poses = snapshot.trajectory;
   std::string text;
   size_t next = 0;            // reports of mapping come in the order of their frames
   auto pose = poses.begin();  // so do poses
   for (const FrameStats& frame : run.frames) {
     while (pose != poses.end() && pose->frame < frame.frame) ++pose;
     const bool has_pose = pose != poses.end() && pose->frame == frame.frame;
-    json line = to_json(frame, has_pose ? std::optional(pose->submap_index) : std::nullopt);
+    json line = to_json(frame, has_pose ? snapshot.index_of(pose->submap) : std::nullopt);
     for (; next < run.mapping.size() && run.mapping[next].frame <= frame.frame; ++next) {
       if (run.mapping[next].frame == frame.frame) line["mapping"] = to_json(run.mapping[next]);
     }
@@ -215,44 +216,33 @@ std::string stats_text(const RunRecord& run, const std::vector<PoseOfFrame>& pos
   return text;
 }
 
-json summarise(const RunRecord& run, const System& system) {
+json summarise(const RunRecord& run, const Snapshot& snapshot) {
   std::vector<FrameStats> done;
   for (const FrameStats& f : run.frames) {
     if (processed(f)) done.push_back(f);
   }
-  const auto tracked =
-      std::count_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.tracked; });
-  const auto online =
-      std::count_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.online; });
-  const auto first_tracked =
-      std::find_if(system.records().begin(), system.records().end(), [](const FrameRecord& r) { return r.online; });
-  size_t key_frames = 0, points = 0;
-  for (const SubmapSummary& map : system.submaps()) {
-    key_frames += map.key_frames;
-    points += map.points;
-  }
-  const Pinhole camera = system.camera();
+  const Pinhole& camera = snapshot.camera;
   return {{"source", run.source},
           {"sensor", name_of(kSensors, run.sensor)},
           {"camera", {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}}},
           {"frames", run.frames.size()},
-          {"frames_tracked", tracked},
-          {"frames_tracked_online", online},
-          {"first_tracked_frame", first_tracked == system.records().end() ? -1 : first_tracked->frame},
+          {"frames_tracked", snapshot.trajectory.size()},
+          {"frames_tracked_online", snapshot.online.size()},
+          {"first_tracked_frame", snapshot.online.empty() ? -1 : snapshot.online.front().frame},
           {"frames_late", run.late_frames},
           {"frames_unreadable", run.unreadable_frames},
           {"interrupted", run.interrupted},
-          {"keyframes", key_frames},
+          {"keyframes", snapshot.key_frames.size()},
           {"keyframes_made", run.mapping.size()},
-          {"map_points", points},
-          {"refused_non_finite", system.map().read()->refused_non_finite()},
+          {"map_points", snapshot.points.size()},
+          {"refused_non_finite", snapshot.refused_non_finite},
           {"tracking_ms", spread(done, [](const FrameStats& f) { return f.tracking_ms(); })},
           {"frame_ms", spread(done, [](const FrameStats& f) { return f.timing.total_ms; })},
           {"cpu_ms", spread(done, [](const FrameStats& f) { return f.cpu_ms; })},
           {"stage_ms", stage_times(done)},
           {"mapping_ms", mapping_times(run)},
           {"loops", loops(run)},
-          {"maps", submaps_json(system.submaps())},
+          {"maps", submaps_json(snapshot.submaps)},
           {"merges", merges(run)},
           {"frames_per_second", static_cast<double>(run.frames.size()) / std::max(run.wall_seconds, 1e-9)},
           {"wall_s", run.wall_seconds},

@@ -46,12 +46,12 @@ FrameStats to_stats(const io::Frame& frame, const FrameReport& report, bool loca
 // Of one that was not looked at: late or unreadable.
 FrameStats untracked(int64_t frame, Timestamp stamp, const char* state, const std::string& reason);
 // At the end: frames that were tracked, but whose poses were taken back since.
-void mark_taken_back(const System& system, bool localize, std::vector<FrameStats>& frames);
+void mark_taken_back(const Snapshot& snapshot, bool localize, std::vector<FrameStats>& frames);
 bool processed(const FrameStats& frame);
 
 // stats.jsonl: a line a frame, with what mapping did of it and the map its pose belongs to.
-std::string stats_text(const RunRecord& run, const std::vector<PoseOfFrame>& poses);
+std::string stats_text(const RunRecord& run, const Snapshot& snapshot);
 // summary.json, without the errors against the truth.
-nlohmann::json summarise(const RunRecord& run, const System& system);
+nlohmann::json summarise(const RunRecord& run, const Snapshot& snapshot);
 
 }  // namespace covis::app

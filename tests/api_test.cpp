@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <thread>
 
 #include "covis/covis.h"
 #include "rendered.h"
@@ -150,6 +151,38 @@ TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
                                                    : (*slam)->locate_monocular(grey(again.image))),
               HasSubstr("another sensor"));
   EXPECT_EQ((*slam)->trajectory().size(), trajectory.size());
+}
+
+// A viewer asks for all there is while frames are tracked: each answer is sound, and the thread sanitizer finds no race.
+TEST(ApiThreads, AnyThreadMayAskWhileFramesAreTracked) {
+  Recording recording(Sensor::rgbd, 30, 15, "desk");
+  const auto slam =
+      Slam::create(parameters_of(recording.synth.camera(), Sensor::rgbd), SensorType::rgbd, {}, kVocabulary);
+  ASSERT_TRUE(slam) << slam.error();
+  size_t most_poses = 0;
+  int asked = 0;
+  std::jthread viewer([&](const std::stop_token& stop) {
+    while (!stop.stop_requested() || most_poses == 0) {
+      const auto trajectory = (*slam)->trajectory();
+      const auto points = (*slam)->points();
+      const auto key_frames = (*slam)->key_frames();  // a moment later: there are some when there were points
+      EXPECT_TRUE(std::is_sorted(trajectory.begin(), trajectory.end(),
+                                 [](const auto& a, const auto& b) { return a.stamp < b.stamp; }));
+      EXPECT_TRUE(points.empty() || !key_frames.empty());
+      most_poses = std::max(most_poses, trajectory.size());
+      ++asked;
+    }
+  });
+  for (int i = 0; i < recording.size(); ++i) {
+    const System::Input in = recording.frame(i);
+    EXPECT_TRUE((*slam)->track_rgbd(in.stamp, grey(in.image), depth(in.depth))->tracked) << i;
+  }
+  (*slam)->finish();
+  viewer.request_stop();
+  viewer.join();
+  EXPECT_GT(asked, 1);
+  EXPECT_GT(most_poses, 0u);
+  EXPECT_EQ((*slam)->trajectory().size(), static_cast<size_t>(recording.size()));
 }
 
 // A camera carried from a desk into a room, and a picture of each.
