@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The public interface, as a program sees it.
+// The public interface, as a program sees it, on rendered recordings. What it refuses is in src/covis/api/slam_test.cpp.
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <thread>
 
@@ -111,6 +110,7 @@ TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
     ASSERT_TRUE(result) << result.error();
     tracked += result->tracked;
     EXPECT_EQ(result->tracked, result->reason.empty());
+    EXPECT_EQ(result->tracked, result->state == TrackingState::tracking);
   }
   (*slam)->finish();
   EXPECT_GT(tracked, 15);
@@ -243,32 +243,6 @@ TEST(ApiMaps, APoseAfterAJumpIsDoubtfulForASecond) {
   for (const int end = i + 10; i < end; ++i) result = show(i);
   EXPECT_TRUE(result.tracked);
   EXPECT_FALSE(result.tentative);
-}
-
-TEST(ApiErrors, SayWhatIsWrong) {
-  const CameraParameters good{.width = 640, .height = 480, .fx = 500, .fy = 500, .cx = 320, .cy = 240, .baseline = 0.1};
-  const auto error = [](const CameraParameters& camera, SensorType sensor, const Slam::Settings& settings = {},
-                        const std::string& vocabulary = {}) {
-    const auto made = Slam::create(camera, sensor, settings, vocabulary);
-    return made ? std::string() : made.error();
-  };
-  EXPECT_EQ(error(good, SensorType::rgbd), "");
-  CameraParameters c = good;
-  c.width = 0;
-  EXPECT_THAT(error(c, SensorType::monocular), HasSubstr("width and height"));
-  c = good;
-  c.fx = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(error(c, SensorType::monocular), HasSubstr("fx and fy"));
-  c = good;
-  c.baseline = 0;
-  EXPECT_THAT(error(c, SensorType::stereo), HasSubstr("baseline"));
-  EXPECT_EQ(error(c, SensorType::monocular), "");
-  c = good;
-  c.lens = LensType::brown_conrady;
-  EXPECT_THAT(error(c, SensorType::stereo), HasSubstr("rectified"));
-  EXPECT_THAT(error(good, SensorType::rgbd, {{"orb.feature", "2000"}}), HasSubstr("orb.features"));
-  EXPECT_THAT(error(good, SensorType::rgbd, {{"orb.features", "-5"}}), HasSubstr("orb.features"));
-  EXPECT_THAT(error(good, SensorType::rgbd, {}, "/nowhere.covis-voc"), HasSubstr("nowhere.covis-voc"));
 }
 
 }  // namespace
