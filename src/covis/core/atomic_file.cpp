@@ -13,7 +13,7 @@
 namespace covis {
 namespace {
 
-// number of temporary names tried: a name is in use only if a killed process with our id left it behind
+// Number of temporary names tried. A name is in use only if a killed process with our id left it behind.
 constexpr int kNames = 1000;
 
 // All functions return 0 or errno.

@@ -19,7 +19,7 @@ template <class D32, class V16>
 HWY_INLINE hn::Vec<D32> pair_sums(D32 d32, V16 a, V16 b) {
 #if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
   auto unused = hn::Zero(d32);
-  // compiles to pmaddwd, which adds neighbouring products
+  // Compiles to pmaddwd, which adds neighbouring products.
   return hn::ReorderWidenMulAccumulate(d32, a, b, hn::Zero(d32), unused);
 #else
   const auto a32 = hn::BitCast(d32, a), b32 = hn::BitCast(d32, b);

@@ -178,7 +178,7 @@ struct Trial {
 
 // Counts the inliers that a motion explains: in front of both cameras and with small residuals in both images.
 Trial try_motion(const SE3& T_21, const TwoViewMatches& m, const std::vector<uint8_t>& inlier, const Pinhole& camera) {
-  // farther points may lie behind a camera without harm, but give no parallax
+  // Points farther away may lie behind a camera without harm, but give no parallax.
   constexpr double kMinParallaxCos = 0.99998;
   constexpr double kMaxChi2 = 4;
   Trial trial;

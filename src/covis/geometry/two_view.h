@@ -26,7 +26,7 @@ struct TwoViewOptions {
   double min_parallax_deg = 1.0;
   int min_points = 50;          // least number of triangulated points of an accepted motion
   double min_good_share = 0.9;  // least share of the model's inliers that the best motion must triangulate
-  // largest allowed number of points of the second-best motion, relative to that of the best
+  // Largest allowed number of points of the second-best motion, relative to that of the best.
   double clear_winner = 0.75;
   uint64_t seed = 0;
 };
