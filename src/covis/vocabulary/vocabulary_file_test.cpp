@@ -21,7 +21,7 @@ class VocabularyFile : public testing::Test {
     ASSERT_TRUE(vocabulary_->save(folder_ / "good"));
     bytes_ = read_file(folder_ / "good");
   }
-  // What loading these bytes says; "loaded" if it does.
+  // Returns the error message of loading these bytes, or "loaded".
   std::string load(const std::string& bytes) {
     write_file(folder_ / "bad", bytes);
     const auto loaded = Vocabulary::load(folder_ / "bad");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a vocabulary says of an image, against a walk over the tree as the text file has it.
+// Compares the description of images by a vocabulary with a walk over the tree in the text file.
 #include "covis/vocabulary/vocabulary.h"
 
 #include <gmock/gmock.h>
