@@ -12,9 +12,8 @@ namespace covis {
 struct Corner {
   int16_t x = 0, y = 0;
   uint8_t score = 0;
-  float dx = 0,
-        // sub-pixel offset from (x, y) to the maximum of the parabola through the neighbours' scores, at most 0.5
-      dy = 0;
+  // Sub-pixel offset from (x, y) to the maximum of the parabola through the neighbours' scores, at most 0.5.
+  float dx = 0, dy = 0;
 };
 
 // Finds corners at least `border` pixels from the image edge (border >= 3), with 3x3 non-maximum suppression, in row
