@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said of bad recordings.
+// Error messages for bad recordings.
 #include "covis/io/files.h"
 #include "covis/io/test_recordings.h"
 
