@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What images are made to suffer, and the options.
+// Image effects of the synthetic camera, and the options.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
