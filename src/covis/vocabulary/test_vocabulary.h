@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the vocabulary's tests share: made-up images and a trained vocabulary.
+// Shared by the vocabulary's tests: synthetic images and a trained vocabulary.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ inline Descriptor random_descriptor(Random& random) {
   return {{random.next(), random.next(), random.next(), random.next()}};
 }
 
-// A descriptor with some bits of another turned.
+// Returns the descriptor with some random bits flipped.
 inline Descriptor near(const Descriptor& centre, int turned, Random& random) {
   Descriptor descriptor = centre;
   for (int i = 0; i < turned; ++i) {
@@ -30,7 +30,7 @@ inline Descriptor near(const Descriptor& centre, int turned, Random& random) {
   return descriptor;
 }
 
-// Images of descriptors around some centres: there is something to cluster.
+// Makes images of descriptors around common centres, so that they can be clustered.
 struct MadeImages {
   std::vector<Descriptor> descriptors;
   std::vector<uint64_t> offsets{0};
