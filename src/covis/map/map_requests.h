@@ -45,8 +45,8 @@ struct InitialMapRequest {
 // The answer to either request.
 struct KeyFrameMade {
   int64_t frame = 0;     // of the request
-  KeyFrameId key_frame = {};  // the new one; invalid when the request was refused
-  KeyFrameId first = {};      // initial maps: the first of the two
+  KeyFrameId key_frame{};  // the new one; invalid when the request was refused
+  KeyFrameId first{};      // initial maps: the first of the two
 };
 
 }  // namespace covis

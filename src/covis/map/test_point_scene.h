@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+// For tests: a scene of bare points, and what a camera sees of it, without rendering a pixel. Features are made of the
+// points' projections with known descriptors, levels and depths, so that maps with a known truth are made in
+// milliseconds. Serves the tests of mapping, loops and tracking.
+//
+//   PointScene scene = PointScene::wall();                   // 600 points in front of a camera that moves sideways
+//   const PointScene::View view = scene.view(scene.T_cw(3)); // features, and the scene's point behind each
+//   SceneMap world(scene, Sensor::rgbd);                     // a map to put key frames into
+//   world.add_key_frames(8);                                 // at their true poses, all points associated
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "covis/core/sensor.h"
+#include "covis/features/test_features.h"
+#include "covis/map/map_requests.h"
+#include "covis/map/shared_map.h"
+
+namespace covis {
+
+struct PointScene {
+  struct Point {
+    Eigen::Vector3d position_w;
+    Descriptor descriptor;
+    double reach = 8;  // metres: the distance at which it is seen at level 0 (MapPoint::d_max)
+  };
+  // What a camera sees, without occlusion.
+  struct View {
+    FeaturesPtr features;
+    std::vector<size_t> point;  // for each feature the index of its point in the scene
+  };
+
+  std::vector<Point> points;
+  std::vector<SE3> T_wc;  // the camera's path
+  Pinhole camera{500, 500, 320, 240, 50};
+  ImageBounds bounds{0, 0, 640, 480};
+  double noise = 0;       // pixels, standard deviation of each coordinate of a keypoint
+  int flipped_bits = 0;   // of each descriptor, at random, in each view
+  double max_depth = 20;  // metres: points beyond have no depth in stereo and RGB-D views
+
+  const SE3& T_wc_of(size_t i) const { return T_wc[i % T_wc.size()]; }
+  SE3 T_cw(size_t i) const { return T_wc_of(i).inverse(); }
+
+  void add_point(const Eigen::Vector3d& position_w, double reach, Random& random) {
+    points.push_back({position_w, random_descriptor(random), reach});
+  }
+
+  // Points 4 to 8 metres ahead of a camera that moves sideways along x, 0.2 metres a step.
+  static PointScene wall(int count = 600, size_t steps = 20, uint64_t seed = 1) {
+    PointScene scene;
+    Random random(seed);
+    const double end = 0.2 * static_cast<double>(steps);
+    for (int p = 0; p < count; ++p)
+      scene.add_point({random.uniform(-3, 3 + end), random.uniform(-2, 2), random.uniform(4, 8)}, 12, random);
+    for (size_t i = 0; i < steps; ++i)
+      scene.T_wc.emplace_back(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0.2 * static_cast<double>(i), 0, 0));
+    return scene;
+  }
+
+  // Points on a ring of 5 to 7 metres' radius about the y axis, seen by a camera that looks outward from a circle of 2
+  // metres and is back where it began after `steps` views.
+  static PointScene ring(int count = 2400, size_t steps = 48, uint64_t seed = 1) {
+    PointScene scene;
+    Random random(seed);
+    for (int p = 0; p < count; ++p) {
+      const double angle = random.uniform(0, 2 * std::numbers::pi), radius = random.uniform(5, 7);
+      scene.add_point({radius * std::sin(angle), random.uniform(-1.5, 1.5), radius * std::cos(angle)}, 9, random);
+    }
+    for (size_t i = 0; i < steps; ++i) {
+      const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(steps);
+      scene.T_wc.emplace_back(so3_exp({0, angle, 0}), Eigen::Vector3d(2 * std::sin(angle), 0, 2 * std::cos(angle)));
+    }
+    return scene;
+  }
+
+  // Every point that projects into the image from a true pose. `seed` tells the noise of views apart.
+  View view(const SE3& T_cw, Sensor sensor = Sensor::rgbd, uint64_t seed = 0) const {
+    Random random(hash_seed(0, 1, seed));
+    Features f = no_features();
+    View seen;
+    for (size_t p = 0; p < points.size(); ++p) {
+      const Eigen::Vector3d p_c = T_cw * points[p].position_w;
+      if (p_c.z() < 0.1) continue;
+      Eigen::Vector2d pixel = camera.project(p_c);
+      if (noise > 0) pixel += noise * Eigen::Vector2d(random.normal(), random.normal());
+      if (!bounds.contains(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()))) continue;
+      Descriptor descriptor = points[p].descriptor;
+      for (int b = 0; b < flipped_bits; ++b) {
+        const uint32_t bit = random.below(256);
+        descriptor.bits[bit / 64] ^= uint64_t{1} << (bit % 64);
+      }
+      const int level =
+          f.pyramid->predict_level(static_cast<float>(points[p].reach), static_cast<float>(p_c.norm()));
+      const bool has_depth = sensor != Sensor::monocular && p_c.z() <= max_depth;
+      add(f,
+          {.x = pixel.x(), .y = pixel.y(), .level = level, .descriptor = descriptor, .depth = has_depth ? p_c.z() : 0},
+          camera.bf);
+      seen.point.push_back(p);
+    }
+    finish(f, bounds);
+    seen.features = std::make_shared<const Features>(std::move(f));
+    return seen;
+  }
+
+  // Words that a vocabulary would make of a view, had it one word for each point of the scene.
+  std::shared_ptr<const Words> words(const View& view) const {
+    Words words;
+    for (const size_t p : view.point)
+      words.words.push_back({static_cast<uint32_t>(p), 1.0f / static_cast<float>(view.point.size())});
+    return std::make_shared<const Words>(std::move(words));
+  }
+};
+
+// A map of a scene, and which of its points is which of the scene's.
+struct SceneMap {
+  const PointScene& scene;
+  Sensor sensor;
+  SharedMap shared;
+  std::vector<KeyFrameId> frames;       // as they were added
+  std::vector<PointScene::View> views;  // of each
+  std::vector<MapPointId> handles;      // for each point of the scene the map's point, or an invalid handle
+
+  explicit SceneMap(const PointScene& of, Sensor by = Sensor::rgbd)
+      : scene(of), sensor(by), shared(of.camera), handles(of.points.size()) {}
+
+  // A view from a true pose as a key frame that the map takes to be at `T_cw`. Observes the scene's points the map has,
+  // and adds the others at the places where this view, by its pose in the map, puts them.
+  KeyFrameId add(const SE3& T_cw_true, const SE3& T_cw) {
+    const size_t k = frames.size();
+    views.push_back(scene.view(T_cw_true, sensor, k));
+    const auto map = shared.write();
+    const auto frame = static_cast<int64_t>(k);
+    const KeyFrameId id = map->add_key_frame(frame, frame, T_cw, views.back().features);
+    const SE3 T_map_world = T_cw.inverse() * T_cw_true;
+    for (uint32_t f = 0; f < views.back().point.size(); ++f) {
+      const size_t p = views.back().point[f];
+      if (map->find(handles[p])) {
+        map->add_observation(handles[p], id, f);
+      } else {
+        handles[p] = map->add_point(T_map_world * scene.points[p].position_w, id, f);
+      }
+      map->refresh_point(handles[p]);
+    }
+    map->set_words(id, scene.words(views.back()));
+    map->attach_to_tree(id);
+    frames.push_back(id);
+    return id;
+  }
+  KeyFrameId add(const SE3& T_cw_true) { return add(T_cw_true, T_cw_true); }
+  // Key frames at every `step`-th pose of the scene's path, from `first` on.
+  void add_key_frames(size_t count, size_t first = 0, size_t step = 1) {
+    for (size_t i = 0; i < count; ++i) add(scene.T_cw(first + i * step));
+  }
+
+  // Forgets which of the map's points are which: points seen from now on are new ones, as after coming back unrecognised.
+  void forget_points() { handles.assign(scene.points.size(), {}); }
+
+  // The request that makes view `i` of the path a key frame, relative to one of the map, with every point matched that
+  // the map has; features with depth and without a point make new ones.
+  KeyFrameRequest request(size_t i, KeyFrameId reference) const {
+    const SE3 T_cw = scene.T_cw(i);
+    const PointScene::View view = scene.view(T_cw, sensor, i);
+    KeyFrameRequest r;
+    r.frame = static_cast<int64_t>(i);
+    r.stamp = static_cast<Timestamp>(i);
+    r.features = view.features;
+    r.points.resize(view.point.size());
+    const auto map = shared.read();
+    r.pose.T_cr = T_cw;
+    if (reference.valid()) r.pose = RelativePose::of(*map, T_cw, reference);
+    for (uint32_t f = 0; f < view.point.size(); ++f) {
+      if (map->find(handles[view.point[f]])) {
+        r.points[f] = handles[view.point[f]];
+      } else if (view.features->has_depth(static_cast<int>(f))) {
+        r.new_points.push_back(f);
+      }
+    }
+    return r;
+  }
+};
+
+}  // namespace covis
