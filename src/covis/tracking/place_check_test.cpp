@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/place_check.h"
+
+#include <gtest/gtest.h>
+
+#include "covis/map/test_map.h"
+#include "covis/tracking/test_frame.h"
+
+namespace covis {
+namespace {
+
+// ---- What follows from a jump: without a map that could be asked what is seen from there ----
+
+class TentativePlaceTest : public testing::Test {
+ protected:
+  // The frame is found x metres to the right, and is right. It sees a point 5 metres ahead.
+  void find(int64_t frame, double seconds, double x, Arrival arrival = Arrival::tracked, uint32_t submap = 0) {
+    TrackedFrame found = at(frame, seconds, x);
+    local_map.reference.submap = submap;
+    EXPECT_TRUE(place.is_right({found, local_map, {}, nullptr}, arrival));
+    place.accept(found, submap);
+  }
+  TrackedFrame at(int64_t frame, double seconds, double x) {
+    TrackedFrame found;
+    found.start(features, frame, from_seconds(seconds));
+    found.T_cw = pose_at(x);
+    found.set_match(0, {0, 0}, {x, 0, 5}, PointSource::map);
+    return found;
+  }
+  // Settled at x = 0 with frame 0.
+  void settle() {
+    place.restart_at(pose_at(0), 0);
+    place.accept(at(0, 0, 0), 0);
+    ASSERT_FALSE(place.tentative());
+  }
+
+  Random random{1};
+  const FeaturesPtr features = random_features(random, 10, 2);
+  LocalMap local_map;
+  PlaceCheck place{RecoveryOptions{}, Subject::stream};
+};
+
+TEST_F(TentativePlaceTest, SmallStepsAreNoJumps) {
+  settle();
+  for (int i = 1; i < 20; ++i) {
+    find(i, 0.1 * i, 0.5 * i);
+    EXPECT_FALSE(place.tentative()) << "each step is a tenth of the depth";
+  }
+  EXPECT_FALSE(place.take_retraction());
+}
+
+TEST_F(TentativePlaceTest, AFifthOfTheDepthIsAJump) {
+  settle();
+  find(1, 0.1, 0.9);
+  EXPECT_FALSE(place.tentative());
+  find(2, 0.2, 0.9 + 1.1);
+  EXPECT_TRUE(place.tentative());
+}
+
+TEST_F(TentativePlaceTest, AQuickTurnIsAJump) {
+  for (const double degrees : {14.0, 16.0}) {
+    settle();
+    TrackedFrame turned = at(1, 0.1, 0);
+    turned.T_cw = SE3(so3_exp({0, degrees / 57.29578, 0}), Eigen::Vector3d::Zero());
+    ASSERT_TRUE(place.is_right({turned, local_map, {}, nullptr}, Arrival::tracked));
+    EXPECT_EQ(place.tentative(), degrees > 15);
+  }
+}
+
+TEST_F(TentativePlaceTest, TheFirstPlaceIsTentativeForASecond) {
+  find(7, 3.0, 0, Arrival::relocalised);
+  EXPECT_TRUE(place.tentative());
+  find(8, 3.5, 0.1);
+  find(9, 3.9, 0.2);
+  EXPECT_TRUE(place.tentative());
+  find(10, 4.0, 0.3);
+  EXPECT_FALSE(place.tentative());
+  place.lose();
+  EXPECT_FALSE(place.take_retraction()) << "settled places stay";
+}
+
+TEST_F(TentativePlaceTest, LostWhileTentativeTakesBackThePosesSinceTheJump) {
+  settle();
+  find(5, 0.5, 20, Arrival::relocalised);
+  find(6, 0.6, 20.1);
+  EXPECT_FALSE(place.take_retraction());
+  place.lose();
+  EXPECT_FALSE(place.tentative());
+  EXPECT_EQ(place.take_retraction(), 5);
+  EXPECT_FALSE(place.take_retraction()) << "reported once";
+  find(9, 0.9, 20.2, Arrival::relocalised);
+  EXPECT_TRUE(place.tentative()) << "the place that was taken back is no place to have come from";
+}
+
+TEST_F(TentativePlaceTest, LostWhileSettledTheLastPlaceIsRemembered) {
+  settle();
+  place.lose();
+  EXPECT_FALSE(place.take_retraction());
+  find(9, 0.9, 0.1, Arrival::relocalised);
+  EXPECT_FALSE(place.tentative()) << "it is where it was";
+}
+
+TEST_F(TentativePlaceTest, AnotherJumpTakesBackTheFirst) {
+  settle();
+  find(5, 0.5, 20, Arrival::relocalised);
+  find(6, 0.6, 20.1);
+  find(7, 0.7, 60);
+  EXPECT_TRUE(place.tentative()) << "the other place is";
+  EXPECT_EQ(place.take_retraction(), 5);
+  find(8, 1.6, 60.1);
+  EXPECT_TRUE(place.tentative()) << "a second counts from the second jump";
+  place.lose();
+  EXPECT_EQ(place.take_retraction(), 7);
+}
+
+TEST_F(TentativePlaceTest, OfTwoJumpsTakenBackTheEarlierIsReported) {
+  settle();
+  find(5, 0.5, 20, Arrival::relocalised);
+  find(7, 0.7, 60);
+  place.lose();
+  EXPECT_EQ(place.take_retraction(), 5);
+  EXPECT_FALSE(place.take_retraction());
+}
+
+TEST_F(TentativePlaceTest, ThePlaceMovesWithTheMap) {
+  settle();
+  place.follow(pose_at(30), 2);
+  find(1, 0.1, 30.1, Arrival::relocalised, 2);
+  EXPECT_FALSE(place.tentative());
+}
+
+TEST_F(TentativePlaceTest, WithoutAPlaceThereIsNothingToMove) {
+  place.follow(pose_at(30), 0);
+  find(1, 0.1, 30.1, Arrival::relocalised);
+  EXPECT_TRUE(place.tentative());
+}
+
+TEST_F(TentativePlaceTest, AnotherSubmapIsAnotherPlace) {
+  settle();
+  find(1, 0.1, 0.1, Arrival::relocalised, 3);
+  EXPECT_TRUE(place.tentative());
+  place.restart_at(pose_at(0), 4);
+  place.accept(at(2, 5.0, 0), 4);
+  find(3, 5.1, 0.1, Arrival::relocalised, 4);
+  EXPECT_FALSE(place.tentative()) << "a submap begins where it begins";
+}
+
+TEST_F(TentativePlaceTest, AfterARestartTheCameraMayBeAnywhere) {
+  find(5, 0.5, 20, Arrival::relocalised);
+  place.restart();
+  EXPECT_FALSE(place.tentative());
+  EXPECT_FALSE(place.take_retraction());
+  find(6, 0.6, 20, Arrival::relocalised);
+  EXPECT_TRUE(place.tentative());
+}
+
+// ---- What is seen from a place ----
+
+class LooksTest : public testing::Test {
+ protected:
+  LooksTest() { world.add_key_frames(3, 0, 2); }
+
+  // Every point was in view of so many frames, and this share of them matched it.
+  void seen_often(uint32_t frames, double share = 1) {
+    const auto map = world.shared.write();
+    for (const MapPointId id : map->points()) {
+      map->count_visible(id, frames - 1);
+      map->count_found(id, static_cast<uint32_t>(share * frames) - 1);
+    }
+  }
+  // Whether a frame at this pose is right there with every `every`-th of the points in view matched. The camera was
+  // there before, or came from somewhere else.
+  enum class Before { there, elsewhere };
+  bool is_right(const SE3& T_cw, size_t every, Before before, Arrival arrival = Arrival::tracked) {
+    if (before == Before::there) {
+      place.restart_at(T_cw, 0);
+    } else {
+      place.restart();
+    }
+    const PointScene::View view = scene.view(T_cw);
+    TrackedFrame frame = frame_of(view, T_cw);
+    match_points(frame, view, world, every);
+    LocalMap local_map;
+    local_map.update(*world.shared.read(), {}, world.frames[1], 80);
+    std::vector<uint8_t> in_view;
+    for (size_t k = 0; k < local_map.points.size(); ++k) {
+      const Eigen::Vector2d pixel = scene.camera.project(T_cw * local_map.points.position(k));
+      in_view.push_back(scene.bounds.contains(static_cast<float>(pixel.x()), static_cast<float>(pixel.y())));
+    }
+    const bool right = place.is_right({frame, local_map, in_view, &world.shared}, arrival);
+    if (right) place.accept(frame, 0);
+    return right;
+  }
+
+  const PointScene scene = PointScene::wall();
+  SceneMap world{scene};
+  PlaceCheck place{RecoveryOptions{}, Subject::stream};
+};
+
+TEST_F(LooksTest, ARightPlaceShowsWhatIsUsuallySeenFromThere) {
+  seen_often(10, 0.8);
+  EXPECT_TRUE(is_right(scene.T_cw(2), 1, Before::elsewhere, Arrival::relocalised));
+  EXPECT_TRUE(place.tentative());
+  EXPECT_TRUE(is_right(scene.T_cw(2), 2, Before::elsewhere)) << "half of what matches 0.8 of the time";
+}
+
+TEST_F(LooksTest, ALookAlikeShowsTheThingAndNotWhatStandsAroundIt) {
+  seen_often(10);
+  EXPECT_FALSE(is_right(scene.T_cw(2), 4, Before::elsewhere, Arrival::relocalised));
+  EXPECT_FALSE(place.tentative()) << "nothing came of it";
+  EXPECT_FALSE(is_right(scene.T_cw(2), 4, Before::there)) << "nor is it believed of a camera that was there";
+}
+
+TEST_F(LooksTest, MoreIsAskedAfterAJump) {
+  seen_often(10);
+  EXPECT_TRUE(is_right(scene.T_cw(2), 3, Before::there));
+  EXPECT_FALSE(is_right(scene.T_cw(2), 3, Before::elsewhere));
+}
+
+TEST_F(LooksTest, AJumpBornOutByTheMapIsNotTentativeUnlessTheCameraWasLost) {
+  seen_often(10);
+  EXPECT_TRUE(is_right(scene.T_cw(2), 1, Before::elsewhere, Arrival::tracked));
+  EXPECT_FALSE(place.tentative());
+  EXPECT_TRUE(is_right(scene.T_cw(2), 1, Before::elsewhere, Arrival::relocalised));
+  EXPECT_TRUE(place.tentative());
+}
+
+TEST_F(LooksTest, PointsThatSeldomMatchAreNotExpectedTo) {
+  seen_often(20, 0.3);
+  EXPECT_TRUE(is_right(scene.T_cw(2), 4, Before::elsewhere));
+}
+
+TEST_F(LooksTest, YoungPointsTellLess) {
+  EXPECT_TRUE(is_right(scene.T_cw(2), 4, Before::elsewhere)) << "as many as that would be too few of known points";
+  EXPECT_FALSE(is_right(scene.T_cw(2), 20, Before::elsewhere));
+}
+
+TEST_F(LooksTest, FromTheSameSideAQuarterServes) {
+  seen_often(10);
+  const SE3 aside = SE3(so3_exp({0, 0.2, 0}), Eigen::Vector3d(-1.6, 0, 0)) * scene.T_cw(4);  // by some 15 degrees
+  EXPECT_TRUE(is_right(aside, 4, Before::elsewhere));
+  EXPECT_FALSE(is_right(aside, 10, Before::elsewhere));
+}
+
+TEST_F(LooksTest, MoreIsAskedOfASingleImage) {
+  seen_often(10);
+  const SE3 aside = SE3(so3_exp({0, 0.2, 0}), Eigen::Vector3d(-1.6, 0, 0)) * scene.T_cw(4);
+  EXPECT_TRUE(is_right(aside, 5, Before::elsewhere));
+  PlaceCheck image{RecoveryOptions{}, Subject::single_image};
+  const PointScene::View view = scene.view(aside);
+  TrackedFrame frame = frame_of(view, aside);
+  match_points(frame, view, world, 5);
+  LocalMap local_map;
+  local_map.update(*world.shared.read(), {}, world.frames[1], 80);
+  const std::vector<uint8_t> in_view(local_map.points.size(), 1);
+  EXPECT_FALSE(image.is_right({frame, local_map, in_view, &world.shared}, Arrival::relocalised));
+}
+
+TEST_F(LooksTest, WhatWasNeverSeenFromThereBearsOutNoJump) {
+  seen_often(10);
+  const SE3 behind = SE3(so3_exp({0, 3.1, 0}), Eigen::Vector3d(0, 0, 12)) * scene.T_cw(2);
+  EXPECT_TRUE(is_right(behind, 1, Before::there));
+  EXPECT_FALSE(is_right(behind, 1, Before::elsewhere));
+}
+
+TEST_F(LooksTest, AskedForNothingAnyPlaceIsRight) {
+  seen_often(10);
+  RecoveryOptions options;
+  options.min_expected_match_ratio = 0;
+  PlaceCheck easy(options, Subject::stream);
+  const PointScene::View view = scene.view(scene.T_cw(2));
+  const TrackedFrame frame = frame_of(view, scene.T_cw(2));
+  LocalMap local_map;
+  local_map.update(*world.shared.read(), {}, world.frames[1], 80);
+  const std::vector<uint8_t> in_view(local_map.points.size(), 1);
+  EXPECT_TRUE(easy.is_right({frame, local_map, in_view, &world.shared}, Arrival::relocalised));
+}
+
+TEST(WellDetermined, ByThePixelsThatThePositionsDeviationMoves) {
+  const Pinhole camera{500, 500, 320, 240, 0};
+  const auto information = [](double sigma) {
+    Matrix6d m = Matrix6d::Identity();
+    m.topLeftCorner<3, 3>() *= 3 / (sigma * sigma);  // a third of the variance for each axis
+    return m;
+  };
+  EXPECT_TRUE(well_determined(information(0.0199), 5, camera)) << "500 x 0.02 / 5 are two pixels";
+  EXPECT_FALSE(well_determined(information(0.0201), 5, camera));
+  EXPECT_TRUE(well_determined(information(0.0201), 6, camera));
+  EXPECT_FALSE(well_determined(Matrix6d::Zero(), 5, camera)) << "nothing is known";
+}
+
+}  // namespace
+}  // namespace covis

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/tracked_frame.h"
+
+#include <gtest/gtest.h>
+
+#include "covis/features/test_features.h"
+
+namespace covis {
+namespace {
+
+class TrackedFrameTest : public testing::Test {
+ protected:
+  TrackedFrameTest() { frame.start(random_features(random, 10, 2), 4, 400); }
+
+  Random random{1};
+  TrackedFrame frame;
+};
+
+TEST_F(TrackedFrameTest, BeginsWithoutMatches) {
+  EXPECT_EQ(frame.index, 4);
+  EXPECT_EQ(frame.stamp, 400);
+  EXPECT_EQ(frame.matches(), 0);
+  EXPECT_EQ(frame.mean_depth(), 0);
+  frame.set_match(3, {2, 0}, {0, 0, 5}, PointSource::map);
+  frame.start(random_features(random, 20, 2), 5, 500);
+  EXPECT_EQ(frame.matches(), 0) << "those of the frame before are gone";
+  EXPECT_EQ(frame.source.size(), 20u);
+  EXPECT_FALSE(frame.points[3].valid());
+}
+
+TEST_F(TrackedFrameTest, MatchesComeFromTheMapOrFromDepth) {
+  frame.set_match(1, {2, 0}, {0, 0, 5}, PointSource::map);
+  frame.set_match(2, {}, {0, 0, 9}, PointSource::depth);
+  EXPECT_EQ(frame.matches(), 2);
+  EXPECT_TRUE(frame.on_map(1));
+  EXPECT_FALSE(frame.on_map(2));
+  frame.drop_match(1);
+  EXPECT_EQ(frame.matches(), 1);
+  EXPECT_FALSE(frame.points[1].valid());
+  frame.clear_matches();
+  EXPECT_EQ(frame.matches(), 0);
+}
+
+TEST_F(TrackedFrameTest, TheMeanDepthIsThatOfItsMapPointsInTheCamera) {
+  frame.T_cw = SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, 0, 1));  // a metre back
+  frame.set_match(1, {2, 0}, {3, 0, 4}, PointSource::map);
+  frame.set_match(5, {3, 0}, {0, 1, 6}, PointSource::map);
+  frame.set_match(2, {}, {0, 0, 90}, PointSource::depth);
+  EXPECT_DOUBLE_EQ(frame.mean_depth(), 6);
+}
+
+TEST_F(TrackedFrameTest, MatchedPointsAreThoseOfTheFrameMarkedLast) {
+  MatchedPoints matched;
+  const MapPointId far_slot{100000, 0};
+  EXPECT_FALSE(matched.contains({2, 0}));
+  frame.set_match(1, {2, 0}, {0, 0, 5}, PointSource::map);
+  frame.set_match(4, far_slot, {0, 0, 5}, PointSource::map);
+  frame.set_match(2, {7, 0}, {0, 0, 9}, PointSource::depth);
+  matched.mark(frame);
+  EXPECT_TRUE(matched.contains({2, 0}));
+  EXPECT_TRUE(matched.contains(far_slot));
+  EXPECT_FALSE(matched.contains({3, 0}));
+  EXPECT_FALSE(matched.contains({7, 0})) << "its own depth is no point of the map";
+  frame.drop_match(1);
+  matched.mark(frame);
+  EXPECT_FALSE(matched.contains({2, 0}));
+  EXPECT_TRUE(matched.contains(far_slot));
+}
+
+}  // namespace
+}  // namespace covis
