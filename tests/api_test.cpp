@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The public interface, as a program sees it, on rendered recordings. What it refuses is in src/covis/api/slam_test.cpp.
+// The public interface, as a program sees it, on rendered recordings. What it refuses is in
+// src/covis/api/slam_test.cpp.
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
@@ -129,7 +130,7 @@ TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
     EXPECT_LT(turned_deg(same->pose, key_frame.pose), 1e-4);
   }
 
-  // What was tracked is found again from the image alone, at the same place; a black image is not.
+  // The last tracked image is found again from the image alone, at the same place; a black image is not.
   const auto last = trajectory.back();
   const auto found = locate(**slam, recording.frame(recording.size() - 1));
   ASSERT_TRUE(found && *found);
@@ -139,7 +140,7 @@ TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
   ASSERT_TRUE(nowhere) << nowhere.error();
   EXPECT_FALSE(*nowhere);
 
-  // Errors change nothing.
+  // An error changes nothing.
   const System::Input again = recording.frame(3);
   EXPECT_THAT(error_of(track(**slam, again)), HasSubstr("stamps must rise"));
   const GreyImage small{again.image.data, 100, 100, 100};
@@ -153,7 +154,8 @@ TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
   EXPECT_EQ((*slam)->trajectory().size(), trajectory.size());
 }
 
-// A viewer asks for all there is while frames are tracked: each answer is sound, and the thread sanitizer finds no race.
+// A viewer asks for all there is while frames are tracked: each answer is sound, and the thread sanitizer finds no
+// race.
 TEST(ApiThreads, AnyThreadMayAskWhileFramesAreTracked) {
   Recording recording(Sensor::rgbd, 30, 15, "desk");
   const auto slam =

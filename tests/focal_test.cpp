@@ -33,7 +33,7 @@ class FocalLength : public testing::Test {
   static Camera camera(double factor) { return camera_of(recording(), factor); }
   static Camera claimed() { return camera(kClaimed); }
   static SystemOptions options() { return options_for(Sensor::monocular); }
-  // Of the present camera, relative to the truth.
+  // The error of the present focal length, relative to the truth.
   static double off(const System& system) { return std::abs(system.camera().fx / camera(1).pinhole.fx - 1); }
   static int track(System& system, int from, int to) {
     int tracked = 0;
@@ -78,7 +78,7 @@ TEST_F(FocalLength, IsRefinedForAllOfTheMapLong) {
   }
 }
 
-// When it is taken over depends on the machine, and with it how well it is known.
+// When it is applied depends on the machine, and with it how well it is known.
 TEST_F(FocalLength, IsRefinedInRealTime) {
   constexpr double kHalf = 0.02;
   SystemOptions realtime = options();
@@ -123,7 +123,7 @@ TEST_F(FocalLength, StaysAsGivenWhenToldToLong) {
   EXPECT_EQ(system.camera(), claimed().pinhole);
 }
 
-// Looking where an image was taken changes nothing of the run, whatever mapping does in the background.
+// Locating an image changes nothing of the run, whatever mapping does in the background.
 TEST_F(FocalLength, LocatingLeavesTheRunAsItIsLong) {
   std::string first;
   for (const bool locating : {false, true}) {
@@ -164,8 +164,8 @@ TEST_F(FocalLength, IsKeptWithASavedMapLong) {
   }
 }
 
-// A map of another camera can't be gone on with; places of it can be found, by a camera that is what it is.
-TEST_F(FocalLength, OfAnotherCameraIsNotTakenOverLong) {
+// A map of another camera can't be continued; places of it can be found, by a camera that is what it is.
+TEST_F(FocalLength, OfAnotherCameraIsNotAppliedLong) {
   const Camera other = camera(1.001);
   System goes_on(other, options(), vocabulary());
   storage::SavedMap map = saved();

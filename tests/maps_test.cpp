@@ -42,33 +42,34 @@ struct Walked {
   Walk& walk;
   System system;
   int merges = 0;
-  size_t most_maps = 0;           // at a time
-  size_t told = 0;                // frames told to be tracked
+  size_t most_maps = 0;            // at a time
+  size_t reported = 0;             // frames reported to be tracked
   std::vector<int64_t> tentative;  // of them
 
   Walked(Walk& the_walk, const SystemOptions& options)
       : walk(the_walk), system(walk.recording.synth.camera(), options, vocabulary()) {
     go_on();
   }
-  // What the walk got since.
+  // Tracks the steps the walk got since.
   void go_on() {
     for (; done_ < static_cast<int>(walk.steps.size()); ++done_) {
       const FrameReport report = system.process(walk.input(done_));
       count(report.mapping);
       most_maps = std::max(most_maps, system.submaps().size());
       EXPECT_EQ(system.map().read()->check(), "") << "after step " << done_;
-      told += report.track.state == TrackState::tracking;
+      reported += report.track.state == TrackState::tracking;
       if (report.track.tentative) tentative.push_back(done_);
       EXPECT_EQ(report.track.state == TrackState::tracking, report.track.reason.empty()) << report.track.reason;
     }
     count(system.finish());
     EXPECT_EQ(system.map().read()->check(), "");
   }
-  // Of the poses in one map, metres.
+  // The error of the poses in one map, metres.
   double error_of(int map, bool with_scale) const {
     const auto snapshot = system.snapshot();
     return error_to(
-        poses_in(snapshot->trajectory, snapshot->submaps.at(static_cast<size_t>(map)).id), [&](int64_t step) { return walk.truth(step); }, with_scale);
+        poses_in(snapshot->trajectory, snapshot->submaps.at(static_cast<size_t>(map)).id),
+        [&](int64_t step) { return walk.truth(step); }, with_scale);
   }
 
  private:
@@ -135,7 +136,7 @@ TEST_P(Maps, MapsAreJoinedInRealTimeToo) {
   EXPECT_GE(run.merges, 1);
 }
 
-// Where a camera was carried away in the meantime: twelve steps before, thirty after it.
+// A walk of a camera that was carried away in the meantime: twelve steps before, thirty after it.
 Walk carried_away(Recording& recording) {
   Walk walk{recording, 8, {}};
   walk.go(0, 12);
@@ -151,7 +152,7 @@ Map map_before(Walk& walk, const SystemOptions& options) {
   return Map::from_state(system.map_state()).value();
 }
 
-// Nothing is begun beside a map that is for localisation only, nor without a way to join it later.
+// No map is begun beside one that is for localisation only, nor without a way to join it later.
 TEST(FurtherMap, NoneIsBegunWhereItMustNot) {
   Recording recording(Sensor::rgbd, 160);
   Walk walk = carried_away(recording);
@@ -182,7 +183,7 @@ TEST(FurtherMap, NoneIsBegunWhereItMustNot) {
   }
 }
 
-// A loaded map that is not found is gone on beside, after the time set; the loaded one stays the first.
+// Beside a loaded map that is not found another is begun after the time set; the loaded one stays the first.
 TEST(FurtherMap, ALoadedMapStaysTheFirst) {
   Recording recording(Sensor::rgbd, 160);
   Walk walk = carried_away(recording);
@@ -261,8 +262,8 @@ TEST_P(Maps, MapsAreNotJoinedByEqualPostersLong) {
   }
 }
 
-// Four seconds cut out of a walk along that hall. (Without `tracker.min_expected_match_ratio` every sensor takes a poster for
-// another here.)
+// Four seconds cut out of a walk along that hall. (Without `tracker.min_expected_match_ratio` every sensor takes a
+// poster for another here.)
 Walk cut_along_posters(Recording& recording) { return cut(recording, 10, 60, 100, 160); }
 
 TEST_P(Maps, APosterIsNotTakenForAnother) {
@@ -309,13 +310,13 @@ TEST(Jump, ThatProvesWrongIsTakenBack) {
   Walked run(walk, options_for(Sensor::rgbd));
   EXPECT_GT(run.tentative.size(), 0u);
   const std::vector<PoseOfFrame> poses = run.system.trajectory();
-  EXPECT_EQ(poses.size(), run.told - run.tentative.size());
+  EXPECT_EQ(poses.size(), run.reported - run.tentative.size());
   for (const PoseOfFrame& pose : poses)
     EXPECT_FALSE(std::binary_search(run.tentative.begin(), run.tentative.end(), pose.frame)) << pose.frame;
   EXPECT_LT(run.error_of(0, false), 0.1);
 }
 
-// Of a right place too little may have been seen from about there to tell by it alone.
+// Too little may have been seen from near a right place to recognise it by that alone.
 TEST(Jump, ThatIsRightIsBelievedLong) {
   Recording recording(Sensor::rgbd, 200, 10, "posters");
   Walk walk = cut(recording, 10, 100, 140, 200);
@@ -325,7 +326,7 @@ TEST(Jump, ThatIsRightIsBelievedLong) {
   EXPECT_LT(run.error_of(0, false), 0.1);
 }
 
-// What is lost while in doubt has no place near which it would be believed at once.
+// A camera lost while its place is tentative has no last place near which it would be believed at once.
 TEST(Jump, LostInDoubtIsInDoubtAgain) {
   Recording recording(Sensor::rgbd, 61);
   for (const bool realtime : {false, true}) {

@@ -54,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(Sensors, Places, testing::Values(Sensor::monocular, Sen
 // A desk, mapped and saved; then more of it is seen.
 class SavedDesk : public Places {
  protected:
-  // Of frames 0 to 29. Each image of the last ten is found on its own, from nothing, where the run was.
+  // Maps frames 0 to 29. Each image of the last ten is found on its own, from nothing, where the run was.
   void map_and_save() {
     System system(recording.synth.camera(), options, vocabulary());
     for (int i = 0; i < 30; ++i) system.process(recording.frame(i));
@@ -116,7 +116,7 @@ class SavedDesk : public Places {
 INSTANTIATE_TEST_SUITE_P(Sensors, SavedDesk, testing::Values(Sensor::monocular, Sensor::stereo, Sensor::rgbd),
                          [](const auto& instance) { return sensor_name(instance.param); });
 
-TEST_P(SavedDesk, IsLocalisedInAndGoneOnWith) {
+TEST_P(SavedDesk, IsLocalisedInAndContinued) {
   ASSERT_NO_FATAL_FAILURE(map_and_save());
   ASSERT_NO_FATAL_FAILURE(localise());
   ASSERT_NO_FATAL_FAILURE(go_on());
@@ -187,7 +187,7 @@ TEST_P(LoopSaved, ALoopIsClosedWhileTheMapIsSaved) {
   expect_loop_closed_while_saved(Recording(GetParam(), stereo ? 128 : monocular ? 190 : 170, fps), file);
 }
 
-// Once round the room: the loop is closed, the map stays sound at every step, and two runs agree to the last bit.
+// Once around the room: the loop is closed, the map stays sound at every step, and two runs agree to the last bit.
 TEST_P(Places, ALoopIsClosedLong) {
   const Sensor sensor = GetParam();
   Recording recording(sensor, 300, 15, "room", {640, 480});
