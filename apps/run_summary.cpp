@@ -23,22 +23,22 @@ json spread(const std::vector<Item>& items, Value value) {
 }
 
 json to_json(const MappingReport& m) {
-  return {{"points_created", m.points_created},
-          {"points_fused", m.points_fused},
-          {"points_culled", m.points_culled},
-          {"key_frames_culled", m.key_frames_culled},
-          {"ba_key_frames", m.ba_key_frames},
-          {"ba_points", m.ba_points},
-          {"ba_observations", m.ba_observations},
-          {"ba_interrupted", m.ba_interrupted},
+  return {{"points_created", m.counts.points_created},
+          {"points_fused", m.counts.points_fused},
+          {"points_culled", m.counts.points_culled},
+          {"key_frames_culled", m.counts.key_frames_culled},
+          {"ba_key_frames", m.adjustment.key_frames},
+          {"ba_points", m.adjustment.points},
+          {"ba_observations", m.adjustment.observations},
+          {"ba_interrupted", m.adjustment.interrupted},
           {"loop_candidates", m.loop.candidates},
-          {"loop_matches", m.loop.matches},
-          {"loop_inliers", m.loop.inliers},
-          {"loop_found_again", m.loop.found_again},
-          {"loop_closed", m.loop.loop.valid() && !m.loop.merged},
-          {"maps_joined", m.loop.merged},
-          {"loop_query_ms", m.loop.query_ms},
-          {"loop_verify_ms", m.loop.verify_ms},
+          {"loop_matches", m.loop.evidence.matches},
+          {"loop_inliers", m.loop.evidence.inliers},
+          {"loop_found_again", m.loop.evidence.found_again},
+          {"loop_closed", m.loop.outcome == LoopOutcome::closed},
+          {"maps_joined", m.loop.outcome == LoopOutcome::joined},
+          {"loop_query_ms", m.loop.ms.query},
+          {"loop_verify_ms", m.loop.ms.verify},
           {"loop_ms", m.loop_ms},
           {"total_ms", m.total_ms}};
 }
@@ -46,30 +46,30 @@ json to_json(const MappingReport& m) {
 // What closing a loop and joining two maps have in common.
 json to_json(int64_t frame, const LoopReport& report) {
   return {{"frame", frame},
-          {"matches", report.matches},
-          {"inliers", report.inliers},
-          {"found_again", report.found_again},
+          {"matches", report.evidence.matches},
+          {"inliers", report.evidence.inliers},
+          {"found_again", report.evidence.found_again},
           {"fused", report.fused},
-          {"scale", report.scale},
-          {"query_ms", report.query_ms},
-          {"verify_ms", report.verify_ms},
-          {"correct_ms", report.correct_ms}};
+          {"scale", report.drift.scale},
+          {"query_ms", report.ms.query},
+          {"verify_ms", report.ms.verify},
+          {"correct_ms", report.ms.correct}};
 }
 
 json loops(const RunRecord& run) {
   json list = json::array();
   for (size_t k = 0; k < run.mapping.size(); ++k) {
     const LoopReport& loop = run.mapping[k].loop;
-    if (!loop.loop.valid() || loop.merged) continue;
+    if (loop.outcome != LoopOutcome::closed) continue;
     // Its full bundle adjustment came some key frames later, unless another loop or the end was first.
     double full_ba_ms = 0;
-    for (size_t later = k + 1; later < run.mapping.size() && !run.mapping[later].loop.loop.valid(); ++later)
-      full_ba_ms += run.mapping[later].loop.full_ba_ms;
+    for (size_t later = k + 1; later < run.mapping.size() && !run.mapping[later].loop.changed_map(); ++later)
+      full_ba_ms += run.mapping[later].full_adjustment_ms;
     json& item = list.emplace_back(to_json(run.mapping[k].frame, loop));
-    item.update({{"path_m", loop.path},
-                 {"correction_m", loop.correction},
-                 {"rotation_deg", loop.rotation_deg},
-                 {"pose_graph_ms", loop.pose_graph_ms},
+    item.update({{"path_m", loop.drift.path},
+                 {"correction_m", loop.drift.distance},
+                 {"rotation_deg", loop.drift.rotation_deg},
+                 {"pose_graph_ms", loop.ms.pose_graph},
                  {"full_ba_ms", full_ba_ms}});
   }
   return list;
@@ -78,8 +78,8 @@ json loops(const RunRecord& run) {
 json merges(const RunRecord& run) {
   json list = json::array();
   for (const MappingReport& m : run.mapping) {
-    if (!m.loop.merged) continue;
-    list.emplace_back(to_json(m.frame, m.loop))["key_frames_moved"] = m.loop.merged_key_frames;
+    if (m.loop.outcome != LoopOutcome::joined) continue;
+    list.emplace_back(to_json(m.frame, m.loop))["key_frames_moved"] = m.loop.joined_key_frames;
   }
   return list;
 }
@@ -133,12 +133,12 @@ json stage_times(const std::vector<FrameStats>& frames) {
 
 json mapping_times(const RunRecord& run) {
   const auto stage = [&](auto member) { return spread(run.mapping, member); };
-  return {{"insert", stage([](const MappingReport& m) { return m.insert_ms; })},
-          {"cull_points", stage([](const MappingReport& m) { return m.cull_points_ms; })},
-          {"create", stage([](const MappingReport& m) { return m.create_ms; })},
-          {"fuse", stage([](const MappingReport& m) { return m.fuse_ms; })},
-          {"local_ba", stage([](const MappingReport& m) { return m.ba_ms; })},
-          {"cull_key_frames", stage([](const MappingReport& m) { return m.cull_key_frames_ms; })},
+  return {{"insert", stage([](const MappingReport& m) { return m.ms.insert; })},
+          {"cull_points", stage([](const MappingReport& m) { return m.ms.cull_points; })},
+          {"create", stage([](const MappingReport& m) { return m.ms.create; })},
+          {"fuse", stage([](const MappingReport& m) { return m.ms.fuse; })},
+          {"local_ba", stage([](const MappingReport& m) { return m.ms.adjust; })},
+          {"cull_key_frames", stage([](const MappingReport& m) { return m.ms.cull_key_frames; })},
           {"loop", stage([](const MappingReport& m) { return m.loop_ms; })},
           {"total", stage([](const MappingReport& m) { return m.total_ms; })}};
 }

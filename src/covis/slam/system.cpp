@@ -27,7 +27,7 @@ System::System(const Camera& camera, const SystemOptions& options, std::shared_p
       map_(camera.pinhole),
       frontend_(camera, options.orb, options.sensor),
       tracker_(map_, options, vocabulary_),
-      mapping_(map_, options, vocabulary_) {
+      mapping_(map_, BackendOptions(options), vocabulary_) {
   records_.reserve(kRecords);
 }
 
@@ -128,7 +128,7 @@ FrameReport System::process(const Input& input) {
       report.track.T_cw = record.T_wc_online.inverse();
       report.track.pose = record.pose;
       report.track.submap = record.submap_online;
-      report.track.inliers = report.mapping.back().points_created;
+      report.track.inliers = report.mapping.back().counts.points_created;
     } else {
       report.track.method = TrackMethod::none;
       report.track.reason = "the initial map did not hold";
@@ -185,14 +185,14 @@ void System::discard(uint32_t submap) {
       if (resolved && map->at(resolved->key_frame).submap == submap) record.tracked = record.online = false;
     }
   }
-  mapping_.mapper().discard(submap);
+  mapping_.discard(submap);
 }
 
 std::vector<MappingReport> System::finish() {
   FrameReport report;
   collect(report, true);
   if (tracker_.state() != TrackState::not_initialised) {
-    mapping_.mapper().finish();
+    mapping_.finish();
     tracker_.map_moved();
   }
   return std::move(report.mapping);
