@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "covis/slam/backend.h"
 #include "covis/slam/test_frames.h"
 #include "covis/slam/tracker.h"
 
@@ -25,7 +26,7 @@ class TrackerTest : public testing::Test {
       : frames(TestFrames::of(wanted.sensor)),
         options(wanted),
         tracker(shared, options, vocabulary),
-        mapper(shared, options, vocabulary) {}
+        mapper(shared, BackendOptions(options), vocabulary) {}
 
   static SystemOptions options_of(Sensor sensor) {
     SystemOptions options;
@@ -56,7 +57,7 @@ class TrackerTest : public testing::Test {
   SharedMap shared{frames.camera()};
   SystemOptions options;
   Tracker tracker;
-  Mapper mapper;
+  Backend mapper;
 };
 
 class MonocularTrackerTest : public TrackerTest {
