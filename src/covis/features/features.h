@@ -69,8 +69,9 @@ struct FeatureGrid {
 };
 
 struct Features {
-  // Empty, with room for so many keypoints; for their raw pixels only when asked.
-  void start(size_t room, bool distorted);
+  // Makes it empty, with room for so many keypoints, and for their raw pixels where those differ.
+  enum class RawPixels { same, different };
+  void start(size_t room, RawPixels raw);
 
   AlignedVector<float> x, y;          // undistorted pixel, level-0 scale, as the camera that was given would see it
   AlignedVector<float> raw_x, raw_y;  // pixel in the image as it came; empty where x, y are just that: see image_x()

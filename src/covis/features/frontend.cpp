@@ -83,14 +83,13 @@ ImageBounds find_bounds(const Camera& camera) {
 }  // namespace
 
 Fields fields(OrbOptions& o) {
-  return {
-      {"orb.features", &o.features, "keypoints wanted in an image", 50, 30000},
-      {"orb.levels", &o.levels, "pyramid levels", 1, 16},
-      {"orb.scale_factor", &o.scale_factor, "scale between levels", 1.05, 2},
-      {"orb.fast_threshold", &o.fast_threshold, "FAST contrast, first try in a cell, grey levels", 1, 255},
-      {"orb.fast_threshold_low", &o.fast_threshold_low, "second try where the first found nothing, grey levels", 1,
-       255},
-      {"orb.subpixel", &o.subpixel, "place keypoints at the top of the corner score's parabola, not at the pixel"}};
+  return {{"orb.features", &o.features, "keypoints wanted in an image", 50, 30000},
+          {"orb.levels", &o.levels, "pyramid levels", 1, 16},
+          {"orb.scale_factor", &o.scale_factor, "scale between levels", 1.05, 2},
+          {"orb.fast_threshold", &o.fast_threshold, "FAST contrast, first try in a cell, grey levels", 1, 255},
+          {"orb.fast_threshold_low", &o.fast_threshold_low, "second try where the first found nothing, grey levels", 1,
+           255},
+          {"orb.subpixel", &o.subpixel, "place keypoints at the top of the corner score's parabola, not at the pixel"}};
 }
 
 struct Frontend::Impl {
@@ -120,7 +119,8 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
   std::shared_ptr<Features> f = ring.next();
   f->pyramid = left.pyramid();
   const size_t n = k.size();
-  f->start(std::max(n, left.most_keypoints()), distorted());
+  f->start(std::max(n, left.most_keypoints()),
+           distorted() ? Features::RawPixels::different : Features::RawPixels::same);
   for (size_t i = 0; i < n; ++i) {
     Eigen::Vector2f at(k.x[i], k.y[i]);
     if (distorted()) {
