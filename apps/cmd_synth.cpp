@@ -52,7 +52,8 @@ int synth(SynthArguments arguments) {
     }
     return interrupted == 0;
   };
-  const auto report = write_sequence(*world, arguments.out, arguments.overwrite, progress);
+  const Existing existing = arguments.overwrite ? Existing::replace : Existing::refuse;
+  const auto report = write_sequence(*world, arguments.out, existing, progress);
   if (shown) std::fputs("\n", stderr);
   if (!report) return fail_with(report.error());
 

@@ -66,23 +66,24 @@ Result<void> may_write(const std::string& file, bool overwrite) {
 // A line on a terminal that is written again and again.
 class ProgressLine {
  public:
-  explicit ProgressLine(bool shown) : shown_(shown) {}
+  explicit ProgressLine(std::FILE* out) : out_(out) {}  // nullptr: not shown
   ~ProgressLine() {
-    if (begun_) std::fputs("\n", stderr);
+    if (begun_) std::fputs("\n", out_);
   }
   // Whether to go on.
   bool operator()(const char* what, double done) {
-    if (shown_ && (!begun_ || since_.ms() >= 100 || done >= 1)) {
+    if (out_ != nullptr && (!begun_ || since_.ms() >= 100 || done >= 1)) {
       since_.restart();
       begun_ = true;
-      std::fprintf(stderr, "\r\033[K%s %.0f %%  %.0f s", what, 100 * done, all_.ms() / 1000);
-      std::fflush(stderr);
+      std::fprintf(out_, "\r\033[K%s %.0f %%  %.0f s", what, 100 * done, all_.ms() / 1000);
+      std::fflush(out_);
     }
     return interrupted == 0;
   }
 
  private:
-  bool shown_, begun_ = false;
+  std::FILE* out_;
+  bool begun_ = false;
   Stopwatch all_, since_;
 };
 
@@ -136,7 +137,7 @@ int train(TrainArguments arguments) {
   const Stopwatch extraction;
   ExtractionReport report;
   {
-    ProgressLine progress(shown);
+    ProgressLine progress(shown ? stderr : nullptr);
     report = extract_images(*files, arguments.orb, options.threads, set, [&](size_t done) {
       return progress("images", static_cast<double>(done) / static_cast<double>(files->size()));
     });
@@ -150,7 +151,7 @@ int train(TrainArguments arguments) {
   const Stopwatch training;
   Result<std::shared_ptr<const Vocabulary>> vocabulary;
   {
-    ProgressLine progress(shown);
+    ProgressLine progress(shown ? stderr : nullptr);
     vocabulary = train_vocabulary(set.descriptors(), set.offsets(), options,
                                   [&](double done) { return progress("training", done); });
   }

@@ -23,10 +23,10 @@ TEST(DepthScale, OutlinesDoNotMakeThePathLonger) {
     exact.push_back(recording.synth.T_wc(static_cast<int>(pose.frame)).t());
   }
   ASSERT_EQ(static_cast<int>(estimated.size()), recording.size());
-  const auto alignment = align(estimated, exact, true);
+  const auto alignment = align(estimated, exact, Scale::free);
   ASSERT_TRUE(alignment);
   EXPECT_NEAR(alignment->scale, 1, 0.003);
-  EXPECT_LT(align(estimated, exact, false)->rmse, 0.006);
+  EXPECT_LT(align(estimated, exact, Scale::fixed)->rmse, 0.006);
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ double error_to(const std::vector<PoseOfFrame>& poses, Truth truth, bool with_sc
     estimate.push_back(pose.T_wc.t());
     wanted.push_back(truth(pose.frame).t());
   }
-  const auto alignment = align(estimate, wanted, with_scale);
+  const auto alignment = align(estimate, wanted, with_scale ? Scale::free : Scale::fixed);
   return alignment ? alignment->rmse : std::numeric_limits<double>::quiet_NaN();
 }
 inline double error(const std::vector<PoseOfFrame>& poses, const Synth& synth, bool with_scale) {

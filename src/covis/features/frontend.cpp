@@ -120,7 +120,8 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
   std::shared_ptr<Features> f = ring.next();
   f->pyramid = left.pyramid();
   const size_t n = k.size();
-  f->start(std::max(n, left.most_keypoints()), distorted());
+  f->start(std::max(n, left.most_keypoints()),
+           distorted() ? Features::RawPixels::different : Features::RawPixels::same);
   for (size_t i = 0; i < n; ++i) {
     Eigen::Vector2f at(k.x[i], k.y[i]);
     if (distorted()) {
