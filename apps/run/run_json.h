@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON of a run: summary.json, and stats.jsonl with a line for each frame.
+// JSON of a run: summary.json, and stats.jsonl with one line per frame.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -12,7 +12,7 @@ namespace covis::app {
 
 nlohmann::json to_json(const RunSummary& summary);
 
-// A line for each frame, with the mapping done for it and the map its pose belongs to.
+// One line per frame, with the mapping done for it and the map its pose belongs to.
 std::string stats_text(const RunRecord& run, const std::vector<PoseOfFrame>& poses);
 
 }  // namespace covis::app

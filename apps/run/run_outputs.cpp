@@ -13,7 +13,7 @@
 namespace covis::app {
 namespace {
 
-// One trajectory for each map; an empty one when there is no map at all.
+// One trajectory per map; a single empty one when there is no map.
 std::vector<Trajectory> by_map(const std::vector<PoseOfFrame>& poses, size_t maps) {
   std::vector<Trajectory> trajectories(std::max<size_t>(1, maps));
   for (const PoseOfFrame& pose : poses)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files that `covis run` leaves.
+// The output files of `covis run`.
 #pragma once
 
 #include <filesystem>
@@ -15,12 +15,12 @@ struct OutputOptions {
   std::filesystem::path directory;
   io::TrajectoryFormat format = io::TrajectoryFormat::tum;
   std::string title;
-  const Trajectory* truth = nullptr;  // of the camera; may be null
+  const Trajectory* truth = nullptr;  // ground truth of the camera; may be null
 };
 
 // Writes trajectory.txt, trajectory_online.txt, keyframes.txt and map.ply of the main map, trajectory_map1.txt and so
-// on of maps not joined to it, stats.jsonl, summary.json, report.html and trajectory.png. Each file is written whole or
-// not at all; the first that fails is the error, the others are written all the same.
+// on for maps not joined to it, stats.jsonl, summary.json, report.html and trajectory.png. Each file is written
+// completely or not at all. The first failure is returned; the other files are written all the same.
 Result<void> write_outputs(const RunRecord& run, const RunResults& results, const RunSummary& summary,
                            const OutputOptions& options);
 

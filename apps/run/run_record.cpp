@@ -63,7 +63,7 @@ FrameStats skipped_frame(int64_t frame, Timestamp stamp, FrameState state, std::
 }
 
 void mark_retracted(const std::vector<FrameRecord>& records, RunMode mode, std::vector<FrameStats>& frames) {
-  auto record = records.begin();  // both come in the order of their frames
+  auto record = records.begin();  // both lists are in the order of their frames
   for (FrameStats& frame : frames) {
     while (record != records.end() && record->frame < frame.frame) ++record;
     if (record == records.end()) return;

@@ -48,7 +48,7 @@ TEST(RunRecord, RetractedPosesAreMarkedByTheirFrames) {
   std::vector<FrameStats> frames;
   for (const int64_t index : {10, 20, 30, 40}) frames.push_back(skipped_frame(index, 0, FrameState::tracking, ""));
   frames[2].state = FrameState::not_initialised;
-  std::vector<FrameRecord> records(4);  // frame 20 is not among them: it was late
+  std::vector<FrameRecord> records(4);  // frame 20 is missing: it was late
   for (size_t k = 0; k < records.size(); ++k) records[k].frame = std::array{10, 15, 30, 40}[k];
   records[0].tracked = true;
   mark_retracted(records, RunMode::mapping, frames);

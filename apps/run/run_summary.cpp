@@ -80,7 +80,8 @@ void collect_loops(const std::vector<MappingReport>& mapping, RunSummary& summar
     const LoopReport& loop = mapping[k].loop;
     if (loop.merged) summary.merges.push_back({mapping[k].frame, loop});
     if (!loop.loop.valid() || loop.merged) continue;
-    // Its full bundle adjustment came some key frames later, unless another loop or the end was first.
+    // The full bundle adjustment of a loop is reported some key frames later, unless another loop or the end precedes
+    // it.
     double full_ba_ms = 0;
     for (size_t later = k + 1; later < mapping.size() && !mapping[later].loop.loop.valid(); ++later)
       full_ba_ms += mapping[later].loop.full_ba_ms;

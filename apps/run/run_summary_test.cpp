@@ -34,7 +34,7 @@ TEST(RunSummary, CountsWhatAllMapsHold) {
 
 TEST(RunSummary, TimesAreOfTheFramesThatWereProcessed) {
   const FrameTimes times = made_summary().times;
-  // 0, 10 … 90 without the late frame's 70.
+  // The values are 0, 10 … 90 without the late frame's 70.
   EXPECT_EQ(times.frame.median, 40);
   EXPECT_EQ(times.tracking.median, 38);
   EXPECT_EQ(times.stages.size(), kStages.size());
@@ -70,10 +70,10 @@ TEST(RunSummary, ALoopHasTheAdjustmentThatFollowedIt) {
   const KeyFrameId some{2, 1};
   run.mapping[1].loop.loop = some;
   run.mapping[2].loop.full_ba_ms = 20;
-  run.mapping[3].loop.loop = some;  // the next loop: no adjustment of its own before the end
+  run.mapping[3].loop.loop = some;  // the next loop has no adjustment of its own before the end
   run.mapping[4].loop.loop = some;
   run.mapping[4].loop.merged = true;
-  run.mapping[5].loop.full_ba_ms = 7;  // after the maps were joined
+  run.mapping[5].loop.full_ba_ms = 7;  // reported after the maps were joined
   const RunSummary summary = summarise(run, made_results(), nullptr, 0);
   ASSERT_EQ(summary.loops.size(), 2u);
   EXPECT_EQ(summary.loops[0].frame, 1);
