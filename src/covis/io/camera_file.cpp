@@ -39,7 +39,7 @@ struct Values {
             {"baseline", &baseline, "baseline of the stereo pair, or the virtual one of an RGB-D camera, metres", 1e-4,
              100},
             {"bf", &bf, "baseline times fx, pixels x metres", 1e-3, 1e6},
-            {"fps", &fps, "frames a second", 0.01, 10000},
+            {"fps", &fps, "frames per second", 0.01, 10000},
             {"depth_scale", &depth_scale, "units of a depth image a metre", 1e-3, 1e6},
             {"model", &model, "pinhole, brown_conrady or kannala_brandt"}};
   }
