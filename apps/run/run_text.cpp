@@ -45,7 +45,7 @@ std::vector<std::pair<std::string, std::string>> summary_rows(const RunSummary& 
   if (s.accuracy) {
     rows.emplace_back(std::string("error (ATE RMSE, ") + name_of_alignment(s.accuracy->alignment) + ")",
                       fixed(s.accuracy->ate, 4, " m"));
-    rows.emplace_back("of the poses when tracked", fixed(s.accuracy->ate_online, 4, " m"));
+    rows.emplace_back("error of the online poses", fixed(s.accuracy->ate_online, 4, " m"));
     rows.emplace_back("length of the path", fixed(s.accuracy->path_length, 2, " m"));
   }
   return rows;
