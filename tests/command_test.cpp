@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command as people use it: its files, codes and messages, and that they do not depend on how busy the machine is.
+// The command as users run it: its files, exit codes and messages, and their independence of the machine's load.
 #include "command.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ const std::vector<std::string> kFiles{"trajectory.txt", "trajectory_online.txt",
 
 json parsed(const fs::path& file) { return json::parse(text_of(file), nullptr, false); }
 
-// One object a line.
+// One JSON object per line.
 std::vector<json> parsed_lines(const fs::path& file) {
   std::vector<json> lines;
   std::istringstream in(text_of(file));
@@ -34,7 +34,7 @@ int line_count(const fs::path& file) {
   return count;
 }
 
-// Every file is there and whole, and they agree with each other. Returns the number of frames taken.
+// Checks that every file exists, is complete and agrees with the others. Returns the number of frames processed.
 int expect_results(const fs::path& out) {
   for (const std::string& name : kFiles) EXPECT_TRUE(fs::exists(out / name)) << name;
   for (const auto& entry : fs::directory_iterator(out)) {
@@ -59,7 +59,7 @@ int expect_results(const fs::path& out) {
     if (!line.is_object()) break;
     for (const char* key : {"frame", "stamp", "state", "reason"})
       EXPECT_TRUE(line.contains(key)) << key << " is missing in " << line;
-    // What came too late (a busy machine, in real time) was not looked at.
+    // Late frames (in real time on a busy machine) were not processed.
     for (const char* key : {"inliers", "features", "ms"})
       EXPECT_EQ(line.contains(key), line["state"] != "late" && line["state"] != "unreadable") << key << " in " << line;
     EXPECT_EQ(line["state"] == "tracking", line["reason"] == "") << line;
@@ -72,7 +72,7 @@ int expect_results(const fs::path& out) {
 
 volatile std::sig_atomic_t own_signals = 0;
 
-// With a signal that nobody else minds: it would come to this process and all of its group.
+// Uses a signal that is ignored by default, because a wrong id would send it to this process and all of its group.
 TEST(Process, ASignalAfterItsEndReachesNobody) {
   const auto before = std::signal(SIGWINCH, [](int) { own_signals = own_signals + 1; });
   Process process({"/bin/true"}, "/dev/null", "/dev/null");
@@ -122,7 +122,7 @@ TEST_F(CommandRun, TakesPartOfARecording) {
   EXPECT_EQ(frames, (std::vector{4, 6, 8, 10, 12}));
 }
 
-// The trajectory files of one run.
+// Contents of the trajectory files of one run.
 std::string trajectories(const fs::path& out) {
   return text_of(out / "trajectory.txt") + text_of(out / "trajectory_online.txt") + text_of(out / "keyframes.txt");
 }
@@ -142,7 +142,7 @@ TEST_F(CommandRun, GivesTheSameBytesOnOneCoreAndOnABusyMachineLong) {
   }
 }
 
-// Four seconds cut out of a walk along equal posters: what is found first after them proves wrong.
+// A gap of four seconds in a walk along equal posters: the first place recognised after it proves wrong.
 TEST_F(CommandRun, TellsPosesThatWereTakenBackAsLostLong) {
   const fs::path recording = folder / "posters", out = folder / "out";
   ASSERT_EQ(covis({"synth", "posters", "--sensor", "rgbd", "--fps", "10", "--frames", "200", "--width", "320",
@@ -177,12 +177,13 @@ TEST_F(CommandRun, TellsPosesThatWereTakenBackAsLostLong) {
   EXPECT_EQ(tracked + lost, 160);
 }
 
-// A camera carried from a desk to another room on its way: two maps that are not joined.
+// A camera carried from a desk to another room during the recording, which makes two maps that are not joined.
 class CommandMaps : public CommandTest {
  protected:
-  static constexpr int kFrames = 36;  // of each: more than the second after which a place found is believed
+  // Frames of each place: more than the second for which a pose after a jump is tentative.
+  static constexpr int kFrames = 36;
 
-  // The room's frames come after the desk's, in one recording.
+  // Makes one recording in which the room's frames follow the desk's.
   fs::path record_both() const {
     const fs::path desk = render("rgbd", kFrames), room = render("rgbd", kFrames, "room");
     std::istringstream lines(text_of(room / "associations.txt"));
@@ -192,13 +193,13 @@ class CommandMaps : public CommandTest {
       double stamp = 0, depth_stamp = 0;
       std::string image, depth;
       std::istringstream fields(line);
-      if (!(fields >> stamp >> image >> depth_stamp >> depth)) continue;  // a comment
+      if (!(fields >> stamp >> image >> depth_stamp >> depth)) continue;  // a comment line
       all << std::fixed << stamp + 10 << " " << (room / image).string() << " " << depth_stamp + 10 << " "
           << (room / depth).string() << "\n";
     }
     return desk;
   }
-  // How many frames have a pose in which map.
+  // Number of frames with a pose, by map.
   static std::map<int, int> frames_by_map(const fs::path& out) {
     std::map<int, int> count;
     for (const json& line : parsed_lines(out / "stats.jsonl")) {
@@ -237,7 +238,7 @@ TEST_F(CommandMaps, AreWrittenSavedAndLocalisedInEachByItselfLong) {
   EXPECT_THAT(covis({"map", "info", map}).out, HasSubstr("maps            2, not joined"));
   EXPECT_EQ(covis({"map", "check", map}).code, 0);
 
-  // Image by image, and as a recording that leaves the map as it is.
+  // Locates the images one by one, then as a recording that leaves the map unchanged.
   const fs::path found = folder / "found.txt", found_in_1 = folder / "found_map1.txt";
   const Outcome localize = covis({"localize", recording, "--map", map, "--out", found, "--json"});
   ASSERT_EQ(localize.code, 0) << localize.error;
@@ -251,7 +252,7 @@ TEST_F(CommandMaps, AreWrittenSavedAndLocalisedInEachByItselfLong) {
   for (const json& m : summary["maps"]) EXPECT_EQ(m["loaded"], true);
   EXPECT_EQ(summary["keyframes"], parsed(out / "summary.json")["keyframes"]);
 
-  // With one map nothing of the second is left.
+  // A run with one map leaves no files of the second map behind.
   ASSERT_EQ(
       covis({"run", recording, "--count", std::to_string(kFrames), "--quiet", "--out", out, "--save-map", map}).code,
       0);
@@ -260,14 +261,13 @@ TEST_F(CommandMaps, AreWrittenSavedAndLocalisedInEachByItselfLong) {
   expect_results(out);
   ASSERT_EQ(covis({"localize", recording, "--map", map, "--out", found}).code, 0);
   EXPECT_FALSE(fs::exists(found_in_1));
-  // A map that is loaded is found and gone on with.
+  // The camera relocalises in a loaded map, which is continued.
   ASSERT_EQ(covis({"run", recording, "--count", "10", "--quiet", "--out", again, "--map", map}).code, 0);
   EXPECT_EQ(parsed(again / "summary.json")["maps"][0]["loaded"], true);
   EXPECT_FALSE(fs::exists(again / "trajectory_map1.txt"));
 }
 
-// Starts a run, interrupts it `after` seconds from the start of tracking (nothing: before the command is up), and
-// returns its exit code.
+// Starts a run, interrupts it `after` seconds from the start of tracking, and keeps its exit code.
 class CommandInterrupt : public CommandTest {
  protected:
   void interrupt(const std::vector<std::string>& words, double after, int signal = SIGINT) {
@@ -276,7 +276,7 @@ class CommandInterrupt : public CommandTest {
     std::vector<std::string> all{"run", "--out", out};
     all.insert(all.end(), words.begin(), words.end());
     Process process(command(all), folder / "stdout", folder / "stderr");
-    // The output folder is made just before tracking starts.
+    // The output folder is created just before tracking starts.
     while (!fs::exists(out) && !process.ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     std::this_thread::sleep_for(std::chrono::duration<double>(after));
     const auto sent = std::chrono::steady_clock::now();
@@ -299,16 +299,16 @@ class CommandInterrupt : public CommandTest {
   }
 
   int code = 0;
-  double seconds = 0;  // from the signal to the end
+  double seconds = 0;  // time from the signal to the end
 };
 
 TEST_F(CommandInterrupt, EndsSoonWithAllFilesAtAnyMoment) {
   const fs::path recording = render("stereo", 60);
-  // 60 frames at their own times take two seconds.
+  // 60 frames take two seconds in real time.
   for (const double after : {0.0, 0.2, 1.0, 1.8}) {
     SCOPED_TRACE(after);
     interrupt({recording, "--realtime"}, after);
-    // On a very busy machine the signal may come after the end.
+    // On a very busy machine the signal may arrive after the end.
     if (after < 0.5) {
       ASSERT_EQ(code, 128 + SIGINT) << text_of(folder / "stderr");
     }
@@ -396,7 +396,7 @@ TEST_F(CommandCheck, NamesTheFrameThatCantBeRead) {
   ASSERT_EQ(found["problems"].size(), 1u) << check.out;
   EXPECT_EQ(found["problems"][0]["frame"], 2);
   EXPECT_THAT(found["problems"][0]["problem"].get<std::string>(), HasSubstr(images[2].filename().string()));
-  // A run goes on without it, and says so.
+  // A run continues without the frame and reports it.
   const Outcome run = covis({"run", recording, "--quiet", "--out", folder / "out"});
   EXPECT_EQ(run.code, 0);
   EXPECT_THAT(run.error, HasSubstr(images[2].filename().string()));
@@ -502,7 +502,7 @@ TEST_F(CommandUsage, AFullDiskIsSaidAndTheOtherFilesAreWritten) {
       EXPECT_GT(fs::file_size(out / name), 0u) << name;
     }
   }
-  // Results on stdout are no less results.
+  // A result that cannot be written to stdout is a failure too.
   const fs::path truth = recording / "groundtruth.txt";
   Process eval(command({"eval", truth, truth}), "/dev/full", folder / "stderr");
   EXPECT_EQ(eval.wait(kPatience), 1);
