@@ -21,7 +21,7 @@ struct Sensored {
 Result<std::vector<double>> numbers(const fs::path& file, const YAML::Node& parent, const char* key, size_t least) {
   const YAML::Node node = parent[key];
   if (!node || !node.IsSequence())
-    return fail(file.string() + ": '" + key + "' is missing, a list of numbers is wanted");
+    return fail(file.string() + ": '" + key + "' is missing, a list of numbers is expected");
   std::vector<double> values;
   for (const auto& item : node) {
     const auto value = parse_double(item.Scalar());
