@@ -44,7 +44,7 @@ cv::Mat CheckPicture::Impl::draw_stereo(const io::Frame& frame, const Features& 
   cv::Mat both;
   cv::hconcat(in_colour(frame.image), in_colour(frame.right), both);
   for (int y = 15; y < both.rows; y += 30) cv::line(both, {0, y}, {both.cols, y}, {0, 160, 0}, 1);
-  // Depths of disparities of 100 and 2 pixels.
+  // The depths at disparities of 100 and 2 pixels.
   const double nearest = camera.pinhole.bf / 100, farthest = camera.pinhole.bf / 2;
   for (int i = 0; i < f.size(); ++i) {
     const auto k = static_cast<size_t>(i);

@@ -5,7 +5,7 @@
 namespace covis::app {
 
 double resident_mb();    // current resident memory
-double peak_rss_mb();    // its peak so far
+double peak_rss_mb();    // peak resident memory so far
 double thread_cpu_ms();  // processor time of the calling thread since its start
 
 }  // namespace covis::app
