@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// covis synth: renders a recording of a synthetic world, with exact truth.
+// covis synth: renders a recording of a synthetic world, with exact ground truth.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -24,7 +24,7 @@ namespace {
 
 struct SynthArguments {
   SynthOptions options;
-  std::map<std::string, std::string> settings;  // field name to text, of the flags given
+  std::map<std::string, std::string> settings;  // field name to text, for the given flags
   std::string out;
   bool overwrite = false, quiet = false, json = false;
 };

@@ -33,7 +33,7 @@ std::string format(const char* pattern, auto... values) {
 class ImageWriter {
  public:
   ImageWriter() : queue_(kQueued), thread_([this] { run(); }) {}
-  ~ImageWriter() { queue_.close(); }  // and the thread's destructor joins it
+  ~ImageWriter() { queue_.close(); }  // the thread is joined by its own destructor
 
   // Returns false once an image could not be written.
   bool write(fs::path file, cv::Mat image) { return queue_.push({std::move(file), std::move(image)}); }

@@ -34,7 +34,7 @@ CameraParameters parameters_of(const Camera& camera, Sensor sensor) {
 GreyImage grey(const ImageView<const uint8_t>& v) { return {v.data, v.width, v.height, v.stride}; }
 DepthImage depth(const ImageView<const float>& v) { return {v.data, v.width, v.height, v.stride}; }
 
-// The message, or nothing when there is none.
+// Returns the error message, or "" when there is no error.
 template <class Result>
 std::string error_of(const Result& result) {
   return result ? std::string() : result.error();
@@ -46,14 +46,14 @@ double turned_deg(const Pose& a, const Pose& b) {
 }
 double apart(const Pose& a, const Pose& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
 
-// From the first pose to each of the others the camera turned as it really did.
+// Checks that the rotation from the first pose to each of the others equals the true one.
 void expect_turned_as(const Synth& synth, const std::vector<StampedPoseResult>& poses) {
   const auto truth = [&](const StampedPoseResult& pose) {
     int i = 0;
     while (i + 1 < synth.frames() && synth.stamp(i) < pose.stamp) ++i;
     return Eigen::Quaterniond(synth.T_wc(i).R());
   };
-  double most = 0;  // turned
+  double most = 0;  // greatest true rotation, degrees
   for (const StampedPoseResult& pose : poses) {
     EXPECT_NEAR(orientation(pose.pose).norm(), 1, 1e-9);
     const Eigen::Quaterniond turn = orientation(poses[0].pose).inverse() * orientation(pose.pose),
@@ -119,7 +119,7 @@ TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
   const auto trajectory = (*slam)->trajectory();
   ASSERT_GE(trajectory.size(), 15u);
   expect_turned_as(recording.synth, trajectory);
-  // Key frames are frames, and are where those are.
+  // Every key frame is a frame of the trajectory and has the same pose.
   const auto key_frames = (*slam)->key_frames();
   ASSERT_FALSE(key_frames.empty());
   for (const StampedPoseResult& key_frame : key_frames) {
@@ -221,7 +221,7 @@ TEST(ApiMaps, APoseSaysInWhichMapItIs) {
   }
 }
 
-// A jump to where it was 40 frames before: found again, with doubt for a second.
+// After a jump back to the place 40 frames earlier the camera relocalises, and its poses are tentative for a second.
 TEST(ApiMaps, APoseAfterAJumpIsDoubtfulForASecond) {
   Recording recording(Sensor::rgbd, 61);
   const auto slam =

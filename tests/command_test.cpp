@@ -59,7 +59,7 @@ TEST_F(CommandRun, TakesPartOfARecording) {
   EXPECT_EQ(frames, (std::vector{4, 6, 8, 10, 12}));
 }
 
-// The trajectory files of one run.
+// Contents of the trajectory files of one run.
 std::string trajectories(const fs::path& out) {
   return text_of(out / "trajectory.txt") + text_of(out / "trajectory_online.txt") + text_of(out / "keyframes.txt");
 }
@@ -79,7 +79,7 @@ TEST_F(CommandRun, GivesTheSameBytesOnOneCoreAndOnABusyMachineLong) {
   }
 }
 
-// Four seconds cut out of a walk along equal posters: what is found first after them proves wrong.
+// A gap of four seconds in a walk along equal posters: the first place recognised after it proves wrong.
 TEST_F(CommandRun, TellsPosesThatWereTakenBackAsLostLong) {
   const fs::path recording = folder / "posters", out = folder / "out";
   ASSERT_EQ(covis({"synth", "posters", "--sensor", "rgbd", "--fps", "10", "--frames", "200", "--width", "320",
@@ -114,12 +114,13 @@ TEST_F(CommandRun, TellsPosesThatWereTakenBackAsLostLong) {
   EXPECT_EQ(tracked + lost, 160);
 }
 
-// A camera carried from a desk to another room on its way: two maps that are not joined.
+// A camera carried from a desk to another room during the recording, which makes two maps that are not joined.
 class CommandMaps : public CommandTest {
  protected:
-  static constexpr int kFrames = 36;  // of each: more than the second after which a place found is believed
+  // Frames of each place: more than the second for which a pose after a jump is tentative.
+  static constexpr int kFrames = 36;
 
-  // The room's frames come after the desk's, in one recording.
+  // Makes one recording in which the room's frames follow the desk's.
   fs::path record_both() const {
     const fs::path desk = render("rgbd", kFrames), room = render("rgbd", kFrames, "room");
     std::istringstream lines(text_of(room / "associations.txt"));
@@ -129,13 +130,13 @@ class CommandMaps : public CommandTest {
       double stamp = 0, depth_stamp = 0;
       std::string image, depth;
       std::istringstream fields(line);
-      if (!(fields >> stamp >> image >> depth_stamp >> depth)) continue;  // a comment
+      if (!(fields >> stamp >> image >> depth_stamp >> depth)) continue;  // a comment line
       all << std::fixed << stamp + 10 << " " << (room / image).string() << " " << depth_stamp + 10 << " "
           << (room / depth).string() << "\n";
     }
     return desk;
   }
-  // How many frames have a pose in which map.
+  // Number of frames with a pose, by map.
   static std::map<int, int> frames_by_map(const fs::path& out) {
     std::map<int, int> count;
     for (const json& line : parsed_lines(out / "stats.jsonl")) {
@@ -174,7 +175,7 @@ TEST_F(CommandMaps, AreWrittenSavedAndLocalisedInEachByItselfLong) {
   EXPECT_THAT(covis({"map", "info", map}).out, HasSubstr("maps            2, not joined"));
   EXPECT_EQ(covis({"map", "check", map}).code, 0);
 
-  // Image by image, and as a recording that leaves the map as it is.
+  // Locates the images one by one, then as a recording that leaves the map unchanged.
   const fs::path found = folder / "found.txt", found_in_1 = folder / "found_map1.txt";
   const Outcome localize = covis({"localize", recording, "--map", map, "--out", found, "--json"});
   ASSERT_EQ(localize.code, 0) << localize.error;
@@ -188,7 +189,7 @@ TEST_F(CommandMaps, AreWrittenSavedAndLocalisedInEachByItselfLong) {
   for (const json& m : summary["maps"]) EXPECT_EQ(m["loaded"], true);
   EXPECT_EQ(summary["keyframes"], parsed(out / "summary.json")["keyframes"]);
 
-  // With one map nothing of the second is left.
+  // A run with one map leaves no files of the second map behind.
   ASSERT_EQ(
       covis({"run", recording, "--count", std::to_string(kFrames), "--quiet", "--out", out, "--save-map", map}).code,
       0);
@@ -197,14 +198,13 @@ TEST_F(CommandMaps, AreWrittenSavedAndLocalisedInEachByItselfLong) {
   expect_results(out);
   ASSERT_EQ(covis({"localize", recording, "--map", map, "--out", found}).code, 0);
   EXPECT_FALSE(fs::exists(found_in_1));
-  // A map that is loaded is found and gone on with.
+  // The camera relocalises in a loaded map, which is continued.
   ASSERT_EQ(covis({"run", recording, "--count", "10", "--quiet", "--out", again, "--map", map}).code, 0);
   EXPECT_EQ(parsed(again / "summary.json")["maps"][0]["loaded"], true);
   EXPECT_FALSE(fs::exists(again / "trajectory_map1.txt"));
 }
 
-// Starts a run, interrupts it `after` seconds from the start of tracking (nothing: before the command is up), and
-// returns its exit code.
+// Starts a run, interrupts it `after` seconds from the start of tracking, and keeps its exit code.
 class CommandInterrupt : public CommandTest {
  protected:
   void interrupt(const std::vector<std::string>& words, double after, int signal = SIGINT) {
@@ -213,7 +213,7 @@ class CommandInterrupt : public CommandTest {
     std::vector<std::string> all{"run", "--out", out};
     all.insert(all.end(), words.begin(), words.end());
     Process process(command(all), folder / "stdout", folder / "stderr");
-    // The output folder is made just before tracking starts.
+    // The output folder is created just before tracking starts.
     while (!fs::exists(out) && !process.ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     std::this_thread::sleep_for(std::chrono::duration<double>(after));
     const auto sent = std::chrono::steady_clock::now();
@@ -236,16 +236,16 @@ class CommandInterrupt : public CommandTest {
   }
 
   int code = 0;
-  double seconds = 0;  // from the signal to the end
+  double seconds = 0;  // time from the signal to the end
 };
 
 TEST_F(CommandInterrupt, EndsSoonWithAllFilesAtAnyMoment) {
   const fs::path recording = render("stereo", 60);
-  // 60 frames at their own times take two seconds.
+  // 60 frames take two seconds in real time.
   for (const double after : {0.0, 0.2, 1.0, 1.8}) {
     SCOPED_TRACE(after);
     interrupt({recording, "--realtime"}, after);
-    // On a very busy machine the signal may come after the end.
+    // On a very busy machine the signal may arrive after the end.
     if (after < 0.5) {
       ASSERT_EQ(code, 128 + SIGINT) << text_of(folder / "stderr");
     }

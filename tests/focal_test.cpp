@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One camera whose focal length is not what was said: refined as the map grows, kept with the map, one for all of it.
+// A single camera with a wrong initial focal length: it is refined as the map grows, saved with the map, and the same
+// for all key frames.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,11 +13,11 @@
 namespace covis {
 namespace {
 
-constexpr double kClaimed = 1.02;  // times the true focal length
-constexpr double kLeft = 0.008;    // of it, that may be left; half way would be 0.01
+constexpr double kClaimed = 1.02;  // relative to the true focal length
+constexpr double kLeft = 0.008;    // greatest relative error allowed at the end; half of the initial one would be 0.01
 constexpr int kFrames = 320;
 
-// The recording's camera, said to have `factor` times its focal length.
+// Returns the recording's camera with its focal length multiplied by `factor`.
 Camera camera_of(const Recording& recording, double factor) {
   Camera made = recording.synth.camera();
   made.pinhole.fx *= factor;
@@ -40,7 +41,7 @@ class FocalLength : public testing::Test {
     for (int i = from; i < to; ++i) tracked += system.process(recording().frame(i)).track.state == TrackState::tracking;
     return tracked;
   }
-  // A map whose camera was refined, through a file.
+  // Returns a map with a refined camera, saved to a file and loaded again.
   static storage::SavedMap saved() {
     static const std::string file = [] {
       System system(claimed(), options(), vocabulary());
@@ -58,7 +59,7 @@ class FocalLength : public testing::Test {
   }
 };
 
-// However often the user waits for mapping in between, while an estimate is under way too.
+// The result must not depend on how often the user waits for mapping, even while an estimate is running.
 TEST_F(FocalLength, IsRefinedForAllOfTheMapLong) {
   for (const int every : {kFrames, 7}) {
     SCOPED_TRACE(every);
@@ -85,7 +86,8 @@ TEST_F(FocalLength, IsRefinedInRealTime) {
   realtime.realtime = true;
   System system(camera(1 + 2 * kHalf), realtime, vocabulary());
   for (int i = 0; i < kFrames; ++i) {
-    // Locating waits for the key frame to be mapped, not for the refinement: else a slow machine would have a poor map.
+    // Locating waits for mapping of the key frame but not for the refinement; without it a slow machine would have a
+    // poor map.
     if (system.process(recording().frame(i)).track.key_frame) system.locate(recording().frame(i));
   }
   system.finish();

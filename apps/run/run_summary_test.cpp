@@ -34,7 +34,7 @@ TEST(RunSummary, CountsWhatAllMapsHold) {
 
 TEST(RunSummary, TimesAreOfTheFramesThatWereProcessed) {
   const FrameTimes times = made_summary().times;
-  // 0, 10 … 90 without the late frame's 70.
+  // The values are 0, 10 … 90 without the late frame's 70.
   EXPECT_EQ(times.frame.median, 40);
   EXPECT_EQ(times.tracking.median, 38);
   EXPECT_EQ(times.stages.size(), kStages.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A program that uses the installed library: the first RGB-D frame of a flat, checked wall must make a map.
+// A program that uses the installed library: the first RGB-D frame of a flat, chequered wall must start a map.
 #include <covis/covis.h>
 
 #include <cstdio>

@@ -175,8 +175,8 @@ Result<Evaluation> evaluate(const Trajectory& estimate_in, const Trajectory& tru
   result.associated = result.compared.size();
   if (result.associated < 3) {
     return fail("only " + std::to_string(result.associated) +
-                " poses have truth at their time; at least 3 are needed. The trajectory: " + span_text(estimate) +
-                "; the truth: " + span_text(truth));
+                " poses have ground truth at their time; at least 3 are needed. The trajectory: " +
+                span_text(estimate) + "; the truth: " + span_text(truth));
   }
   result.coverage = static_cast<double>(covered.size()) / static_cast<double>(truth.size());
   const AlignMode mode = options.align;

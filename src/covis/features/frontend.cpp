@@ -88,8 +88,8 @@ Fields fields(OrbOptions& o) {
           {"orb.levels", &o.levels, "pyramid levels", 1, 16},
           {"orb.scale_factor", &o.scale_factor, "scale between levels", 1.05, 2},
           {"orb.fast_threshold", &o.fast_threshold, "FAST contrast, first try in a cell, grey levels", 1, 255},
-          {"orb.fast_threshold_low", &o.fast_threshold_low, "second try where the first found nothing, grey levels", 1,
-           255},
+          {"orb.fast_threshold_low", &o.fast_threshold_low,
+           "FAST contrast where the first try found no corner, grey levels", 1, 255},
           {"orb.subpixel", &o.subpixel, "place keypoints at the top of the corner score's parabola, not at the pixel"}};
 }
 

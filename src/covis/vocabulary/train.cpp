@@ -156,12 +156,13 @@ class Trainer {
 
 Fields fields(TrainOptions& options) {
   return {
-      {"train.branching", &options.branching, "children of a node", 2, Vocabulary::kMaxBranching},
+      {"train.branching", &options.branching, "children per node", 2, Vocabulary::kMaxBranching},
       {"train.depth", &options.depth, "levels below the root; at most branching^depth words", 1, Vocabulary::kMaxDepth},
-      {"train.seed", &options.seed, "seed of all that is drawn", 0},
-      {"train.threads", &options.threads, "threads; 0: one a core. The result does not depend on it", 0, 1024},
+      {"train.seed", &options.seed, "seed of all random numbers", 0},
+      {"train.threads", &options.threads, "number of threads; 0: one per core. The result does not depend on it", 0,
+       1024},
       {"train.memory", &options.memory_mb, "megabytes for descriptors; more of them are sampled", 1, 1 << 20},
-      {"train.iterations", &options.iterations, "most rounds of k-medians in a node", 1, 1000},
+      {"train.iterations", &options.iterations, "greatest number of k-medians rounds in a node", 1, 1000},
   };
 }
 
