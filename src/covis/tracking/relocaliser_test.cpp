@@ -204,5 +204,24 @@ TEST_F(RelocaliserTest, OneImageDoesNotChangeThePlaceOfTheNext) {
   EXPECT_EQ(first->T_cw.R(), again->T_cw.R());
 }
 
+// ---- What is drawn ----
+
+class RelocaliserDrawsTest : public RelocaliserTest {
+ protected:
+  // The pose that noisy features get: to the bit another one when RANSAC starts from other samples.
+  Eigen::Vector3d position(int seed, int64_t frame) {
+    scene.noise = 1.5;
+    return relocaliser(vocabulary, seed).locate(scene.view(near_key_frame(17)).features, frame, {}).value().T_cw.t();
+  }
+};
+
+TEST_F(RelocaliserDrawsTest, AFrameDrawsTheSameSamplesEachTime) { EXPECT_EQ(position(3, 8), position(3, 8)); }
+
+TEST_F(RelocaliserDrawsTest, FramesAndSeedsDrawSamplesOfTheirOwn) {
+  EXPECT_NE(position(0, 0), position(0, 1));
+  EXPECT_NE(position(0, 1), position(1, 1));
+  EXPECT_NE(position(0, 1), position(1, 0)) << "the sum of both tells nothing";
+}
+
 }  // namespace
 }  // namespace covis
