@@ -39,8 +39,8 @@ struct Found {
 
 Found locate_all(io::Sequence& sequence, System& system) {
   Found found;
-  const std::vector<SubmapSummary> submaps = system.submaps();
-  found.of_map.resize(submaps.size());
+  const std::shared_ptr<const Snapshot> snapshot = system.snapshot();
+  found.of_map.resize(snapshot->submaps.size());
   io::Frame frame;
   while (true) {
     auto next = sequence.next(std::move(frame));
@@ -56,9 +56,8 @@ Found locate_all(io::Sequence& sequence, System& system) {
     const Stopwatch watch;
     const auto located = system.locate(input_of(frame));
     found.times.push_back(watch.ms());
-    for (size_t m = 0; located && m < submaps.size(); ++m) {
-      if (submaps[m].id == located->submap) found.of_map[m].push_back({frame.stamp, located->T_wc});
-    }
+    if (!located) continue;
+    if (const auto m = snapshot->index_of(located->submap)) found.of_map[*m].push_back({frame.stamp, located->T_wc});
   }
 }
 

@@ -93,12 +93,11 @@ Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, 
   output.format = kWriteFormats.at(arguments.format);
   output.title = std::filesystem::path(arguments.path).lexically_normal().filename().string();
   if (truth) output.truth = &*truth;
-  const RunResults results = results_of(system);
-  RunSummary summary = summarise(record, results, output.truth, peak_rss_mb());
-  const Result<void> written = write_outputs(record, results, summary, output);
+  const std::shared_ptr<const Snapshot> snapshot = system.snapshot();
+  RunSummary summary = summarise(record, *snapshot, output.truth, peak_rss_mb());
+  const Result<void> written = write_outputs(record, *snapshot, summary, output);
   if (!arguments.save_map.empty()) {
-    const MapState state = system.map().read()->state();
-    if (const auto saved = storage::save_map(arguments.save_map, state, header); !saved)
+    if (const auto saved = storage::save_map(arguments.save_map, system.map_state(), header); !saved)
       return tl::unexpected(saved.error());
   }
   if (!written) return tl::unexpected(written.error());

@@ -66,8 +66,9 @@ class Poses {
   }
   // Of its first map.
   explicit Poses(const System& run) {
-    for (const PoseOfFrame& pose : run.trajectory()) {
-      if (pose.submap_index == 0) T_wc_.emplace(pose.stamp, pose.T_wc);
+    const auto snapshot = run.snapshot();
+    for (const PoseOfFrame& pose : snapshot->trajectory) {
+      if (pose.submap == snapshot->submaps.front().id) T_wc_.emplace(pose.stamp, pose.T_wc);
     }
   }
   // Within 5 ms; nullptr: there is none.
@@ -335,7 +336,7 @@ Result<Placing> run(const Settings& settings) {
   for (const auto* world : {&T_truth_map, &T_run_map, &T_truth_run}) {
     if (!*world) return tl::unexpected(world->error());
   }
-  auto map = Map::from_state(mapping.map().read()->state());
+  auto map = Map::from_state(mapping.map_state());
   if (!map) return tl::unexpected(map.error());
   SystemOptions options = settings.options;
   options.localize = true;

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-# covis_module(NAME DEPS … [DIR …] [TEST_DEPS …] [ONE_TEST] [THREADED FILTER] [ONE_THREAD]): a static library covis_NAME of
-# the *.cpp files below src/covis/NAME, and NAME_test of the *_test.cpp files among them.
+# covis_module(NAME DEPS … [DIR …] [TEST_DEPS …] [TEST_NAME …] [ONE_TEST] [THREADED FILTER] [ONE_THREAD]): a static library
+# covis_NAME of the *.cpp files below src/covis/NAME, and a test of the *_test.cpp files among them.
 #   DIR         the folder of the sources, from the project's root, when it is another
+#   TEST_NAME   the test's name, where it is not to be NAME_test
 #   ONE_TEST    the cases share what is dear to make, so ctest runs them in one process
 #   THREADED    of such a test, the cases (a GoogleTest filter) the thread sanitizer is to run; without it all
 #   ONE_THREAD  the module starts no thread and shares nothing: its test is not built with the thread sanitizer
 function(covis_module name)
-  cmake_parse_arguments(M "ONE_TEST;ONE_THREAD" "DIR;THREADED" "DEPS;TEST_DEPS" ${ARGN})
+  cmake_parse_arguments(M "ONE_TEST;ONE_THREAD" "DIR;TEST_NAME;THREADED" "DEPS;TEST_DEPS" ${ARGN})
   if(NOT M_DIR)
     set(M_DIR src/covis/${name})
   endif()
@@ -28,20 +29,24 @@ function(covis_module name)
   add_library(covis_${name} STATIC ${sources})
   target_link_libraries(covis_${name} PUBLIC covis_flags ${M_DEPS})
   if(COVIS_TESTS AND tests AND NOT (M_ONE_THREAD AND COVIS_SANITIZE MATCHES thread))
-    add_executable(${name}_test ${tests})
-    target_link_libraries(${name}_test PRIVATE covis_${name} GTest::gmock_main ${M_TEST_DEPS})
-    target_compile_definitions(${name}_test PRIVATE COVIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+    set(test ${name}_test)
+    if(M_TEST_NAME)
+      set(test ${M_TEST_NAME})
+    endif()
+    add_executable(${test} ${tests})
+    target_link_libraries(${test} PRIVATE covis_${name} GTest::gmock_main ${M_TEST_DEPS})
+    target_compile_definitions(${test} PRIVATE COVIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     if(M_ONE_TEST)
       set(filter *)
       if(M_THREADED AND COVIS_SANITIZE MATCHES thread)
         set(filter ${M_THREADED})
       endif()
-      add_test(NAME ${name}_test COMMAND ${name}_test --gtest_filter=${filter})
+      add_test(NAME ${test} COMMAND ${test} --gtest_filter=${filter})
       # Long as it is, it starts first, beside the others.
-      set_tests_properties(${name}_test PROPERTIES LABELS ${name} TIMEOUT 900 COST 1000
+      set_tests_properties(${test} PROPERTIES LABELS ${name} TIMEOUT 900 COST 1000
         ENVIRONMENT "${covis_test_environment}")
     else()
-      covis_discover_tests(${name}_test ${name})
+      covis_discover_tests(${test} ${name})
     endif()
   endif()
 endfunction()

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kQueued = 6;  // images waiting to be coded
+constexpr size_t kQueued = 6;  // greatest number of images waiting to be encoded
 
 std::string format(const char* pattern, auto... values) {
   std::array<char, 512> text;
@@ -29,15 +29,15 @@ std::string format(const char* pattern, auto... values) {
   return {text.data(), static_cast<size_t>(length)};
 }
 
-// Codes images as PNG and writes them, in a thread of its own. The first error stops it.
+// Encodes images as PNG and writes them, in a thread of its own. The first error stops it.
 class ImageWriter {
  public:
   ImageWriter() : queue_(kQueued), thread_([this] { run(); }) {}
-  ~ImageWriter() { queue_.close(); }  // and the thread joins
+  ~ImageWriter() { queue_.close(); }  // and the thread's destructor joins it
 
-  // False once something could not be written.
+  // Returns false once an image could not be written.
   bool write(fs::path file, cv::Mat image) { return queue_.push({std::move(file), std::move(image)}); }
-  // Waits for all of it; the bytes written.
+  // Waits until all images are written; returns the number of bytes.
   Result<uint64_t> finish() {
     queue_.close();
     thread_.join();
@@ -82,7 +82,7 @@ cv::Mat copy(const ImageU8& image) {
   return mat;
 }
 
-// What 16 bits can't hold is no depth.
+// Depths that do not fit 16 bits are stored as 0 (no measurement).
 cv::Mat depth_image(const ImageF& depth, double scale) {
   cv::Mat mat(depth.height(), depth.width(), CV_16U);
   for (int y = 0; y < depth.height(); ++y) {
@@ -126,7 +126,7 @@ std::string camera_yaml(const Synth& synth) {
   return io::camera_text(file);
 }
 
-// The files that describe the images.
+// Writes the files that describe the images.
 Result<void> write_description(const Synth& synth, const fs::path& folder, const Trajectory& truth) {
   std::string rgb = "# stamp file\n", depth = rgb, pairs = "# stamp image stamp depth\n", times;
   for (const StampedPose& pose : truth) {
@@ -160,7 +160,7 @@ Result<void> write_description(const Synth& synth, const fs::path& folder, const
   }
   if (auto ok = io::write_trajectory(folder / "groundtruth.txt", truth, io::TrajectoryFormat::tum); !ok) return ok;
   if (synth.sensor() != Sensor::stereo) return {};
-  // KITTI's poses are in the frame of the first camera.
+  // KITTI's poses are given in the frame of the first camera.
   Trajectory relative = truth;
   for (StampedPose& pose : relative) pose.T_wc = truth.front().T_wc.inverse() * pose.T_wc;
   return io::write_trajectory(folder / "poses.txt", relative, io::TrajectoryFormat::kitti);
@@ -194,7 +194,7 @@ Result<SynthReport> write_sequence(Synth& synth, const fs::path& folder, bool ov
     if (sensor == Sensor::stereo) ok = ok && writer.write(folder / subfolders[1] / name, copy(right));
     if (sensor == Sensor::rgbd)
       ok = ok && writer.write(folder / subfolders[1] / name, depth_image(depth, synth.depth_units()));
-    if (!ok) break;  // finish() says why
+    if (!ok) break;  // finish() returns the error
     report.frames = i + 1;
     if (progress && !progress(report.frames)) {
       return fail("stopped after " + std::to_string(report.frames) + " of " + std::to_string(synth.frames()) +

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a synthetic recording as the folders the readers know: TUM RGB-D layout for RGB-D, KITTI odometry layout for
-// stereo, an image folder with times for monocular; each with its truth.
+// Writes a synthetic recording in a layout that the readers know: TUM RGB-D for RGB-D, KITTI odometry for stereo, an
+// image folder with times for monocular; each with its ground truth.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +15,13 @@ namespace covis {
 struct SynthReport {
   int frames = 0;
   double path_metres = 0;
-  uint64_t bytes = 0;  // of all images
+  uint64_t bytes = 0;  // size of all images
 };
 
-// Renders all frames of `synth` into `folder`, which is made if need be. A folder that holds anything already is
-// refused, or, with `overwrite`, cleared of what an earlier recording of any kind left there. `progress` is told the
-// number of frames done and may be empty; when it returns false, writing ends with an error. Images are coded and
-// written in a second thread.
+// Renders all frames of `synth` into `folder`, which is created if needed. A folder that is not empty is refused or,
+// with `overwrite`, cleared of the files of an earlier recording of any kind. `progress` receives the number of frames
+// done and may be empty; when it returns false, writing ends with an error. Images are encoded and written in a second
+// thread.
 Result<SynthReport> write_sequence(Synth& synth, const std::filesystem::path& folder, bool overwrite,
                                    const std::function<bool(int)>& progress);
 

@@ -40,7 +40,7 @@ class SequenceWriter : public testing::Test {
   fs::path folder_;
 };
 
-// What is read back is what was rendered, and stamps, camera and truth with it.
+// Checks that the recording read back equals the rendered one: images, stamps, camera and ground truth.
 void expect_read_back(Synth& synth, const fs::path& folder, io::SequenceKind kind) {
   const auto sequence = io::open_sequence(folder.string(), {});
   ASSERT_TRUE(sequence) << sequence.error().message;

@@ -12,7 +12,7 @@
 namespace covis {
 
 namespace {
-// Stages of hash_seed.
+// Stages for hash_seed.
 enum Stage : uint64_t { kLens = 11, kExposure, kNoise, kRightNoise, kDepthNoise };
 }  // namespace
 
@@ -24,7 +24,7 @@ struct Synth::State {
   synth::Renderer renderer;
   ImageF tone, depth, scratch;
 
-  // The picture of the camera that sits at T_camera in the frame of the left one; leaves its depth in `depth`.
+  // Renders the image of the camera at T_camera in the frame of the left one; its depth is left in `depth`.
   void take(double seconds, const SE3& T_camera, Stage noise_stage, int frame, ImageU8& image);
 };
 

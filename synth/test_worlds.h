@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For the tests of synth: small worlds, made once, and what they measure images by.
+// For the tests of synth: small worlds, made once, and image measures.
 #pragma once
 
 #include <cmath>
@@ -34,7 +34,7 @@ inline SynthOptions small(const std::string& world, const std::string& sensor = 
 
 inline Synth make(const SynthOptions& options) { return std::move(Synth::create(options).value()); }
 
-// Making a world takes longer than a frame of it: plain ones are made once.
+// Making a world takes longer than rendering a frame of it, so worlds with default options are cached.
 inline Synth& world(const std::string& name, int seed = 1) {
   static std::map<std::pair<std::string, int>, Synth> made;
   const auto at = made.find({name, seed});

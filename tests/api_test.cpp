@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The public interface, as a program sees it.
+// The public interface, as a program sees it, on rendered recordings. What it refuses is in src/covis/api/slam_test.cpp.
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
+#include <thread>
 
 #include "covis/covis.h"
 #include "rendered.h"
@@ -110,6 +110,7 @@ TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
     ASSERT_TRUE(result) << result.error();
     tracked += result->tracked;
     EXPECT_EQ(result->tracked, result->reason.empty());
+    EXPECT_EQ(result->tracked, result->state == TrackingState::tracking);
   }
   (*slam)->finish();
   EXPECT_GT(tracked, 15);
@@ -150,6 +151,38 @@ TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
                                                    : (*slam)->locate_monocular(grey(again.image))),
               HasSubstr("another sensor"));
   EXPECT_EQ((*slam)->trajectory().size(), trajectory.size());
+}
+
+// A viewer asks for all there is while frames are tracked: each answer is sound, and the thread sanitizer finds no race.
+TEST(ApiThreads, AnyThreadMayAskWhileFramesAreTracked) {
+  Recording recording(Sensor::rgbd, 30, 15, "desk");
+  const auto slam =
+      Slam::create(parameters_of(recording.synth.camera(), Sensor::rgbd), SensorType::rgbd, {}, kVocabulary);
+  ASSERT_TRUE(slam) << slam.error();
+  size_t most_poses = 0;
+  int asked = 0;
+  std::jthread viewer([&](const std::stop_token& stop) {
+    while (!stop.stop_requested() || most_poses == 0) {
+      const auto trajectory = (*slam)->trajectory();
+      const auto points = (*slam)->points();
+      const auto key_frames = (*slam)->key_frames();  // a moment later: there are some when there were points
+      EXPECT_TRUE(std::is_sorted(trajectory.begin(), trajectory.end(),
+                                 [](const auto& a, const auto& b) { return a.stamp < b.stamp; }));
+      EXPECT_TRUE(points.empty() || !key_frames.empty());
+      most_poses = std::max(most_poses, trajectory.size());
+      ++asked;
+    }
+  });
+  for (int i = 0; i < recording.size(); ++i) {
+    const System::Input in = recording.frame(i);
+    EXPECT_TRUE((*slam)->track_rgbd(in.stamp, grey(in.image), depth(in.depth))->tracked) << i;
+  }
+  (*slam)->finish();
+  viewer.request_stop();
+  viewer.join();
+  EXPECT_GT(asked, 1);
+  EXPECT_GT(most_poses, 0u);
+  EXPECT_EQ((*slam)->trajectory().size(), static_cast<size_t>(recording.size()));
 }
 
 // A camera carried from a desk into a room, and a picture of each.
@@ -210,32 +243,6 @@ TEST(ApiMaps, APoseAfterAJumpIsDoubtfulForASecond) {
   for (const int end = i + 10; i < end; ++i) result = show(i);
   EXPECT_TRUE(result.tracked);
   EXPECT_FALSE(result.tentative);
-}
-
-TEST(ApiErrors, SayWhatIsWrong) {
-  const CameraParameters good{.width = 640, .height = 480, .fx = 500, .fy = 500, .cx = 320, .cy = 240, .baseline = 0.1};
-  const auto error = [](const CameraParameters& camera, SensorType sensor, const Slam::Settings& settings = {},
-                        const std::string& vocabulary = {}) {
-    const auto made = Slam::create(camera, sensor, settings, vocabulary);
-    return made ? std::string() : made.error();
-  };
-  EXPECT_EQ(error(good, SensorType::rgbd), "");
-  CameraParameters c = good;
-  c.width = 0;
-  EXPECT_THAT(error(c, SensorType::monocular), HasSubstr("width and height"));
-  c = good;
-  c.fx = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(error(c, SensorType::monocular), HasSubstr("fx and fy"));
-  c = good;
-  c.baseline = 0;
-  EXPECT_THAT(error(c, SensorType::stereo), HasSubstr("baseline"));
-  EXPECT_EQ(error(c, SensorType::monocular), "");
-  c = good;
-  c.lens = LensType::brown_conrady;
-  EXPECT_THAT(error(c, SensorType::stereo), HasSubstr("rectified"));
-  EXPECT_THAT(error(good, SensorType::rgbd, {{"orb.feature", "2000"}}), HasSubstr("orb.features"));
-  EXPECT_THAT(error(good, SensorType::rgbd, {{"orb.features", "-5"}}), HasSubstr("orb.features"));
-  EXPECT_THAT(error(good, SensorType::rgbd, {}, "/nowhere.covis-voc"), HasSubstr("nowhere.covis-voc"));
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ class FocalLength : public testing::Test {
       header.levels = options().orb.levels;
       header.factor = static_cast<float>(options().orb.scale_factor);
       const std::string name = (std::filesystem::path(testing::TempDir()) / "covis_focal.map").string();
-      EXPECT_TRUE(storage::save_map(name, system.map().read()->state(), header));
+      EXPECT_TRUE(storage::save_map(name, system.map_state(), header));
       return name;
     }();
     return std::move(storage::load_map(file).value());

@@ -66,12 +66,9 @@ struct Walked {
   }
   // Of the poses in one map, metres.
   double error_of(int map, bool with_scale) const {
-    std::vector<PoseOfFrame> poses;
-    for (const PoseOfFrame& pose : system.trajectory()) {
-      if (pose.submap_index == map) poses.push_back(pose);
-    }
+    const auto snapshot = system.snapshot();
     return error_to(
-        poses, [&](int64_t step) { return walk.truth(step); }, with_scale);
+        poses_in(snapshot->trajectory, snapshot->submaps.at(static_cast<size_t>(map)).id), [&](int64_t step) { return walk.truth(step); }, with_scale);
   }
 
  private:
@@ -151,7 +148,7 @@ Map map_before(Walk& walk, const SystemOptions& options) {
   System system(walk.recording.synth.camera(), options, vocabulary());
   for (int step = 0; step < 12; ++step) system.process(walk.input(step));
   system.finish();
-  return Map::from_state(system.map().read()->state()).value();
+  return Map::from_state(system.map_state()).value();
 }
 
 // Nothing is begun beside a map that is for localisation only, nor without a way to join it later.
@@ -167,7 +164,7 @@ TEST(FurtherMap, NoneIsBegunWhereItMustNot) {
   } cases[] = {{"nothing speaks against it", [](SystemOptions&) {}, true, 2},
                {"localisation only", [](SystemOptions& o) { o.localize = true; }, true, 1},
                {"loops stay open", [](SystemOptions& o) { o.loop.close = false; }, true, 1},
-               {"new_map_after=0", [](SystemOptions& o) { o.tracker.new_map_after = 0; }, true, 1},
+               {"new_map_after=0", [](SystemOptions& o) { o.tracker.start.new_map_after = 0; }, true, 1},
                {"no vocabulary", [](SystemOptions&) {}, false, 1}};
   for (const auto& c : cases) {
     SCOPED_TRACE(c.name);
@@ -199,7 +196,7 @@ TEST(FurtherMap, ALoadedMapStaysTheFirst) {
   EXPECT_FALSE(submaps[1].loaded);
   EXPECT_EQ(submaps[0].frames, 0u);
   EXPECT_GE(submaps[1].frames, 20u);
-  for (const PoseOfFrame& pose : system.trajectory()) EXPECT_EQ(pose.submap_index, 1);
+  for (const PoseOfFrame& pose : system.trajectory()) EXPECT_EQ(pose.submap, submaps[1].id);
   EXPECT_TRUE(system.online_trajectory().empty()) << "of the first map alone";
 }
 
@@ -294,12 +291,12 @@ TEST(Jump, IsNotToAnotherPosterInRealTimeEitherLong) {
     options.realtime = true;
     Walked run(walk, options);
     EXPECT_EQ(run.merges, 0);
-    std::map<int, PoseOfFrame> first;  // of each map
+    std::map<uint32_t, PoseOfFrame> first;  // of each map
     for (const PoseOfFrame& pose : run.system.trajectory()) {
-      const PoseOfFrame& begin = first.emplace(pose.submap_index, pose).first->second;
+      const PoseOfFrame& begin = first.emplace(pose.submap, pose).first->second;
       const SE3 moved = begin.T_wc.inverse() * pose.T_wc,
                 truly = walk.truth(begin.frame).inverse() * walk.truth(pose.frame);
-      EXPECT_LT((moved.t() - truly.t()).norm(), 0.8) << "frame " << pose.frame << " in map " << pose.submap_index;
+      EXPECT_LT((moved.t() - truly.t()).norm(), 0.8) << "frame " << pose.frame << " in map " << pose.submap;
     }
     EXPECT_GE(run.system.trajectory().size(), 60u);
   }

@@ -72,7 +72,7 @@ class SavedDesk : public Places {
     }
     EXPECT_GE(found, 9);
     EXPECT_FALSE(system.locate(recording.black(0)));
-    ASSERT_TRUE(storage::save_map(file, system.map().read()->state(), header_of(recording, options)));
+    ASSERT_TRUE(storage::save_map(file, system.map_state(), header_of(recording, options)));
     saved_bytes = bytes_of(*system.map().read());
   }
   // The map is left alone, and a black image is not invented a pose for.
@@ -139,7 +139,7 @@ class Saver {
 
  private:
   void save(const System& system, const std::filesystem::path& file, const storage::MapHeader& header) {
-    const MapState state = system.map().read()->state();
+    const MapState state = system.map_state();
     if (state.key_frames.empty()) return std::this_thread::yield();
     const auto map = Map::from_state(state);
     ASSERT_TRUE(map) << map.error().message;

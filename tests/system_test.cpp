@@ -138,6 +138,25 @@ TEST(System, NothingToSeeIsNotInitialised) {
   }
 }
 
+TEST(System, LocalisationWithoutAMapBeginsNone) {
+  for (const Sensor sensor : {Sensor::monocular, Sensor::rgbd}) {
+    SystemOptions options = options_for(sensor);
+    options.localize = true;
+    options.tracker.start.new_map_after = 0.1;
+    Recording recording(sensor, 6, 8, "desk");
+    System system(recording.synth.camera(), options, vocabulary());
+    for (int i = 0; i < recording.size(); ++i) {
+      const TrackResult track = system.process(recording.frame(i)).track;
+      EXPECT_EQ(track.state, TrackState::lost);
+      EXPECT_THAT(std::string(track.reason), testing::HasSubstr("system.localize"));
+      EXPECT_FALSE(track.key_frame);
+    }
+    system.finish();
+    EXPECT_TRUE(system.submaps().empty());
+    EXPECT_EQ(system.snapshot()->points.size(), 0u);
+  }
+}
+
 TEST(System, StartsAndStopsAtAnyTime) {
   Recording recording(Sensor::stereo, 4, 8, "desk", {160, 120});
   SystemOptions options = options_for(Sensor::stereo);

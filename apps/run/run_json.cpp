@@ -111,14 +111,15 @@ json to_json(const FrameStats& f, std::optional<int> map) {
 
 }  // namespace
 
-std::string stats_text(const RunRecord& run, const std::vector<PoseOfFrame>& poses) {
+std::string stats_text(const RunRecord& run, const Snapshot& snapshot) {
+  const std::vector<PoseOfFrame>& poses = snapshot.trajectory;
   std::string text;
   size_t next = 0;            // reports of mapping come in the order of their frames
   auto pose = poses.begin();  // so do poses
   for (const FrameStats& frame : run.frames) {
     while (pose != poses.end() && pose->frame < frame.frame) ++pose;
     const bool has_pose = pose != poses.end() && pose->frame == frame.frame;
-    json line = to_json(frame, has_pose ? std::optional(pose->submap_index) : std::nullopt);
+    json line = to_json(frame, has_pose ? snapshot.index_of(pose->submap) : std::nullopt);
     for (; next < run.mapping.size() && run.mapping[next].frame <= frame.frame; ++next) {
       if (run.mapping[next].frame == frame.frame) line["mapping"] = to_json(run.mapping[next]);
     }

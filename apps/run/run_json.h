@@ -12,7 +12,7 @@ namespace covis::app {
 
 nlohmann::json to_json(const RunSummary& summary);
 
-// A line for each frame, with the mapping done for it and the map its pose belongs to.
-std::string stats_text(const RunRecord& run, const std::vector<PoseOfFrame>& poses);
+// A line for each frame, with the mapping done for it and the submap its pose belongs to.
+std::string stats_text(const RunRecord& run, const Snapshot& snapshot);
 
 }  // namespace covis::app

@@ -21,8 +21,9 @@ std::vector<json> lines_of(const std::string& text) {
 }
 
 TEST(RunJson, SummaryHasTheKeysThatScriptsRead) {
-  const RunResults results = made_results();
-  const json s = to_json(summarise(made_record(), results, &results.trajectory, 123));
+  const Snapshot snapshot = made_snapshot();
+  const Trajectory truth = main_submap(snapshot).trajectory;
+  const json s = to_json(summarise(made_record(), snapshot, &truth, 123));
   EXPECT_EQ(s["sensor"], "rgbd");
   EXPECT_EQ(s["frames"], 10);
   EXPECT_EQ(s["frames_tracked"], 6);

@@ -54,12 +54,12 @@ void track_all(io::Sequence& sequence, System& system, const LoopOptions& option
     stats.cpu_ms = thread_cpu_ms() - cpu_start;
     if (run.frames.size() % kMemoryEvery == 0) stats.rss_mb = resident_mb();
     run.frames.push_back(std::move(stats));
-    const auto map = system.map().read();
-    progress.show(name(run.frames.back().state), run.frames.size(), map->key_frame_count(), map->point_count());
+    const System::MapSize map = system.map_size();
+    progress.show(name(run.frames.back().state), run.frames.size(), map.key_frames, map.points);
   }
   const std::vector<MappingReport> rest = system.finish();
   run.mapping.insert(run.mapping.end(), rest.begin(), rest.end());
-  mark_retracted(system.records(), options.mode, run.frames);
+  mark_retracted(system.snapshot()->trajectory, options.mode, run.frames);
   run.wall_seconds = wall.ms() / 1000;
   run.interrupted = *options.stop != 0;
 }

@@ -13,11 +13,12 @@
 namespace covis::app {
 namespace {
 
-// One trajectory for each map; an empty one when there is no map at all.
-std::vector<Trajectory> by_map(const std::vector<PoseOfFrame>& poses, size_t maps) {
-  std::vector<Trajectory> trajectories(std::max<size_t>(1, maps));
-  for (const PoseOfFrame& pose : poses)
-    trajectories[static_cast<size_t>(pose.submap_index)].push_back({pose.stamp, pose.T_wc});
+// One trajectory for each submap; an empty one when there is no map at all.
+std::vector<Trajectory> by_submap(const Snapshot& snapshot) {
+  std::vector<Trajectory> trajectories(std::max<size_t>(1, snapshot.submaps.size()));
+  for (const PoseOfFrame& pose : snapshot.trajectory) {
+    if (const auto index = snapshot.index_of(pose.submap)) trajectories[*index].push_back({pose.stamp, pose.T_wc});
+  }
   return trajectories;
 }
 
@@ -30,7 +31,7 @@ std::vector<ReportFrame> report_frames(const RunRecord& run) {
   return frames;
 }
 
-ReportInput report_of(const RunRecord& run, const RunResults& results, const RunSummary& summary,
+ReportInput report_of(const RunRecord& run, const MainSubmap& results, const RunSummary& summary,
                       const OutputOptions& options) {
   ReportInput report;
   report.title = options.title;
@@ -46,20 +47,20 @@ ReportInput report_of(const RunRecord& run, const RunResults& results, const Run
 
 }  // namespace
 
-Result<void> write_outputs(const RunRecord& run, const RunResults& results, const RunSummary& summary,
+Result<void> write_outputs(const RunRecord& run, const Snapshot& snapshot, const RunSummary& summary,
                            const OutputOptions& options) {
   using nlohmann::json;
+  const MainSubmap results = main_submap(snapshot);
   const std::filesystem::path& out = options.directory;
   Result<void> problem;
   const auto keep_first = [&](Result<void> written) {
     if (!written && problem) problem = std::move(written);
   };
-  keep_first(
-      io::write_trajectories(out / "trajectory.txt", by_map(results.poses, results.submaps.size()), options.format));
+  keep_first(io::write_trajectories(out / "trajectory.txt", by_submap(snapshot), options.format));
   keep_first(io::write_trajectory(out / "trajectory_online.txt", results.online_trajectory, options.format));
   keep_first(io::write_trajectory(out / "keyframes.txt", results.key_frames, options.format));
   keep_first(io::write_ply(out / "map.ply", results.points));
-  keep_first(write_atomically(out / "stats.jsonl", stats_text(run, results.poses)));
+  keep_first(write_atomically(out / "stats.jsonl", stats_text(run, snapshot)));
   keep_first(write_atomically(out / "summary.json",
                               to_json(summary).dump(2, ' ', false, json::error_handler_t::replace) + "\n"));
   keep_first(write_report(out, report_of(run, results, summary, options)));

@@ -62,12 +62,12 @@ FrameStats skipped_frame(int64_t frame, Timestamp stamp, FrameState state, std::
   return stats;
 }
 
-void mark_retracted(const std::vector<FrameRecord>& records, RunMode mode, std::vector<FrameStats>& frames) {
-  auto record = records.begin();  // both come in the order of their frames
+void mark_retracted(const std::vector<PoseOfFrame>& trajectory, RunMode mode, std::vector<FrameStats>& frames) {
+  auto pose = trajectory.begin();  // both come in the order of their frames
   for (FrameStats& frame : frames) {
-    while (record != records.end() && record->frame < frame.frame) ++record;
-    if (record == records.end()) return;
-    if (record->frame != frame.frame || record->tracked || frame.state != FrameState::tracking) continue;
+    while (pose != trajectory.end() && pose->frame < frame.frame) ++pose;
+    const bool has_pose = pose != trajectory.end() && pose->frame == frame.frame;
+    if (has_pose || frame.state != FrameState::tracking) continue;
     frame.state = lost_state(mode);
     frame.reason = "its pose was taken back: the place or the map proved wrong";
   }

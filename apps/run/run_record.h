@@ -70,6 +70,6 @@ FrameStats tracked_frame(const io::Frame& frame, const FrameReport& report, RunM
 // The row of one that it had not: late or unreadable.
 FrameStats skipped_frame(int64_t frame, Timestamp stamp, FrameState state, std::string reason);
 // At the end of a run: frames whose poses were retracted after they were tracked lose their state `tracking`.
-void mark_retracted(const std::vector<FrameRecord>& records, RunMode mode, std::vector<FrameStats>& frames);
+void mark_retracted(const std::vector<PoseOfFrame>& trajectory, RunMode mode, std::vector<FrameStats>& frames);
 
 }  // namespace covis::app

@@ -48,17 +48,16 @@ TEST(RunRecord, RetractedPosesAreMarkedByTheirFrames) {
   std::vector<FrameStats> frames;
   for (const int64_t index : {10, 20, 30, 40}) frames.push_back(skipped_frame(index, 0, FrameState::tracking, ""));
   frames[2].state = FrameState::not_initialised;
-  std::vector<FrameRecord> records(4);  // frame 20 is not among them: it was late
-  for (size_t k = 0; k < records.size(); ++k) records[k].frame = std::array{10, 15, 30, 40}[k];
-  records[0].tracked = true;
-  mark_retracted(records, RunMode::mapping, frames);
+  std::vector<PoseOfFrame> trajectory(3);  // neither frame 30 nor frame 40 is among them
+  for (size_t k = 0; k < trajectory.size(); ++k) trajectory[k].frame = std::array{10, 15, 20}[k];
+  mark_retracted(trajectory, RunMode::mapping, frames);
   EXPECT_EQ(frames[0].state, FrameState::tracking);
   EXPECT_EQ(frames[1].state, FrameState::tracking);
   EXPECT_EQ(frames[2].state, FrameState::not_initialised) << "it had no pose to lose";
   EXPECT_EQ(frames[3].state, FrameState::lost);
   EXPECT_NE(frames[3].reason, "");
-  mark_retracted(std::vector<FrameRecord>(1), RunMode::mapping, frames);
-  EXPECT_EQ(frames[0].state, FrameState::tracking);
+  mark_retracted({}, RunMode::localization, frames);
+  EXPECT_EQ(frames[0].state, FrameState::not_localised);
 }
 
 TEST(RunRecord, EveryStateHasItsName) {

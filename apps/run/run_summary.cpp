@@ -17,37 +17,36 @@ Spread spread(const std::vector<Item>& items, Value value) {
   return spread_of(values);
 }
 
-Trajectory of_main_map(const std::vector<PoseOfFrame>& poses) {
+template <class Poses>
+Trajectory of_main_submap(const Poses& poses, const Snapshot& snapshot) {
   Trajectory trajectory;
   for (const PoseOfFrame& pose : poses) {
-    if (pose.submap_index == 0) trajectory.push_back({pose.stamp, pose.T_wc});
+    if (snapshot.index_of(pose.submap) == 0) trajectory.push_back({pose.stamp, pose.T_wc});
   }
   return trajectory;
 }
 
-FrameCounts count_frames(const RunRecord& run, const std::vector<FrameRecord>& records) {
+FrameCounts count_frames(const RunRecord& run, const Snapshot& snapshot) {
   FrameCounts counts;
   counts.all = run.frames.size();
   for (const FrameStats& f : run.frames) {
     counts.late += f.state == FrameState::late;
     counts.unreadable += f.state == FrameState::unreadable;
   }
-  for (const FrameRecord& r : records) {
-    counts.tracked += r.tracked;
-    counts.tracked_online += r.online;
-    if (r.online && counts.first_tracked < 0) counts.first_tracked = r.frame;
-  }
+  counts.tracked = snapshot.trajectory.size();
+  counts.tracked_online = snapshot.online.size();
+  if (!snapshot.online.empty()) counts.first_tracked = snapshot.online.front().frame;
   return counts;
 }
 
-MapCounts count_map(const RunRecord& run, const RunResults& results) {
+MapCounts count_map(const RunRecord& run, const Snapshot& snapshot) {
   MapCounts counts;
   counts.key_frames_made = run.mapping.size();
-  counts.refused_non_finite = results.refused_non_finite;
-  counts.submaps = results.submaps;
-  for (const SubmapSummary& map : results.submaps) {
-    counts.key_frames += map.key_frames;
-    counts.points += map.points;
+  counts.refused_non_finite = snapshot.refused_non_finite;
+  counts.submaps = snapshot.submaps;
+  for (const SubmapSummary& submap : snapshot.submaps) {
+    counts.key_frames += submap.key_frames;
+    counts.points += submap.points;
   }
   return counts;
 }
@@ -101,7 +100,8 @@ std::vector<Loss> losses_of(const std::vector<FrameStats>& frames) {
   return losses;
 }
 
-std::optional<Accuracy> accuracy_of(const RunResults& results, const Trajectory& truth, AlignMode alignment) {
+std::optional<Accuracy> accuracy_of(const Snapshot& snapshot, const Trajectory& truth, AlignMode alignment) {
+  const MainSubmap results = main_submap(snapshot);
   const auto final = evaluate(results.trajectory, truth, {.align = alignment}),
              online = evaluate(results.online_trajectory, truth, {.align = alignment});
   if (!final || !online) return std::nullopt;
@@ -113,39 +113,31 @@ std::optional<Accuracy> accuracy_of(const RunResults& results, const Trajectory&
 
 }  // namespace
 
-RunResults results_of(const System& system) {
-  RunResults results;
-  results.camera = system.camera();
-  results.submaps = system.submaps();
-  results.records = system.records();
-  results.poses = system.trajectory();
-  results.trajectory = of_main_map(results.poses);
-  results.online_trajectory = of_main_map(system.online_trajectory());
-  results.key_frames = of_main_map(system.key_frames());
-  const auto map = system.map().read();
-  results.refused_non_finite = map->refused_non_finite();
-  map->for_each_point([&](MapPointId, const MapPoint& point) {
-    if (map->at(point.reference).submap == results.submaps.front().id) results.points.push_back(point.position_w);
-  });
-  return results;
+MainSubmap main_submap(const Snapshot& snapshot) {
+  MainSubmap main{of_main_submap(snapshot.trajectory, snapshot), of_main_submap(snapshot.online, snapshot),
+                  of_main_submap(snapshot.key_frames, snapshot), {}};
+  for (const Snapshot::Point& point : snapshot.points) {
+    if (snapshot.index_of(point.submap) == 0) main.points.push_back(point.position_w);
+  }
+  return main;
 }
 
 const char* name_of_alignment(AlignMode mode) { return mode == AlignMode::sim3 ? "sim3" : "se3"; }
 
-RunSummary summarise(const RunRecord& run, const RunResults& results, const Trajectory* truth, double peak_rss_mb) {
+RunSummary summarise(const RunRecord& run, const Snapshot& snapshot, const Trajectory* truth, double peak_rss_mb) {
   RunSummary summary;
   summary.source = run.source;
   summary.sensor = run.sensor;
-  summary.camera = results.camera;
+  summary.camera = snapshot.camera;
   summary.interrupted = run.interrupted;
-  summary.frames = count_frames(run, results.records);
-  summary.map = count_map(run, results);
+  summary.frames = count_frames(run, snapshot);
+  summary.map = count_map(run, snapshot);
   summary.times = times_of(run);
   summary.costs = {run.wall_seconds, static_cast<double>(run.frames.size()) / std::max(run.wall_seconds, 1e-9),
                    run.first_pose_ms, peak_rss_mb};
   collect_loops(run.mapping, summary);
   summary.not_tracked = losses_of(run.frames);
-  if (truth) summary.accuracy = accuracy_of(results, *truth, alignment_of(run.sensor));
+  if (truth) summary.accuracy = accuracy_of(snapshot, *truth, alignment_of(run.sensor));
   return summary;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The figures of one `covis run`, computed in one place from its record and its results; JSON, text and the report
+// The figures of one `covis run`, computed in one place from its record and the snapshot at its end; JSON, text and the report
 // only show them.
 #pragma once
 
@@ -14,18 +14,12 @@
 
 namespace covis::app {
 
-// The results of a run, as the system gives them at its end.
-struct RunResults {
-  Pinhole camera;                      // the intrinsics in use, refined ones too
-  std::vector<SubmapSummary> submaps;  // maps that are not joined have a world each; the first is the main one
-  std::vector<FrameRecord> records;
-  std::vector<PoseOfFrame> poses;
-  // Of the main map alone.
+// The main submap: what is not joined to it has a world of its own.
+struct MainSubmap {
   Trajectory trajectory, online_trajectory, key_frames;
   std::vector<Eigen::Vector3d> points;
-  uint64_t refused_non_finite = 0;  // commits refused for a value that was not finite
 };
-RunResults results_of(const System& system);
+MainSubmap main_submap(const Snapshot& snapshot);
 
 struct Spread {
   double median = 0, p95 = 0;
@@ -106,6 +100,6 @@ constexpr AlignMode alignment_of(Sensor sensor) {
 const char* name_of_alignment(AlignMode mode);  // "se3" or "sim3"
 
 // truth: of the camera; may be null.
-RunSummary summarise(const RunRecord& run, const RunResults& results, const Trajectory* truth, double peak_rss_mb);
+RunSummary summarise(const RunRecord& run, const Snapshot& snapshot, const Trajectory* truth, double peak_rss_mb);
 
 }  // namespace covis::app

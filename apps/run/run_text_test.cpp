@@ -9,22 +9,24 @@ namespace covis::app {
 namespace {
 
 TEST(RunText, SaysTheMainFigures) {
-  RunResults results = made_results();
+  Snapshot snapshot = made_snapshot();
+  const Trajectory truth = main_submap(snapshot).trajectory;
   EXPECT_EQ(summary_text(summarise(made_record(), results, nullptr, 123), "out"),
             "6 of 10 frames tracked, 3 key frames, 42 points\n"
             "2 maps that could not be joined; trajectory.txt has the 4 frames of the first\n"
             "tracking 38.00 ms a frame (median), 88.00 ms (95 %); 2.0 frames/s in all; peak memory 123 MB\n"
             "written to out\n");
-  results.submaps.pop_back();
-  const std::string text = summary_text(summarise(made_record(), results, &results.trajectory, 123), "out");
+  snapshot.submaps.pop_back();
+  const std::string text = summary_text(summarise(made_record(), snapshot, &truth, 123), "out");
   EXPECT_EQ(text.find("joined"), std::string::npos);
   EXPECT_NE(text.find("error (ATE RMSE): 0.0000 m after se3 alignment, over 3."), std::string::npos) << text;
 }
 
 TEST(RunText, RowsOfTheReport) {
-  const RunResults results = made_results();
+  const Snapshot snapshot = made_snapshot();
+  const Trajectory truth = main_submap(snapshot).trajectory;
   EXPECT_EQ(summary_rows(summarise(made_record(), results, nullptr, 0)).size(), 8u);
-  const auto rows = summary_rows(summarise(made_record(), results, &results.trajectory, 0));
+  const auto rows = summary_rows(summarise(made_record(), snapshot, &truth, 0));
   ASSERT_EQ(rows.size(), 11u);
   EXPECT_EQ(rows[1], std::pair(std::string("frames tracked"), std::string("6 of 10")));
   EXPECT_EQ(rows[8].first, "error (ATE RMSE, se3)");

@@ -28,28 +28,27 @@ inline RunRecord made_record() {
   return run;
 }
 
-inline RunResults made_results() {
-  RunResults results;
-  results.camera = {500, 501, 320, 240, 40};
-  results.submaps = {{.id = 0, .loaded = false, .frames = 4, .key_frames = 2, .points = 30},
-                     {.id = 3, .loaded = true, .frames = 2, .key_frames = 1, .points = 12}};
-  for (int64_t k = 0; k < 10; ++k) {
-    if (k == 7) continue;  // late
-    FrameRecord& record = results.records.emplace_back();
-    record.frame = k;
-    record.tracked = k >= 1 && k != 5 && k != 6;
-    record.online = record.tracked && k != 1;
-    if (!record.tracked) continue;
+// Its end: frames 1 to 4 have poses in submap 0, frames 8 and 9 in submap 3, which was loaded. Frame 1 got its pose later.
+inline Snapshot made_snapshot() {
+  Snapshot snapshot;
+  snapshot.camera = {500, 501, 320, 240, 40};
+  snapshot.submaps = {{.id = 0, .loaded = false, .frames = 4, .key_frames = 2, .points = 30},
+                      {.id = 3, .loaded = true, .frames = 2, .key_frames = 1, .points = 12}};
+  for (const int64_t k : {1, 2, 3, 4, 8, 9}) {
     const double s = static_cast<double>(k);
-    const SE3 T_wc(Eigen::Matrix3d::Identity(), {s, s * s / 10, 0});
-    const int submap = k < 5 ? 0 : 1;
-    results.poses.push_back({k, from_seconds(s), T_wc, submap, submap == 0 ? 0u : 3u});
-    if (submap == 0) results.trajectory.push_back({from_seconds(s), T_wc});
+    PoseOfFrame pose;
+    pose.frame = k;
+    pose.stamp = from_seconds(s);
+    pose.T_wc = SE3(Eigen::Matrix3d::Identity(), {s, s * s / 10, 0});
+    pose.submap = k < 5 ? 0 : 3;
+    snapshot.trajectory.push_back(pose);
+    if (k != 1) snapshot.online.push_back(pose);
   }
-  results.online_trajectory = results.trajectory;
-  results.key_frames = {results.trajectory.front()};
-  results.points = {{1, 2, 3}};
-  return results;
+  Snapshot::KeyFrame key_frame;
+  static_cast<PoseOfFrame&>(key_frame) = snapshot.trajectory.front();
+  snapshot.key_frames = {key_frame};
+  snapshot.points = {{{}, {1, 2, 3}, 0}};
+  return snapshot;
 }
 
 }  // namespace covis::app

@@ -13,9 +13,12 @@
 // Conventions: metres, radians, nanoseconds; camera x right, y down, z forward; a Pose is T_wc, camera to world; the
 // world is the camera of the first key frame. Monocular maps have no metric scale: the median depth of the first is 1.
 //
-// A camera lost for long begins a submap with a world of its own beside the old one; the two are joined, and the later number
-// goes, when it sees a place of the old one again. Submaps count from 0; poses and points of different submaps can't be
-// compared.
+// A camera lost for long begins a submap with a world of its own beside the old one; the two are joined, and the later
+// id goes, when it sees a place of the old one again. Ids of submaps count from 0; poses and points of different submaps
+// can't be compared.
+//
+// Threads: one thread calls track_*(), locate_*() and finish(), and destroys the object. Any thread may call the const
+// members (trajectory(), key_frames(), points()) at any time until then. Each gives values of one moment of its own.
 #pragma once
 
 #include <cstddef>
@@ -38,7 +41,8 @@ enum class LensType { none, brown_conrady, kannala_brandt };
 struct CameraParameters {
   int width = 0, height = 0;              // pixels
   double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
-  double baseline = 0;  // metres: of a rectified stereo pair; for RGB-D a virtual one (0.08 suits Kinect-like cameras)
+  // Metres between the cameras of a rectified stereo pair; for RGB-D a virtual one (0.08 suits Kinect-like cameras).
+  double baseline = 0;
   LensType lens = LensType::none;          // monocular and RGB-D; stereo pairs come rectified
   double distortion[5] = {0, 0, 0, 0, 0};  // brown_conrady: k1 k2 p1 p2 k3; kannala_brandt: k1 k2 k3 k4
 };
@@ -48,51 +52,64 @@ struct Pose {
   double qx = 0, qy = 0, qz = 0, qw = 1;  // unit quaternion
 };
 
-// An image that stays the caller's; read during the call only. stride: elements from a row to the next.
+// An image that stays the caller's; it is read during the call only. stride: elements from a row to the next.
 struct GreyImage {
   const uint8_t* data = nullptr;
   int width = 0, height = 0;
   ptrdiff_t stride = 0;
 };
-struct DepthImage {  // metres along z, registered to the grey image; 0 or not finite: none
+// Metres along z, registered to the grey image; 0 or not finite: no measurement.
+struct DepthImage {
   const float* data = nullptr;
   int width = 0, height = 0;
   ptrdiff_t stride = 0;
 };
 
+enum class TrackingState {
+  not_initialised,  // there is no map yet
+  tracking,         // the frame has a pose
+  lost,             // the frame's place in the map is not known
+};
+// Its name as it stands above.
+COVIS_API const char* name(TrackingState state);
+
+// Result of tracking one frame.
 struct FrameResult {
-  bool tracked = false;
-  Pose pose;    // meaningful when tracked
-  int submap = 0;  // the submap whose world the pose is in
-  // Found again far from where it was last: right if the next second bears it out. If not, the frames since then lose
-  // their poses (trajectory() leaves them out), and this or a later frame is lost or elsewhere.
+  TrackingState state = TrackingState::not_initialised;
+  bool tracked = false;  // state is tracking
+  Pose pose;             // meaningful when tracked
+  int submap = 0;        // id of the submap whose world the pose is in
+  // The camera was found far from where it was last: right if the next second confirms it. If not, the frames since then
+  // lose their poses (trajectory() leaves them out), and this or a later frame is lost or elsewhere.
   bool tentative = false;
-  std::string state;   // "not_initialised", "tracking" or "lost"
-  std::string reason;  // why there is no pose
-  int inliers = 0;     // map points that agree with the pose
-  bool key_frame = false;
+  std::string reason;      // why there is no pose; empty when tracked
+  int inliers = 0;         // map points that agree with the pose
+  bool key_frame = false;  // a key frame was asked for
 };
 
 struct StampedPoseResult {
   int64_t stamp = 0;  // nanoseconds, as given
   Pose pose;
-  int submap = 0;
+  int submap = 0;  // id of the submap whose world the pose is in
 };
 
+// The place of one image.
 struct Location {
   Pose pose;
-  int submap = 0;
+  int submap = 0;  // id of the submap whose world the pose is in
 };
 
+// A point of the map.
 struct Point {
-  double x = 0, y = 0, z = 0;
-  int submap = 0;
+  double x = 0, y = 0, z = 0;  // metres
+  int submap = 0;              // id of the submap whose world it is in
 };
 
 class COVIS_API Slam {
  public:
   // Settings by name, as `covis run --dump-config` lists them, for example {"orb.features", "2000"}. Errors: an
-  // impossible camera, an unknown setting, a value out of range.
+  // impossible camera, an unknown setting, a value out of range, a file that can't be read, and system.localize, which
+  // needs a saved map, and only the command loads one (covis run --localize).
   using Settings = std::vector<std::pair<std::string, std::string>>;
   // `vocabulary`: the file to recognise places by (share/covis/default.covis-voc of the installation); empty: places
   // are not recognised, so that loops stay open and a lost camera is looked for near where it was only.
@@ -103,26 +120,30 @@ class COVIS_API Slam {
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;
 
-  // One frame; stamps (nanoseconds) must rise, and tell how far the camera should have moved. Errors: a stamp that does
+  // Tracks one frame; stamps (nanoseconds) must rise, for tracking predicts motion from them. Errors: a stamp that does
   // not rise, an image of another size than the camera's, a call that does not fit the sensor. An error changes
-  // nothing: tracking goes on with the next frame.
+  // nothing: the next frame is tracked as if there had been no call. From one thread.
   tl::expected<FrameResult, std::string> track_monocular(int64_t stamp, const GreyImage& image);
   tl::expected<FrameResult, std::string> track_stereo(int64_t stamp, const GreyImage& left, const GreyImage& right);
   tl::expected<FrameResult, std::string> track_rgbd(int64_t stamp, const GreyImage& image, const DepthImage& depth);
 
   // The pose of one image in the present map, from nothing but the image; no pose when its place is not recognised.
   // Leaves tracking and mapping as they are; waits until the key frames asked for are mapped. Needs a vocabulary to
-  // find places far from the last one. Errors as above.
+  // find places far from the last one. Errors as above. From the thread that tracks.
   using Located = tl::expected<std::optional<Location>, std::string>;
   Located locate_monocular(const GreyImage& image);
   Located locate_stereo(const GreyImage& left, const GreyImage& right);
   Located locate_rgbd(const GreyImage& image, const DepthImage& depth);
 
-  // Waits until everything asked of mapping is done.
+  // Waits until everything asked of mapping is done; frames may be tracked afterwards. From the thread that tracks.
   void finish();
-  // All tracked frames with every correction so far, without those that were tentative and proved wrong.
+
+  // The three below: from any thread, at any time, while another tracks too.
+  // Poses of all tracked frames with every correction so far, without those that were tentative and proved wrong.
   std::vector<StampedPoseResult> trajectory() const;
+  // Poses of the map's key frames, as they were made.
   std::vector<StampedPoseResult> key_frames() const;
+  // All points of the map.
   std::vector<Point> points() const;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace covis::synth {
 namespace {
-constexpr int kWaves = 3;  // sines a channel
+constexpr int kWaves = 3;  // number of sines per channel
 }
 
 SE3 CameraPose::T_wc() const {
@@ -31,7 +31,7 @@ CameraPath::CameraPath(std::vector<CameraPose> control, double interval, int tur
     for (int i = 0; i < kWaves; ++i) {
       const double frequency =
           sway.slowest * std::pow(sway.fastest / sway.slowest, (i + random.uniform(0.2, 0.8)) / kWaves);
-      // Faster waves are smaller, so that each carries about the same speed.
+      // Amplitude falls with frequency, so that each wave contributes about the same speed.
       const double amplitude = (channel < 3 ? sway.metres : sway.radians) * sway.slowest / frequency;
       waves_.push_back({frequency, random.uniform(0, 2 * std::numbers::pi), amplitude});
     }

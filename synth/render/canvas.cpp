@@ -83,7 +83,7 @@ void Canvas::line(double x0, double y0, double x1, double y1, double width, doub
 
 void Canvas::triangle(const double (&px)[3], const double (&py)[3], double tone, double alpha) {
   const double area = (px[1] - px[0]) * (py[2] - py[0]) - (px[2] - px[0]) * (py[1] - py[0]);
-  double nx[3], ny[3], at[3];  // each side as nx x + ny y + at = 0, outside positive
+  double nx[3], ny[3], at[3];  // each side as nx x + ny y + at = 0, positive outside
   for (int i = 0; i < 3; ++i) {
     const int k = (i + 1) % 3;
     const double ex = px[k] - px[i], ey = py[k] - py[i],
@@ -160,7 +160,7 @@ void Canvas::fractal(double cell, double amplitude, int octaves, double gain, ui
     noise(cell, cell, amplitude, hash_seed(seed, static_cast<uint64_t>(i)));
     cell *= 0.5;
     amplitude *= gain;
-    if (cell * scale_ < 1) return;  // finer than a pixel
+    if (cell * scale_ < 1) return;  // cells smaller than a pixel are not visible
   }
 }
 

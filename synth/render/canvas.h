@@ -14,7 +14,8 @@ namespace covis::synth {
 
 class Canvas {
  public:
-  // Size in metres, pixels a metre, first tone. Sides are rounded up to whole pixels and kept within [4, 4096] pixels.
+  // Size in metres, resolution in pixels per metre, initial tone. Sides are rounded up to whole pixels and kept within
+  // [4, 4096] pixels.
   Canvas(double width, double height, double pixels_per_metre, double tone);
 
   double width() const { return width_; }
@@ -23,8 +24,7 @@ class Canvas {
   int rows() const { return rows_; }
   const std::vector<float>& pixels() const { return pixels_; }
 
-  // Covers what lies where distance(x, y) < 0 (signed distance in metres), within a box, by `tone` with opacity
-  // `alpha`.
+  // Paints all pixels of a box where distance(x, y) < 0 (signed distance in metres) with `tone` and opacity `alpha`.
   template <class Distance>
   void paint(double x0, double y0, double x1, double y1, double tone, double alpha, Distance&& distance) {
     each_pixel(x0, y0, x1, y1, [&](double x, double y, float& v) {
@@ -32,7 +32,7 @@ class Canvas {
       v += static_cast<float>(cover) * (static_cast<float>(tone) - v);
     });
   }
-  // Calls edit(x, y, value&) for the pixels of a box.
+  // Calls edit(x, y, value&) for each pixel of a box.
   template <class Edit>
   void each_pixel(double x0, double y0, double x1, double y1, Edit&& edit) {
     const int c0 = std::max(0, static_cast<int>(std::floor(x0 * x_scale_ - 1))),
@@ -54,16 +54,16 @@ class Canvas {
   void ellipse(double x, double y, double rx, double ry, double tone, double alpha = 1);
   void line(double x0, double y0, double x1, double y1, double width, double tone, double alpha = 1);
   void triangle(const double (&x)[3], const double (&y)[3], double tone, double alpha = 1);
-  // Capital letters and digits, `height` metres high; others are spaces. Returns the width written.
+  // Paints capital letters and digits, `height` metres high; other characters are spaces. Returns the width written.
   double text(double x, double y, double height, std::string_view letters, double tone);
 
   // Adds value noise with lattice cells of cell_x by cell_y metres and the given amplitude (greatest change of tone).
   void noise(double cell_x, double cell_y, double amplitude, uint64_t seed);
-  // Octaves of noise, each half the cell and `gain` times the amplitude of the one before.
+  // Adds octaves of noise, each with half the cell and `gain` times the amplitude of the one before.
   void fractal(double cell, double amplitude, int octaves, double gain, uint64_t seed);
-  // Independent noise for each pixel.
+  // Adds independent noise to each pixel.
   void grain(double amplitude, uint64_t seed);
-  // Small round spots, `count` a square metre.
+  // Paints small round spots, `count` per square metre.
   void spots(double count, double radius_min, double radius_max, double tone, double alpha, uint64_t seed);
   // Darkens (strength > 0) a box with edges that fade over `soft` metres on both sides.
   void shadow(double x0, double y0, double x1, double y1, double soft, double strength);

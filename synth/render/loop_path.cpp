@@ -23,11 +23,11 @@ struct Loop {
         arc(0.5 * pi * o.corner),
         total(2 * straight_x + 2 * straight_y + 4 * arc) {}
 
-  // Position and direction s metres along, from the middle of the side at -y, going +x; and how far inside a corner
-  // (negative) or from the nearest one (positive) that is.
+  // Gives position and direction at s metres from the middle of the side at -y, going +x, and the signed distance to
+  // the nearest corner: negative inside a corner.
   void at(double s, Eigen::Vector2d& position, double& heading, double& to_corner) const {
     s = std::fmod(s, total);
-    double rest = s + 0.5 * straight_x;  // from the start of that side's straight
+    double rest = s + 0.5 * straight_x;  // distance from the start of the current side's straight
     Eigen::Vector2d p(-0.5 * straight_x, -0.5 * o.width), forward(1, 0);
     heading = 0;
     for (int side = 0; side < 5; ++side) {
@@ -70,7 +70,7 @@ struct Loop {
 CameraPath make_loop(const LoopOptions& options, uint64_t seed) {
   const Loop loop(options);
   Random random(seed);
-  // The time at each step along the path, then the place at equally spaced times.
+  // Integrates the time along the path, then samples positions at equally spaced times.
   const double step = 0.01, wanted_interval = 0.4;
   const int steps = static_cast<int>(loop.total / step);
   std::vector<double> time(1, 0.0);
@@ -94,7 +94,7 @@ CameraPath make_loop(const LoopOptions& options, uint64_t seed) {
     position += options.weave * std::sin(5 * turn + p1) * left;
     CameraPose pose;
     pose.position = {position.x(), position.y(), options.height};
-    // The heading is that of the whole journey: it keeps growing past the starting line of the loop's own count.
+    // The heading accumulates over the whole journey: it keeps growing past the starting line of the loop.
     pose.heading = heading + (s >= loop.total ? 2 * pi : 0) + options.glance * std::sin(7 * turn + p2);
     pose.pitch = options.pitch + 0.3 * options.glance * std::sin(9 * turn + p3);
     control.push_back(pose);

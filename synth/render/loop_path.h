@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The path around a block: a rectangle with round corners, driven anticlockwise, slower in the corners.
+// The path around a block: a rectangle with rounded corners, driven anticlockwise, slower in the corners.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,15 @@
 namespace covis::synth {
 
 struct LoopOptions {
-  double length = 0, width = 0;  // of the centre line's rectangle around the origin, metres along x and y
+  double length = 0, width = 0;  // size of the centre line's rectangle around the origin along x and y, metres
   double corner = 0;             // radius of the corners, metres
-  double fast = 0, slow = 0;     // speed on the straights and in the corners, metres a second
-  double easing = 0;             // metres over which the speed changes before and after a corner
-  double height = 0;             // of the camera, metres
-  double pitch = 0;              // radians, upwards
+  double fast = 0, slow = 0;     // speed on the straights and in the corners, metres per second
+  double easing = 0;             // distance over which the speed changes before and after a corner, metres
+  double height = 0;             // height of the camera, metres
+  double pitch = 0;              // upward pitch, radians
   double weave = 0;              // greatest distance from the centre line, metres
-  double glance = 0;             // greatest heading away from straight ahead, radians
-  double start = 0;              // where the path begins, metres along it from the middle of the side at -y
+  double glance = 0;             // greatest deviation of the heading from straight ahead, radians
+  double start = 0;              // start of the path, metres along it from the middle of the side at -y
   Sway sway;
 };
 

@@ -9,9 +9,9 @@
 namespace covis::synth {
 namespace {
 
-constexpr uint32_t kNone = 0;   // no polygon; visible polygon k is number k + 1
-constexpr int kBandRows = 24;   // image rows shaded at a time, so that the z-buffer stays in the cache
-constexpr double kNear = 0.03;  // metres
+constexpr uint32_t kNone = 0;   // no polygon; visible polygon k has number k + 1
+constexpr int kBandRows = 24;   // number of image rows shaded at a time, so that the z-buffer stays in the cache
+constexpr double kNear = 0.03;  // distance of the near plane, metres
 constexpr int kMaxCorners = 16;
 
 }  // namespace
@@ -60,7 +60,7 @@ Result<Renderer> Renderer::create(const Camera& camera) {
     }
   }
   r.stretch_.resize(pixels + kShadeOverrun);
-  // The pinhole image that holds every ray of the distorted one.
+  // The pinhole image that contains every ray of the distorted one.
   std::vector<Eigen::Vector2d> rays;
   Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
   for (int j = 0; j < sample_rows; ++j) {
@@ -164,7 +164,7 @@ bool Renderer::add_visible(const Scene& scene, const Polygon& polygon, const SE3
   }
   int count = corners;
   const Vector3d* outline = points.data();
-  if (!in_front) {  // cut off what lies behind the near plane
+  if (!in_front) {  // clips the polygon at the near plane
     count = 0;
     for (int i = 0; i < corners; ++i) {
       const Vector3d& a = points[static_cast<size_t>(i)];
@@ -183,7 +183,7 @@ bool Renderer::add_visible(const Scene& scene, const Polygon& polygon, const SE3
   const Vector3d n = T_cw.R() * polygon.normal;
   const double d = n.dot(points[0]);
   const Vector3d w = n / d, u = T_cw.R() * polygon.u_w, t = T_cw.R() * polygon.v_w;
-  // p_w = R_wc (p_c - t_cw), so u = u_w . p_w + u_0 has this constant part over camera coordinates.
+  // p_w = R_wc (p_c - t_cw), so u = u_w . p_w + u_0 has this constant part in camera coordinates.
   const Vector3d uw = u + (polygon.u_0 - u.dot(T_cw.t())) * w, vw = t + (polygon.v_0 - t.dot(T_cw.t())) * w;
   const auto set = [](const Vector3d& from, float& x, float& y, float& one) {
     x = static_cast<float>(from.x());
@@ -234,7 +234,7 @@ bool Renderer::add_outline(const Vector3d* points, int count, Visible& visible) 
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector2d &a = at[static_cast<size_t>(i)], &b = at[static_cast<size_t>((i + 1) % count)];
     const double dy = b.y() - a.y();
-    // A level edge bounds no row's columns: the rows between row_begin and row_end are the ones it leaves.
+    // A horizontal edge does not limit the columns of any row; row_begin and row_end take it into account.
     Edge edge{0, 0, 0};
     if (std::abs(dy) > 1e-9) {
       edge.slope = (b.x() - a.x()) / dy;
@@ -264,7 +264,7 @@ void Renderer::rasterise(int row_begin, int row_end) {
         if (edge.kind == 1) low = std::max(low, x);
         if (edge.kind == -1) high = std::min(high, x);
       }
-      // Samples on a shared edge belong to the polygon on its right.
+      // Samples on a shared edge belong to the polygon to their right.
       const int begin = static_cast<int>(std::ceil(low)), end = static_cast<int>(std::ceil(high));
       if (begin >= end) continue;
       const size_t base =
@@ -314,7 +314,7 @@ float Renderer::depth_of(const Visible& v, float x, float y) const {
 }
 
 float Renderer::shade_edge(const uint32_t* const (&rows)[3], int x, int y) const {
-  // The polygons under the 3 x 3 samples, each shaded once, at the mean place of its samples.
+  // Each polygon under the 3 x 3 samples is shaded once, at the mean position of its samples.
   struct Part {
     uint32_t id;
     float weight, x, y;

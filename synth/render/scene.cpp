@@ -7,8 +7,8 @@
 namespace covis::synth {
 namespace {
 
-// Texture 0: grain and scratches around middle grey, which the renderer lays over every surface at its own fine scale,
-// so that what is seen close up is not blank between the texels of its own texture.
+// Texture 0: grain and scratches around middle grey. The renderer overlays it on every surface at its own fine scale,
+// so that surfaces seen close up are not blank between the texels of their own texture.
 Canvas detail_canvas(uint64_t seed) {
   Canvas canvas(1, 1, 512, 128);
   canvas.fractal(0.12, 40, 6, 0.8, hash_seed(seed, 1));
@@ -41,7 +41,7 @@ Polygon& Scene::add_polygon(const std::vector<Vector3d>& corners, const Vector3d
   vertices.insert(vertices.end(), corners.begin(), corners.end());
   p.normal = down.cross(right).normalized();
   p.offset = p.normal.dot(corners[0]);
-  // The dual basis, so that right and down need not be at right angles.
+  // Uses the dual basis, so that right and down need not be perpendicular.
   const Vector3d n = right.cross(down);
   p.u_w = down.cross(n) / n.squaredNorm();
   p.v_w = n.cross(right) / n.squaredNorm();
@@ -62,7 +62,7 @@ Polygon& Scene::add_polygon(const std::vector<Vector3d>& corners, const Vector3d
 Polygon& Scene::add_rect(const Vector3d& origin, const Vector3d& right, const Vector3d& down, const Skin& skin) {
   const std::vector<Vector3d> corners{origin, origin + down, origin + down + right, origin + right};
   if (skin.metres <= 0) return add_polygon(corners, origin, right, down, skin);
-  // A piece of the material, from a place of its own so that two faces do not look the same.
+  // Takes the piece of material from its own position, so that two faces do not look the same.
   const Vector3d r = right.normalized() * skin.metres, d = down.normalized() * skin.metres;
   const double du = random.uniform(), dv = random.uniform();
   return add_polygon(corners, origin - du * r - dv * d, r, d, skin);
@@ -111,7 +111,7 @@ Vector3d Place::operator()(double x, double y, double z) const { return origin +
 Place Place::at(double x, double y, double z, double more) const { return {(*this)(x, y, z), heading + more}; }
 
 double light(const Vector3d& normal) {
-  // A sky light from above and a weak sun from the side: enough to tell the faces of a box apart.
+  // Light from the sky above and a weak sun from the side: enough to distinguish the faces of a box.
   return 0.86 + 0.16 * normal.z() + 0.14 * normal.dot(Vector3d(0.55, -0.83, 0.0));
 }
 
@@ -148,7 +148,7 @@ void add_prism(Scene& scene, const Place& place, double r0, double r1, double he
     s.gain *= light(down.cross(right).normalized());
     const double t = static_cast<double>(i);
     const double n = static_cast<double>(sides);
-    // The texture goes once around.
+    // The texture goes once around the prism.
     scene.add_polygon({high[i], low[i], low[k], high[k]}, 0.5 * (high[i] + high[k]) - right * (t + 0.5), right * n,
                       down, s);
   }

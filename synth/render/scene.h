@@ -14,18 +14,18 @@ namespace covis::synth {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// What a face looks like.
+// The appearance of a face.
 struct Skin {
   int texture = 0;
-  double metres = 0;    // how much of the world the texture spans sideways and downwards; 0: stretched over the face
+  double metres = 0;    // extent of the texture in the world, sideways and downwards; 0: stretched over the face
   double gain = 1;      // brightness
-  double detail = 0.1;  // strength of the fine-grained detail seen close up
+  double detail = 0.1;  // strength of the fine-grained detail visible close up
 };
 
 // A flat convex polygon. Texture coordinates are affine in the world: u = u_w . p + u_0.
 struct Polygon {
   int first = 0, count = 0;  // in Scene::vertices
-  Vector3d normal;           // towards the side it is seen from
+  Vector3d normal;           // points towards the visible side
   double offset = 0;         // normal . p = offset
   Vector3d u_w, v_w;
   double u_0 = 0, v_0 = 0;
@@ -34,22 +34,22 @@ struct Polygon {
   int texture = 0;
   float gain = 1;
   float detail = 0;                  // relative amplitude
-  float detail_u = 1, detail_v = 1;  // detail repeats per texture repeat
+  float detail_u = 1, detail_v = 1;  // number of detail repeats per texture repeat
   bool two_sided = false;
-  bool sky = false;  // at infinity for depth
+  bool sky = false;  // depth is infinite
 };
 
-// A place on the floor: origin and heading of a thing. Local x is forward... of the thing's front, y to its left, z up.
+// A place on the floor: origin and heading of an object. Local x points to the object's front, y to its left, z up.
 struct Place {
   Vector3d origin = Vector3d::Zero();
-  double heading = 0;  // radians, of local x, about z
+  double heading = 0;  // heading of local x about z, radians
 
   Vector3d operator()(double x, double y, double z) const;
   Vector3d turn(double x, double y, double z) const;
   Place at(double x, double y, double z, double turn = 0) const;
 };
 
-// A piece cut out of a scene, to be put into it at several places. Its textures stay in the scene.
+// A piece cut out of a scene, to be inserted at several places. Its textures stay in the scene.
 struct Piece {
   std::vector<Polygon> polygons;
   std::vector<Vector3d> vertices;
@@ -61,23 +61,23 @@ class Scene {
 
   int add_texture(const Canvas& canvas);
 
-  // A convex polygon in the order that looks anticlockwise from its visible side, with the texture's origin at
-  // `origin`, right by `right` and down by `down` for one whole texture.
+  // Adds a convex polygon, its corners in anticlockwise order as seen from its visible side. The texture's origin is at
+  // `origin`; one whole texture extends by `right` to the right and by `down` downwards.
   Polygon& add_polygon(const std::vector<Vector3d>& corners, const Vector3d& origin, const Vector3d& right,
                        const Vector3d& down, const Skin& skin);
-  // A rectangle seen from the side from which `right` points right and `down` down; `origin` is its top left corner.
+  // Adds a rectangle seen from the side where `right` points right and `down` down; `origin` is its top left corner.
   Polygon& add_rect(const Vector3d& origin, const Vector3d& right, const Vector3d& down, const Skin& skin);
 
-  // Takes everything out of the scene but the first `polygon_count` polygons.
+  // Removes all polygons except the first `polygon_count` and returns them as a piece.
   Piece cut(size_t polygon_count);
-  // Adds the piece as it was cut, but with the world's origin and axes moved to `place`: the same look, light included.
+  // Adds the piece as it was cut, with the world's origin and axes moved to `place`: same appearance, same shading.
   void put(const Piece& piece, const Place& place);
 
   std::vector<Polygon> polygons;
   std::vector<Vector3d> vertices;
   std::vector<Texture> textures;
-  Random random;                // for the builders
-  double detail_metres = 0.45;  // what a whole detail texture (texture 0) spans on a surface
+  Random random;                // random numbers for the builders
+  double detail_metres = 0.45;  // extent of a whole detail texture (texture 0) on a surface
 };
 
 // Skins of a box's faces: front (+x), back (-x), left (+y), right (-y), top, bottom.
@@ -87,14 +87,14 @@ struct BoxSkin {
   BoxSkin(const Skin& front_skin, const Skin& others) : BoxSkin(others) { front = front_skin; }
 };
 
-// A box whose bottom centre is at `place`, `depth` along its x, `width` along y. Faces get a little light from their
+// Adds a box whose bottom centre is at `place`, `depth` along its x, `width` along y. Faces are slightly shaded by
 // direction.
 void add_box(Scene& scene, const Place& place, double depth, double width, double height, const BoxSkin& skin,
              bool with_bottom = false);
-// An upright prism of `sides` faces whose radius goes from r0 at the bottom to r1 at the top, with a lid.
+// Adds an upright prism of `sides` faces with a lid; its radius goes from r0 at the bottom to r1 at the top.
 void add_prism(Scene& scene, const Place& place, double r0, double r1, double height, int sides, const Skin& side,
                const Skin& lid);
-// Light on a surface that faces `normal`: 1 for a wall in the middle tone.
+// Light on a surface with the given normal: 1 for a wall of medium brightness.
 double light(const Vector3d& normal);
 
 }  // namespace covis::synth

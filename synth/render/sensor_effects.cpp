@@ -12,11 +12,11 @@
 namespace covis::synth {
 namespace {
 
-constexpr float kLeastMotion = 0.3f;  // pixels; less is not seen
-constexpr int kMaxSteps = 24;         // look-ups along the way
-constexpr int kNormalShift = 50;      // of 64 random bits, to an index into the table of normal numbers
+constexpr float kLeastMotion = 0.3f;  // pixels; shorter motion is not visible
+constexpr int kMaxSteps = 24;         // greatest number of look-ups along the motion
+constexpr int kNormalShift = 50;      // shift from 64 random bits to an index into the table of normal numbers
 
-// Normal numbers to draw from: quick, and many enough for noise.
+// A table of normally distributed numbers: fast to draw from, and large enough for noise.
 const std::vector<float>& normal_table() {
   static const std::vector<float> table = [] {
     Random random(hash_seed(0x6e6f697365, 1));
@@ -55,7 +55,7 @@ void blur_motion(const Renderer& renderer, const ImageF& depth, const SE3& T_mid
     for (int x = 0; x < width; ++x) {
       const Eigen::Vector2f ray = renderer.ray(x, y);
       const Eigen::Vector3f r(ray.x(), ray.y(), 1);
-      // Points are taken with z = 1 and the translations by 1 / z, so that the sky needs no case of its own.
+      // Points are taken with z = 1 and translations scaled by 1 / z, so that the sky needs no special case.
       const float w = depth(x, y) > 0 ? 1 / depth(x, y) : 0;
       const Eigen::Vector3f b = R_b * r + w * t_b, e = R_e * r + w * t_e;
       Eigen::Vector2f moved(0, 0);
@@ -100,7 +100,7 @@ void develop(const ImageF& tone, double gain, double noise, uint64_t seed, Image
 void disturb_depth(const Renderer& renderer, double strength, double reach, double units, uint64_t seed, ImageF& depth,
                    ImageF& scratch) {
   constexpr float kNearest = 0.4f, kFarthest = 8.0f, kSteepest = 6.0f;  // metres; tangent of the angle to the normal
-  constexpr uint64_t kLost = 205;                                       // of 256 steep pixels
+  constexpr uint64_t kLost = 205;                                       // number of steep pixels lost, of 256
   const float r = static_cast<float>(reach), quantum = static_cast<float>(units);
   const int width = depth.width(), height = depth.height();
   scratch.resize(width, height);
@@ -117,7 +117,7 @@ void disturb_depth(const Renderer& renderer, double strength, double reach, doub
       const float across =
           std::max(std::abs(row[std::min(x + 1, width - 1)] - row[std::max(x - 1, 0)]), std::abs(below[x] - above[x]));
       const bool steep = across * half_focal > kSteepest * z;
-      const float k = z / r;  // as a Kinect would see it
+      const float k = z / r;  // depth scaled to the range of a Kinect
       const float sigma = s * (0.0012f + 0.0019f * (k - 0.4f) * (k - 0.4f));
       const float sensed = std::floor((z + sigma * normals[bits >> kNormalShift]) * quantum + 0.5f) / quantum;
       to[x] = !(k >= kNearest) || k > kFarthest || (steep && (bits & 255) < kLost) ? 0 : sensed;

@@ -11,18 +11,18 @@ namespace covis::synth::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The vectors that go with a float vector type.
+// The vector types that belong to a float vector type.
 template <class F>
 using IntTag = hn::RebindToSigned<F>;
 template <class F>
 using UnsignedTag = hn::RebindToUnsigned<F>;
 
-constexpr float kMaxTaps = 6;        // look-ups along the longer axis of a pixel's footprint
+constexpr float kMaxTaps = 6;        // greatest number of look-ups along the longer axis of a pixel's footprint
 constexpr float kLodBias = -0.2f;    // slightly sharper than the footprint: bilinear look-ups blur by themselves
-constexpr float kDetailLod = 4.5f;   // where the fine detail is gone
-constexpr float kNearLevel = 0.06f;  // levels this near (in lod) are taken for the level itself
+constexpr float kDetailLod = 4.5f;   // level of detail at which the fine detail has vanished
+constexpr float kNearLevel = 0.06f;  // levels this close (in lod) are treated as the level itself
 
-// Binary logarithm, exact at powers of two and at most 0.09 too small between.
+// Binary logarithm, exact at powers of two and otherwise at most 0.09 too small.
 template <class F, class VF = hn::Vec<F>>
 HWY_INLINE VF Log2(F f, VF x) {
   const IntTag<F> i;
@@ -32,7 +32,7 @@ HWY_INLINE VF Log2(F f, VF x) {
   return hn::Sub(hn::Add(hn::ConvertTo(f, exponent), mantissa), hn::Set(f, 1.0f));
 }
 
-// Mirrors what lies outside [0, 1] by less than 1.
+// Mirrors values that lie outside [0, 1] by less than 1.
 template <class F, class VF = hn::Vec<F>>
 HWY_INLINE VF Fold(F f, VF s) {
   const VF one = hn::Set(f, 1.0f);
@@ -41,11 +41,11 @@ HWY_INLINE VF Fold(F f, VF s) {
 
 template <class VF>
 struct Line {
-  VF u, v, du, dv, taps;  // the middle, in [0, 1]; steps; number of points
-  int most_taps;          // of all lanes
+  VF u, v, du, dv, taps;  // middle, in [0, 1]; steps; number of points
+  int most_taps;          // largest `taps` of all lanes
 };
 
-// The mean of bilinear look-ups along a line, in one level.
+// Mean of bilinear look-ups along a line, within one level.
 template <class F, class VF = hn::Vec<F>, class VI = hn::Vec<IntTag<F>>>
 HWY_INLINE VF MeanOfLine(F f, const TextureView& texture, const Line<VF>& line, VI level) {
   const IntTag<F> i;
@@ -54,7 +54,7 @@ HWY_INLINE VF MeanOfLine(F f, const TextureView& texture, const Line<VF>& line, 
   VF columns, rows;
   VI stride, offset;
   const int first = hn::GetLane(level);
-  if (hn::AllTrue(i, hn::Eq(level, hn::Set(i, first)))) {  // mostly
+  if (hn::AllTrue(i, hn::Eq(level, hn::Set(i, first)))) {  // the usual case
     columns = hn::Set(f, texture.columns[first]);
     rows = hn::Set(f, texture.rows[first]);
     stride = hn::Set(i, texture.stride[first]);
@@ -71,7 +71,7 @@ HWY_INLINE VF MeanOfLine(F f, const TextureView& texture, const Line<VF>& line, 
   for (int k = 0; k < line.most_taps; ++k) {
     const VF index = hn::Set(f, static_cast<float>(k));
     const VF at = hn::Sub(index, hn::Mul(half, hn::Sub(line.taps, hn::Set(f, 1.0f))));
-    // A border of one repeated texel on each side is what the half texel reaches into.
+    // The border of one repeated texel on each side covers the half texel outside.
     const VF x = hn::Add(hn::Mul(Fold(f, hn::Add(line.u, hn::Mul(at, line.du))), columns), half);
     const VF y = hn::Add(hn::Mul(Fold(f, hn::Add(line.v, hn::Mul(at, line.dv))), rows), half);
     const VI xi = hn::ConvertTo(i, x), yi = hn::ConvertTo(i, y);
@@ -88,12 +88,12 @@ HWY_INLINE VF MeanOfLine(F f, const TextureView& texture, const Line<VF>& line, 
   return hn::Div(sum, line.taps);
 }
 
-// The mean along a line of points (du, dv) apart around (u, v), for pixels that cover 2^lod texels of level 0.
+// Mean along a line of points spaced by (du, dv) around (u, v), for pixels that cover 2^lod texels of level 0.
 template <class F, class VF = hn::Vec<F>>
 HWY_INLINE VF Sample(F f, const TextureView& texture, VF u, VF v, VF du, VF dv, VF taps, int most_taps, VF lod) {
   const IntTag<F> i;
   const VF one = hn::Set(f, 1.0f);
-  const auto into_cell = [&](VF& t, VF& dt) {  // every other repeat is mirrored
+  const auto into_cell = [&](VF& t, VF& dt) {  // every second repeat is mirrored
     const VF cell = hn::Floor(t);
     t = hn::Sub(t, cell);
     const auto odd = hn::RebindMask(f, hn::Eq(hn::And(hn::ConvertTo(i, cell), hn::Set(i, 1)), hn::Set(i, 1)));
@@ -123,7 +123,7 @@ HWY_INLINE void Shade(F f, const Surface& s, float pixel_x, float pixel_y, const
   const VF columns = set(s.texture.columns[0]), rows = set(s.texture.rows[0]), tiny = set(1e-12f);
   const VF finer = Log2(f, set(s.detail.columns[0] * s.detail_u / s.texture.columns[0]));
   for (int first = 0; first < count; first += lanes) {
-    // Lanes past the end repeat the first point: nothing outside the texture is ever read.
+    // Lanes past the end repeat the first point, so that no memory outside the texture is read.
     const auto valid = hn::FirstN(f, static_cast<size_t>(count - first));
     const VF x = hn::IfThenElse(valid, hn::LoadU(f, x_in + first), set(x_in[first]));
     const VF y = hn::IfThenElse(valid, hn::LoadU(f, y_in + first), set(y_in[first]));
@@ -134,12 +134,12 @@ HWY_INLINE void Shade(F f, const Surface& s, float pixel_x, float pixel_y, const
     const VF w = hn::Min(hn::Max(linear(s.w_x, s.w_y, s.w_1), set(s.w_min)), set(s.w_max));
     const VF z = hn::Div(set(1), w);
     const VF u = hn::Mul(linear(s.u_x, s.u_y, s.u_1), z), v = hn::Mul(linear(s.v_x, s.v_y, s.v_1), z);
-    // Steps from a pixel to the next.
+    // Steps from one pixel to the next.
     const VF zx = hn::Mul(hn::Mul(z, scale), set(pixel_x)), zy = hn::Mul(hn::Mul(z, scale), set(pixel_y));
     const auto step = [&](float a, VF t, float b, VF zs) { return hn::Mul(hn::Sub(set(a), hn::Mul(t, set(b))), zs); };
     const VF ux = step(s.u_x, u, s.w_x, zx), uy = step(s.u_y, u, s.w_y, zy);
     const VF vx = step(s.v_x, v, s.w_x, zx), vy = step(s.v_y, v, s.w_y, zy);
-    // The footprint in texels of level 0: as many look-ups along the longer axis as it is longer than the other one.
+    // The footprint in texels of level 0. The number of look-ups along the longer axis is the ratio of the two axes.
     const auto length2 = [&](VF a, VF b) {
       const VF c = hn::Mul(a, columns), r = hn::Mul(b, rows);
       return hn::Add(hn::Mul(c, c), hn::Mul(r, r));
@@ -169,7 +169,7 @@ HWY_INLINE void Shade(F f, const Surface& s, float pixel_x, float pixel_y, const
 
 void ShadeSurface(const Surface& s, float pixel_x, float pixel_y, const float* x, const float* y, const float* scale,
                   int count, float* tone) {
-  if (count <= 4) {  // at edges: wide look-ups for few points would be wasted
+  if (count <= 4) {  // at edges: wide look-ups would be wasted on few points
     Shade(hn::CappedTag<float, 4>(), s, pixel_x, pixel_y, x, y, scale, count, tone);
   } else {
     Shade(hn::ScalableTag<float>(), s, pixel_x, pixel_y, x, y, scale, count, tone);

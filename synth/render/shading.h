@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The inner loops, in SIMD (Highway, chosen at run time; every target gives the same bits, for none
-// fuses multiplications with additions): filling the z-buffer, looking up
-// textures where rays meet a plane, and motion blur.
+// The inner loops, in SIMD (Highway, chosen at run time): filling the z-buffer, looking up textures where rays meet a
+// plane, and motion blur. All targets give bit-identical results because none fuses multiplications with additions.
 #pragma once
 
 #include <cstdint>
@@ -11,31 +10,31 @@
 
 namespace covis::synth {
 
-// A flat surface in a frame. 1 / z, u / z and v / z are linear in the ray (x, y, 1).
+// A flat surface in an image. 1 / z, u / z and v / z are linear in the ray (x, y, 1).
 struct Surface {
   float w_x, w_y, w_1;
   float u_x, u_y, u_1;
   float v_x, v_y, v_1;
-  float w_min, w_max;  // 1 / z over the surface
+  float w_min, w_max;  // range of 1 / z over the surface
   TextureView texture, detail;
   float gain;
-  float detail_strength;     // relative change of tone by a step of one tone in the detail
-  float detail_u, detail_v;  // detail repeats in one repeat of the texture
+  float detail_strength;     // relative change of tone per tone step of the detail
+  float detail_u, detail_v;  // number of detail repeats in one repeat of the texture
 };
 
-// Shading and means read these many elements after the last and write, in the output, numbers of no meaning there.
+// Shading and means read up to this many elements past the end, and write as many meaningless output values.
 inline constexpr int kShadeOverrun = 15;
 
-// Tones of `count` points: `x`, `y` are their rays, `scale` times pixel_x, pixel_y the size of their pixels in ray
-// units.
+// Computes the tones of `count` points. x, y: their rays; `scale` times pixel_x, pixel_y: the size of their pixels in
+// ray units.
 void shade_surface(const Surface& surface, float pixel_x, float pixel_y, const float* x, const float* y,
                    const float* scale, int count, float* tone);
 
-// Where 1 / z = w_0 + i w_x is greater than z[i], puts it there and `number` into id[i], for i below count.
+// For each i below `count` with 1 / z = w_0 + i w_x greater than z[i], sets z[i] to it and id[i] to `number`.
 void fill_span(float w_0, float w_x, uint32_t number, int count, float* z, uint32_t* id);
 
 // For x below `count`: the mean of `steps[x]` bilinear look-ups in `image`, (step_x[x], step_y[x]) pixels apart, around
-// pixel (x, y). Look-ups outside the image take its edge.
+// pixel (x, y). Look-ups outside the image use its edge.
 void mean_along_steps(ImageView<const float> image, int y, const float* step_x, const float* step_y, const float* steps,
                       int count, float* mean);
 

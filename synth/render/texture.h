@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A grey texture with its mip chain. It is looked up (shading.h) bilinearly within a level and linearly between two.
+// A grey texture with its mip chain. Look-ups (shading.h) are bilinear within a level and linear between two.
 // Source: Williams, "Pyramidal parametrics", SIGGRAPH 1983.
 #pragma once
 
@@ -10,14 +10,14 @@
 
 namespace covis::synth {
 
-// Level l has columns[l] x rows[l] texels in rows of stride[l] bytes from offset[l] on. Each level has a border of one
-// repeated texel before the first column and row and two after the last, so that a look-up half a texel outside needs
-// no case of its own; four bytes may be read from any texel.
+// Level l has columns[l] x rows[l] texels in rows of stride[l] bytes, starting at offset[l]. Each level has a border of
+// one repeated texel before the first column and row and two after the last, so that a look-up half a texel outside
+// needs no special case; four bytes may be read from any texel.
 struct TextureView {
   const uint8_t* texels;
   const float *columns, *rows;
   const int32_t *stride, *offset;
-  float max_lod;  // the last level
+  float max_lod;  // number of the last level
 };
 
 class Texture {

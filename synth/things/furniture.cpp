@@ -34,7 +34,7 @@ void add_bookcase(Scene& scene, const Place& place, double width, double height)
     if (i == shelves) break;
     double y = -0.5 * width + board;
     const double end = 0.5 * width - board;
-    while (end - y > 0.1) {  // groups of books of different depths, with a thing here and there
+    while (end - y > 0.1) {  // groups of books of different depths, with an ornament in some gaps
       const double w = std::min(end - y, random.uniform(0.14, 0.42)), d = random.uniform(0.16, 0.27),
                    h = step - board - random.uniform(0.02, 0.1);
       const uint32_t kind = random.below(8);
@@ -118,7 +118,7 @@ void add_cabinet(Scene& scene, const Place& place, double width, double height, 
   add_box(scene, place.at(0.5 * depth, 0, 0), depth, width, height, BoxSkin(front, wood));
   add_box(scene, place.at(0.5 * depth + 0.01, 0, height), depth + 0.04, width + 0.04, 0.025, BoxSkin(wood), true);
   double y = -0.4 * width;
-  while (y < 0.4 * width) {  // things on top
+  while (y < 0.4 * width) {  // objects on top
     const double w = random.uniform(0.1, 0.24), h = random.uniform(0.1, 0.3);
     const Place at = place.at(random.uniform(0.35, 0.65) * depth, y, height + 0.025, random.uniform(-0.5, 0.5));
     if (random.below(3) == 0) {
@@ -179,8 +179,7 @@ void add_radiator(Scene& scene, const Place& place, double width) {
 void add_foliage(Scene& scene, const Vector3d& centre, double radius, double leaf, int count, int texture) {
   Random& random = scene.random;
   for (int i = 0; i < count; ++i) {
-    // Leaves lie near the surface of the crown and face outwards, more or less; each shows its own piece of the
-    // texture.
+    // Leaves lie near the surface of the crown and face roughly outwards; each shows its own piece of the texture.
     const double z = random.uniform(-1, 1), a = random.uniform(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
     const Vector3d out(r * std::cos(a), r * std::sin(a), z);
     const Vector3d at = centre + out * radius * std::cbrt(random.uniform(0.15, 1));

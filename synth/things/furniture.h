@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Things to put into the worlds, each built at a place: its back middle on the floor, its front towards the place's
-// local x.
+// Furniture for the worlds. Each object is built at a place: its back middle on the floor, its front towards the
+// place's local x.
 #pragma once
 
 #include "synth/render/scene.h"
 
 namespace covis::synth {
 
-// The skin of a canvas stretched over a face, and of a material at its own scale.
+// Make the skin of a canvas stretched over a face, and of a material at its own scale.
 Skin painted(Scene& scene, const Canvas& canvas, double detail = 0.06);
 Skin material(Scene& scene, const Canvas& canvas, double detail = 0.1);
 
-// Against a wall.
+// Objects that stand against a wall.
 void add_bookcase(Scene& scene, const Place& place, double width, double height);
 void add_desk(Scene& scene, const Place& place, double width);
 void add_cabinet(Scene& scene, const Place& place, double width, double height, double depth);
@@ -20,16 +20,16 @@ void add_boxes(Scene& scene, const Place& place);  // a stack of cardboard boxes
 void add_radiator(Scene& scene, const Place& place, double width);
 void add_plant(Scene& scene, const Place& place, double height);
 void add_floor_lamp(Scene& scene, const Place& place);
-// Free-standing: the place is the middle.
+// Free-standing objects: the place is their middle.
 void add_table(Scene& scene, const Place& place, double depth, double width, double height, const Skin& wood);
 void add_chair(Scene& scene, const Place& place, const Skin& wood);
 
-// On a wall: the place's origin is the middle of the thing, on the wall.
+// Objects on a wall: the place's origin is the object's middle, on the wall.
 void add_picture(Scene& scene, const Place& place, double width, double height, const Canvas& picture,
                  double thickness = 0.025);
 void add_clock(Scene& scene, const Place& place, double size);
 
-// A crown of leaf polygons around `centre`.
+// Adds a crown of leaf polygons around `centre`.
 void add_foliage(Scene& scene, const Vector3d& centre, double radius, double leaf, int count, int texture);
 
 }  // namespace covis::synth

@@ -54,7 +54,7 @@ void add_wall_surface(Scene& scene, const Wall& wall) {
         return wallpaper(random, w, h, 130, tone);
     }
   }();
-  if (random.below(2)) {  // a dado of boards, with a rail
+  if (random.below(2)) {  // wainscot boards, with a rail
     const double top = h - random.uniform(0.8, 1.1), boards = random.uniform(0.1, 0.3),
                  t = tone - random.uniform(20, 60);
     for (double x = 0; x < w; x += boards) {
@@ -74,7 +74,7 @@ void add_wall_surface(Scene& scene, const Wall& wall) {
   scene.add_rect(place(0, 0, h), place.turn(0, w, 0), {0, 0, -h}, skin);
 }
 
-// The view lies at the wall and frame, sill and curtains stand out from it.
+// The view lies in the wall's plane; frame, sill and curtains stand out from it.
 void add_window(Scene& scene, const Place& wall, double width, double height, double sill) {
   Random& random = scene.random;
   const Skin frame = material(scene, plaster(random, 0.5, 0.5, 200, 220));
@@ -147,7 +147,7 @@ void add_bench(Scene& scene, const Place& place, double width) {
   if (random.below(2)) add_boxes(scene, place.at(-0.12, 0.2 * width, 0.45));
 }
 
-// A vending machine or copier: a tall box with a busy front.
+// Adds a vending machine or copier: a tall box with a busy front.
 void add_machine(Scene& scene, const Place& place) {
   Random& random = scene.random;
   const double w = random.uniform(0.7, 0.9), h = random.uniform(1.7, 1.95), d = 0.5;
@@ -195,7 +195,7 @@ void add_lockers(Scene& scene, const Place& place, double width) {
           BoxSkin(painted(scene, front, 0.1), material(scene, plaster(random, 1, 1, 150, tone), 0.2)));
 }
 
-// One thing at the wall; returns the width it takes.
+// Adds one object at the wall; returns the width it takes.
 double add_kind(Scene& scene, const Wall& wall, std::vector<Floor>& floors, Kind kind, double at, double left) {
   Random& random = scene.random;
   const double top = wall.height - 0.2;

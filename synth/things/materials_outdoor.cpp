@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Facades, roads and what belongs to a street.
+// Facades, roads and street materials.
 #include <numbers>
 
 #include "synth/things/materials.h"
@@ -36,7 +36,7 @@ void draw_window(Canvas& c, Random& random, const WindowStyle& s, double x, doub
   }
   const double glass = random.uniform(25, 75);
   c.rect(x, y, x + w, y + h, glass);
-  // The sky in the panes, a curtain or a blind, a lit room.
+  // Windows show the sky, a curtain or blind, or a lit room.
   const uint32_t kind = random.below(6);
   const double edge = random.uniform(0.2, 0.7);
   if (kind < 2) c.triangle({x, x + w * edge, x}, {y, y, y + h * edge}, glass + 90, 0.8);
@@ -137,7 +137,7 @@ Canvas facade(Random& random, double w, double h, double ppm, Front front, doubl
       c.rect(0, y, w, y + 0.2, tone + random.uniform(-14, 14));
       c.line(0, y, w, y, 0.04, tone - 45);
     }
-  } else {  // render, patched
+  } else {  // plaster, patched
     c.spots(0.3, 0.1, 0.6, tone - 25, 0.5, random.next());
     c.spots(0.2, 0.1, 0.5, tone + 22, 0.5, random.next());
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials that cover walls, floors and furniture.
+// Materials of walls, floors and furniture.
 #include <numbers>
 
 #include "synth/things/materials.h"
@@ -9,8 +9,8 @@ namespace covis::synth {
 Canvas plaster(Random& random, double w, double h, double ppm, double tone) {
   Canvas c(w, h, ppm, tone);
   c.fractal(1.3, 10, 7, 0.72, random.next());
-  c.spots(1.5, 0.02, 0.12, tone + random.uniform(-25, 25), 0.35, random.next());  // repairs
-  c.spots(30, 0.004, 0.018, tone - 60, 0.6, random.next());                       // nail holes, knocks
+  c.spots(1.5, 0.02, 0.12, tone + random.uniform(-25, 25), 0.35, random.next());  // repaired patches
+  c.spots(30, 0.004, 0.018, tone - 60, 0.6, random.next());                       // nail holes, dents
   for (int i = 0; i < static_cast<int>(w * h * 0.5) + 1; ++i) {                   // hair cracks
     double x = random.uniform(0, w), y = random.uniform(0, h), a = random.uniform(0, 6.28);
     for (int k = 0; k < 9; ++k) {
@@ -64,7 +64,7 @@ Canvas bricks(Random& random, double w, double h, double ppm, double tone) {
   for (double y = 0; y < h; y += height, ++row) {
     for (double x = (row % 2) * -0.5 * length; x < w; x += length) {
       double t = tone + random.uniform(-28, 24);
-      if (random.below(9) == 0) t -= 42;  // burnt ones
+      if (random.below(9) == 0) t -= 42;  // burnt bricks
       if (random.below(17) == 0) t += 45;
       const double e = random.uniform(-0.003, 0.003);
       c.rect(x + gap, y + gap + e, x + length, y + height + e, t);

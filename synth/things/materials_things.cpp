@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Printed and made things: posters, books, doors, screens, labels.
+// Printed and manufactured objects: posters, books, doors, screens, labels.
 #include <numbers>
 
 #include "synth/things/materials.h"
@@ -132,7 +132,7 @@ Canvas view_outside(Random& random, double w, double h, double ppm) {
   Canvas c(w, h, ppm, 225);
   landscape(c, random, 0, 0, w, h);
   double x = 0;
-  while (x < w) {  // houses across the way
+  while (x < w) {  // houses on the other side of the street
     const double width = w * random.uniform(0.12, 0.3), top = h * random.uniform(0.3, 0.6),
                  t = random.uniform(120, 215);
     c.rect(x, top, x + width, h * 0.85, t);

@@ -8,7 +8,7 @@
 namespace covis::synth {
 namespace {
 
-constexpr size_t kRidge = 256;  // steps of a hill's outline
+constexpr size_t kRidge = 256;  // number of steps of a hill's outline
 
 }  // namespace
 
@@ -55,7 +55,7 @@ void landscape(Canvas& c, Random& random, double x0, double y0, double x1, doubl
       if (x < x0 || x > x1 || y < y0 || y > y1) return;
       const double down = (y - y0) / h, across = (x - x0) / w * kRidge;
       if (down < tops[static_cast<size_t>(across)]) return;
-      // Fields: each of another tone.
+      // Fields, each with another tone.
       const uint64_t field =
           mix64(seed ^ (static_cast<uint64_t>(across / 11 + 40 * down) << 8) ^ static_cast<uint64_t>(24 * down));
       v = static_cast<float>(tone + static_cast<double>(field % 31) - 15);

@@ -7,7 +7,7 @@
 namespace covis::synth {
 namespace {
 
-constexpr double kTexels = 44;  // a metre of facade
+constexpr double kTexels = 44;  // texels per metre of facade
 
 Skin plain(Scene& scene, double tone) { return material(scene, plaster(scene.random, 2, 2, 60, tone), 0.2); }
 
@@ -71,7 +71,7 @@ void add_building(Scene& scene, const Place& place, double width, double depth) 
   } else if (front == Front::flats && random.below(2)) {
     add_balconies(scene, place, width, height, storey);
   } else {
-    for (int i = 0; i < 2; ++i) {  // bays standing out of the front
+    for (int i = 0; i < 2; ++i) {  // bays projecting from the front
       const double w = random.uniform(1.6, 2.4), d = random.uniform(0.4, 0.9),
                    y = (i - 0.5) * 0.55 * width + random.uniform(-0.4, 0.4), h = random.uniform(0.5, 0.9) * height;
       BoxSkin bay(painted(scene, facade(random, w, h, kTexels, Front::flats, storey), 0.2));
@@ -108,7 +108,7 @@ void add_car(Scene& scene, const Place& place) {
   skin.front = painted(scene, car_end(random, width, body, 100, paint, true), 0.05);
   skin.back = painted(scene, car_end(random, width, body, 100, paint, false), 0.05);
   add_box(scene, place.at(0, 0, ground), length, width, body, skin);
-  // The cabin: four sloping panes of glass and a roof.
+  // The cabin has four sloping glass panes and a roof.
   const double front = van ? 0.44 : 0.16, back = van ? -0.48 : -0.42, slope = van ? 0.25 : 0.5, inset = 0.14;
   const auto corner = [&](double x, double side, double z) { return place(x, side, ground + body + z); };
   const double x0 = back * length, x1 = front * length, y = 0.5 * width - 0.04, top = y - inset;
@@ -140,7 +140,7 @@ void add_car(Scene& scene, const Place& place) {
     for (const double side : {-0.5, 0.5})
       add_box(scene, place.at(x * length, side * (width - 0.16), 0), 0.6, 0.2, 0.6, wheel);
   }
-  // The dark ground below it.
+  // The dark ground below the car.
   Skin shade = plain(scene, 28);
   scene.add_rect(place(-0.5 * length, -0.5 * width, 0.012), place.turn(0, width, 0), place.turn(length, 0, 0), shade);
 }

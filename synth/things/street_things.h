@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Buildings, cars, trees and street furniture. A building's place is the middle of its front on the ground, facing the
-// street; the others stand on their place.
+// street; other objects stand on their place.
 #pragma once
 
 #include "synth/render/scene.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a tracker lives on: as many keypoints as it asks for, spread over the image, and found again in the next frames
-// where the truth says.
+// Requirements of a tracker: as many keypoints as it asks for, spread over the image, and found again in the next
+// frames at their true positions.
 #include <gtest/gtest.h>
 
 #include <algorithm>

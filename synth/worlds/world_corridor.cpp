@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An office corridor around a block of rooms: four legs of different looks and a wider place at each corner, walked
-// once around and a little more.
+// An office corridor around a block of rooms: four legs of different appearance and a wider area at each corner, walked
+// a little more than once around.
 #include "synth/render/loop_path.h"
 #include "synth/things/furniture.h"
 #include "synth/things/interior.h"
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kWidth = 2.7, kHeight = 2.75, kCut = 1.3;  // metres; the inner corners are cut off at 45 degrees
 
-// Lamps, beams, signs and pipes under the ceiling of a leg from `begin` to `end`.
+// Adds lamps, beams, signs and pipes under the ceiling of a leg from `begin` to `end`.
 void furnish_ceiling(Scene& scene, const Vector2d& begin, const Vector2d& end) {
   Random& random = scene.random;
   const Vector2d along = (end - begin).normalized();
@@ -57,21 +57,21 @@ void furnish_ceiling(Scene& scene, const Vector2d& begin, const Vector2d& end) {
 World make_corridor(uint64_t seed) {
   Scene scene(seed);
   Random& random = scene.random;
-  const double length = random.uniform(17, 20), width = random.uniform(12, 14);  // of the centre line
+  const double length = random.uniform(17, 20), width = random.uniform(12, 14);  // size of the centre line's rectangle
   const double ox = 0.5 * (length + kWidth), oy = 0.5 * (width + kWidth);        // outer half sizes
   const double ix = 0.5 * (length - kWidth), iy = 0.5 * (width - kWidth);
 
   std::vector<Floor> floors;
   floors.push_back({{-ox, -oy}, floor_canvas(random, kWidth, 2 * ox)});
   floors.push_back({{-ox, iy}, floor_canvas(random, kWidth, 2 * ox)});
-  // These two reach in under the cut-off corners.
+  // These two extend under the cut-off corners.
   floors.push_back({{-ox, -iy}, floor_canvas(random, 2 * iy, kWidth + kCut)});
   floors.push_back({{ix - kCut, -iy}, floor_canvas(random, 2 * iy, kWidth + kCut)});
 
   const std::vector<Kind> flat{Kind::door,    Kind::pictures, Kind::pillar, Kind::cabinet, Kind::window,  Kind::door,
                                Kind::lockers, Kind::bookcase, Kind::bench,  Kind::pillar,  Kind::pictures};
   const std::vector<Kind> corner{Kind::machine, Kind::greenery, Kind::sofa, Kind::boxes, Kind::bookcase};
-  // The outer walls, seen from inside: going clockwise around the block.
+  // The outer walls, going clockwise around the block, as seen from inside.
   const Vector2d outer[4] = {{-ox, -oy}, {-ox, oy}, {ox, oy}, {ox, -oy}};
   for (int side = 0; side < 4; ++side) {
     const Wall wall{outer[side], outer[(side + 1) % 4], kHeight};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A desk crowded with things, in front of a wall with shelves; the camera sweeps around it at arm's length.
+// A desk full of objects, in front of a wall with shelves; the camera sweeps around it at arm's length.
 #include <Eigen/Geometry>
 #include <numbers>
 
@@ -13,7 +13,7 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kTop = 0.74, kDepth = 0.85, kLength = 1.9;  // of the desk, metres
+constexpr double kTop = 0.74, kDepth = 0.85, kLength = 1.9;  // size of the desk, metres
 
 void add_book(Scene& scene, const Place& place, double width, double thickness) {
   Random& random = scene.random;
@@ -62,7 +62,7 @@ void add_desk_lamp(Scene& scene, const Place& place) {
             metal);
 }
 
-// A stack of toy blocks.
+// Adds a stack of toy blocks.
 void add_blocks(Scene& scene, const Place& place) {
   Random& random = scene.random;
   for (int i = 0; i < 7; ++i) {
@@ -81,7 +81,7 @@ void add_blocks(Scene& scene, const Place& place) {
   }
 }
 
-// The things on the desk, each in a cell of its own; `desk` is at the middle of the desk top, facing the camera.
+// Adds the objects on the desk, each in its own cell; `desk` is at the middle of the desk top, facing the camera.
 void lay_desk(Scene& scene, const Place& desk) {
   Random& random = scene.random;
   const Skin black = material(scene, plaster(random, 0.5, 0.5, 300, 45));
@@ -96,14 +96,14 @@ void lay_desk(Scene& scene, const Place& desk) {
   add_box(scene, desk.at(0.18, aside, 0, random.uniform(-0.1, 0.1)), 0.15, 0.44, 0.02, keys);
   add_box(scene, desk.at(0.2, aside + 0.34, 0, random.uniform(-0.4, 0.4)), 0.11, 0.06, 0.035,
           BoxSkin(painted(scene, label(random, 0.06, 0.11, 700))));
-  // Loose sheets under it all.
+  // Loose sheets under the other objects.
   for (int i = 0; i < 5; ++i) {
     const Place sheet =
         desk.at(random.uniform(-0.2, 0.22), random.uniform(-0.75, 0.75), 0.0015 * (i + 1), random.uniform(-0.8, 0.8));
     scene.add_rect(sheet(-0.15, -0.105, 0), sheet.turn(0, 0.21, 0), sheet.turn(0.3, 0, 0),
                    painted(scene, poster(random, 0.21, 0.3, 700), 0.03));
   }
-  // Left and right of the monitor, two rows of cells.
+  // Two rows of cells to the left and right of the monitor.
   int kind = static_cast<int>(random.below(8));
   for (const double x : {-0.25, 0.03, 0.27}) {
     for (const double y : {-0.82, -0.6, 0.45, 0.63, 0.83}) {
@@ -148,7 +148,7 @@ void lay_desk(Scene& scene, const Place& desk) {
 
 CameraPath sweep(const Vector3d& target, uint64_t seed) {
   Random random(seed);
-  // To and fro around the desk, nearer and farther, up and down, always looking at some of it.
+  // Back and forth around the desk, nearer and farther, up and down, always looking at a part of it.
   const double period = 15, interval = 0.25;
   const int count = static_cast<int>(period / interval);
   const double p1 = random.uniform(0, 2 * pi), p2 = random.uniform(0, 2 * pi), p3 = random.uniform(0, 2 * pi);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A long hall of nearly plain walls on which the same few doors, posters and boards hang again and again, in the same
-// groups. The camera walks along it once and looks to both sides: much looks alike, but the camera is nowhere twice.
+// A long hall of nearly plain walls on which the same few doors, posters and boards are repeated in the same groups.
+// The camera walks along it once and looks to both sides: many views look alike, but the camera never returns to a
+// place.
 #include <array>
 #include <numbers>
 
@@ -15,10 +16,10 @@ namespace {
 using std::numbers::pi;
 
 struct Hall {
-  double length, width, height;  // x from 0, y on both sides of 0
+  double length, width, height;  // extent along x from 0, along y around 0, and height
 };
 
-// Paint on a large surface: stains that are only just seen.
+// Paint on a large surface, with barely visible stains.
 Canvas weak_paint(Random& random, double w, double h, double tone) {
   Canvas c(w, h, 60, tone);
   c.fractal(1.5, 9, 6, 0.75, random.next());
@@ -26,13 +27,14 @@ Canvas weak_paint(Random& random, double w, double h, double tone) {
   return c;
 }
 
-// A group of things side by side, at the same places in the group wherever it hangs.
+// A group of objects side by side, at the same positions within the group wherever it is placed.
 struct Group {
   double width = 0;
-  std::vector<std::pair<const Piece*, double>> things;  // and how far right of the group's left end their middles are
+  // With the distance of their middles from the group's left end, metres.
+  std::vector<std::pair<const Piece*, double>> things;
 };
 
-// What there is to hang up.
+// The objects from which groups are made.
 struct Stock {
   std::array<Piece, 3> posters;
   std::array<Piece, 2> doors;
@@ -58,7 +60,7 @@ Stock make_stock(Scene& scene) {
 }
 
 std::array<Group, 3> make_groups(Random& random, const Stock& stock) {
-  const auto group = [&](std::initializer_list<std::pair<const Piece*, double>> things) {  // and their widths
+  const auto group = [&](std::initializer_list<std::pair<const Piece*, double>> things) {  // with their widths
     Group g;
     for (const auto& [part, width] : things) {
       g.width += random.uniform(0.1, 0.3);
@@ -72,14 +74,14 @@ std::array<Group, 3> make_groups(Random& random, const Stock& stock) {
           group({{&stock.posters[2], 0.8}, {&stock.doors[0], 1.05}, {&stock.posters[0], 0.8}})};
 }
 
-// Pieces of wall with groups on them, plain pilasters between the pieces.
+// Wall sections with groups on them, and plain pilasters between the sections.
 void add_side(Scene& scene, const std::array<Group, 3>& groups, const Wall& wall, std::vector<Floor>& floors) {
   Random& random = scene.random;
   const Vector2d along = (wall.right - wall.left).normalized();
   size_t pick = random.below(3);
   for (double at = 0; at < wall.length();) {
     const Group& group = groups[pick];
-    pick = (pick + 1 + random.below(5) / 3) % groups.size();  // mostly the next one
+    pick = (pick + 1 + random.below(5) / 3) % groups.size();  // usually the next group
     const double before = random.uniform(0.3, 0.8);
     double end = at + before + group.width + random.uniform(0.3, 0.8);
     const bool fits = end <= wall.length();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A living and working room: furniture along the walls, a table in the middle, and a walk around the table that looks
-// at all of it and comes by its beginning again.
+// A living and working room: furniture along the walls, a table in the middle, and a walk around the table that sees
+// all of the room and passes its beginning again.
 #include <numbers>
 
 #include "synth/things/furniture.h"
@@ -15,12 +15,12 @@ namespace {
 using std::numbers::pi;
 
 struct Size {
-  double length, width, height;  // x, y, z
+  double length, width, height;  // along x, y, z
 };
 
 CameraPath tour(const Size& room, uint64_t seed) {
   Random random(seed);
-  // One round in `period` seconds at about half a metre a second, looking to the walls, now ahead, now back.
+  // One round in `period` seconds at about half a metre per second, looking at the walls, partly ahead, partly back.
   const double period = 17, interval = 0.5;
   const double rx = 0.5 * room.length - 2.2, ry = 0.5 * room.width - 1.9, start = random.uniform(0, 2 * pi);
   const double p1 = random.uniform(0, 2 * pi), p2 = random.uniform(0, 2 * pi);

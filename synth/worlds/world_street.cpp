@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A street around a block of houses, driven once around and a little more: fronts of many kinds on both sides, gardens
+// A street around a block of houses, driven a little more than once around: fronts of many kinds on both sides, gardens
 // between them, parked cars, trees, signs, and a sky.
 #include "synth/render/loop_path.h"
 #include "synth/things/furniture.h"
@@ -10,9 +10,10 @@
 namespace covis::synth {
 namespace {
 
-constexpr double kRoad = 7, kWalk = 3.2, kHalf = 0.5 * kRoad + kWalk;  // metres; half the distance between the fronts
+// Metres; kHalf: half the distance between the fronts.
+constexpr double kRoad = 7, kWalk = 3.2, kHalf = 0.5 * kRoad + kWalk;
 
-// Houses along a line seen from the street, from `left` to `right`.
+// Adds houses along a line from `left` to `right`, as seen from the street.
 void add_row(Scene& scene, const Vector2d& left, const Vector2d& right, const std::vector<int>& leaf_textures) {
   Random& random = scene.random;
   const double length = (right - left).norm();
@@ -35,7 +36,7 @@ void add_row(Scene& scene, const Vector2d& left, const Vector2d& right, const st
   }
 }
 
-// Cars at the kerb, trees and furniture on the walk, on the side of the fronts that run from `left` to `right`.
+// Adds cars at the kerb, trees and furniture on the pavement, beside the fronts from `left` to `right`.
 void add_kerb(Scene& scene, const Vector2d& left, const Vector2d& right, const std::vector<int>& leaf_textures) {
   Random& random = scene.random;
   const double length = (right - left).norm();
@@ -61,11 +62,11 @@ void add_kerb(Scene& scene, const Vector2d& left, const Vector2d& right, const s
 
 void add_ground(Scene& scene, double ox, double oy, double growth) {
   Random& random = scene.random;
-  // Everything that is not paved, a little below.
+  // All unpaved ground, slightly lower.
   const Skin lawn = material(scene, grass(random, 12, 12, 30), 0.2);
   const double reach = 200 * growth;
   scene.add_rect({-reach, -reach, -0.06}, {0, 2 * reach, 0}, {2 * reach, 0, 0}, lawn);
-  // The two long streets reach over the corners, the short ones run between them.
+  // The two long streets extend over the corners; the short ones run between them.
   const auto strip = [&](const Vector2d& low, double along, bool along_x) {
     const int pieces = std::max(1, static_cast<int>(along / 22));
     const double piece = along / pieces;
@@ -82,7 +83,7 @@ void add_ground(Scene& scene, double ox, double oy, double growth) {
       lay(kWalk, kRoad, 0, road(random, piece, kRoad, 36, random.below(4) == 0));
       for (const double from : {0.0, kWalk + kRoad}) {
         lay(from, kWalk, 0.1, pavement(random, piece, kWalk, 36));
-        // The kerb's edge, seen from the road.
+        // The edge of the kerb, seen from the road.
         const bool low_side = from == 0.0;
         const Vector3d edge = base + (low_side ? kWalk : kWalk + kRoad) * side + Vector3d(0, 0, 0.1);
         const Skin stone = material(scene, pavement(random, 2, 2, 40), 0.2);
@@ -128,7 +129,7 @@ World make_street(uint64_t seed, double way) {
   Scene scene(seed);
   scene.detail_metres = 3.2;
   Random& random = scene.random;
-  double length = random.uniform(94, 104), width = random.uniform(60, 68);  // of the centre line
+  double length = random.uniform(94, 104), width = random.uniform(60, 68);  // size of the centre line's rectangle
   const double growth = way > 0 ? std::max(1.0, 0.5 * way / (length + width)) : 1;
   length *= growth;
   width *= growth;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two rooms equal in everything, with a passage between them and a short one at either end. The camera walks through
-// both on the same way: the second room looks like the first, but the camera is nowhere twice.
+// Two identical rooms, with a passage between them and a short one at either end. The camera walks through both on the
+// same path: the second room looks like the first, but the camera never returns to a place.
 #include <numbers>
 
 #include "synth/things/furniture.h"
@@ -18,14 +18,14 @@ constexpr double kOpening = 1.2, kDoor = 2.1;  // metres: width and height of th
 constexpr double kPassage = 1.9;               // width of the passages
 
 struct Plan {
-  double length, width, height;    // of a room, which reaches from x = 0 and y = 0
-  double passage, passage_height;  // from one room to the next
+  double length, width, height;    // size of a room, which extends from x = 0 and y = 0
+  double passage, passage_height;  // length from one room to the next, and height
   double end_passage;              // length of the passages at the ends
-  double side;                     // +1 or -1: the side of y that the table stands on
+  double side;                     // +1 or -1: side of y on which the table stands
   double spacing() const { return length + passage; }
 };
 
-// A wall with an opening in its middle: left and right of it, and what is above.
+// Adds a wall with an opening in its middle: the parts to its left and right, and above.
 struct OpenWall {
   Wall left, right;
 };
@@ -75,7 +75,7 @@ Piece make_twin(Scene& scene, const Plan& plan) {
   }
   for (const Wall& wall : {Wall{{0, 0}, {0, width}, height}, Wall{{length, width}, {length, 0}, height}}) {
     const OpenWall parts = add_open_wall(scene, wall);
-    // The sides of the long walls' furniture stand in the corners.
+    // The sides of the furniture along the long walls stand in the corners.
     furnish(scene, parts.left, floors, {Kind::cabinet, Kind::pictures, Kind::bookcase}, 0.9, 0.15);
     furnish(scene, parts.right, floors, {Kind::pictures, Kind::bookcase, Kind::boxes}, 0.15, 0.9);
   }
@@ -92,7 +92,7 @@ Piece make_twin(Scene& scene, const Plan& plan) {
   return scene.cut(0);
 }
 
-// A passage from x0 to x1, with its openings where there is a room beyond.
+// Adds a passage from x0 to x1, with openings on the sides that lead to a room.
 void add_passage(Scene& scene, const Plan& plan, double x0, double x1, bool from_room, bool to_room) {
   Random& random = scene.random;
   const double y0 = 0.5 * (plan.width - kPassage), y1 = 0.5 * (plan.width + kPassage), height = plan.passage_height;
@@ -119,8 +119,8 @@ void add_passage(Scene& scene, const Plan& plan, double x0, double x1, bool from
   add_box(scene, {{0.5 * (x0 + x1), 0.5 * plan.width, height - 0.07}, 0}, 0.8, 0.3, 0.07, BoxSkin(lamp), true);
 }
 
-// From just inside the first room to just before the end of the second, past the tables at three quarters of a metre a
-// second. The way is a function of the place alone, so that both rooms are walked alike.
+// The path from just inside the first room to just before the end of the second, past the tables at three quarters of a
+// metre per second. It is a function of the place alone, so that both rooms are walked in the same way.
 CameraPath walk(const Plan& plan, uint64_t seed) {
   Random random(seed);
   const double speed = 0.72, interval = 0.5;

@@ -20,7 +20,8 @@ Pose to_pose(const SE3& T) {
   return {T.t().x(), T.t().y(), T.t().z(), q.x(), q.y(), q.z(), q.w()};
 }
 
-std::vector<StampedPoseResult> to_results(const std::vector<PoseOfFrame>& poses) {
+template <class Poses>
+std::vector<StampedPoseResult> to_results(const Poses& poses) {
   std::vector<StampedPoseResult> results;
   results.reserve(poses.size());
   for (const PoseOfFrame& pose : poses)
@@ -28,7 +29,19 @@ std::vector<StampedPoseResult> to_results(const std::vector<PoseOfFrame>& poses)
   return results;
 }
 
-// Nothing when the camera is possible, else what is wrong with it.
+TrackingState to_state(TrackState state) {
+  switch (state) {
+    case TrackState::not_initialised:
+      return TrackingState::not_initialised;
+    case TrackState::tracking:
+      return TrackingState::tracking;
+    case TrackState::lost:
+      return TrackingState::lost;
+  }
+  return TrackingState::lost;
+}
+
+// Returns the problem of an impossible camera, nothing for a possible one.
 std::optional<std::string> check(const CameraParameters& c, SensorType sensor) {
   if (c.width < 64 || c.height < 64) return "camera: width and height must be at least 64 pixels";
   if (!(c.fx > 0) || !(c.fy > 0) || !std::isfinite(c.fx) || !std::isfinite(c.fy))
@@ -61,7 +74,7 @@ struct Slam::Impl {
            std::to_string(camera.height);
   }
 
-  // What a call with these images hands to the system. Null: the sensor has no such image.
+  // Checks the images of a call and hands them to the system. Null: the sensor has no such image.
   tl::expected<System::Input, std::string> input(Sensor called, const GreyImage& image, const GreyImage* right,
                                                  const DepthImage* depth) const {
     if (called != sensor) return Failure("this system was created for another sensor");
@@ -88,7 +101,7 @@ struct Slam::Impl {
     const TrackResult track = system.process(*input).track;
     FrameResult result;
     result.tracked = track.state == TrackState::tracking;
-    result.state = name(track.state);
+    result.state = to_state(track.state);
     result.reason = track.reason;
     result.inliers = track.inliers;
     result.key_frame = track.key_frame;
@@ -124,6 +137,11 @@ tl::expected<std::unique_ptr<Slam>, std::string> Slam::create(const CameraParame
   const Fields known = fields(options);
   for (const auto& [name, value] : settings) {
     if (const auto done = set_field(known, name, value); !done) return Failure(done.error().message);
+  }
+  if (options.localize) {
+    return Failure(
+        "system.localize: it needs a saved map to localise in, which can't be loaded here; covis run --map FILE "
+        "--localize does");
   }
   options.sensor = sensor == SensorType::monocular ? Sensor::monocular
                    : sensor == SensorType::stereo  ? Sensor::stereo
@@ -174,19 +192,29 @@ Slam::Located Slam::locate_rgbd(const GreyImage& image, const DepthImage& depth)
 
 void Slam::finish() { impl_->system.finish(); }
 
-std::vector<StampedPoseResult> Slam::trajectory() const { return to_results(impl_->system.trajectory()); }
+std::vector<StampedPoseResult> Slam::trajectory() const { return to_results(impl_->system.snapshot()->trajectory); }
 
-std::vector<StampedPoseResult> Slam::key_frames() const { return to_results(impl_->system.key_frames()); }
+std::vector<StampedPoseResult> Slam::key_frames() const { return to_results(impl_->system.snapshot()->key_frames); }
 
 std::vector<Point> Slam::points() const {
+  const auto snapshot = impl_->system.snapshot();
   std::vector<Point> points;
-  const auto map = impl_->system.map().read();
-  points.reserve(map->point_count());
-  map->for_each_point([&](MapPointId, const MapPoint& point) {
-    points.push_back({point.position_w.x(), point.position_w.y(), point.position_w.z(),
-                      static_cast<int>(map->at(point.reference).submap)});
-  });
+  points.reserve(snapshot->points.size());
+  for (const auto& [id, position_w, submap] : snapshot->points)
+    points.push_back({position_w.x(), position_w.y(), position_w.z(), static_cast<int>(submap)});
   return points;
+}
+
+const char* name(TrackingState state) {
+  switch (state) {
+    case TrackingState::not_initialised:
+      return "not_initialised";
+    case TrackingState::tracking:
+      return "tracking";
+    case TrackingState::lost:
+      return "lost";
+  }
+  return "";
 }
 
 }  // namespace covis

@@ -13,7 +13,8 @@
 namespace covis {
 namespace {
 
-constexpr int kNames = 1000;  // temporary names tried: one is taken only if a killed process with our number left it
+// Number of temporary names tried. A name is in use only if a killed process with our id left it behind.
+constexpr int kNames = 1000;
 
 // All functions return 0 or errno.
 int write_all(int handle, std::string_view bytes) {
@@ -34,7 +35,7 @@ int write_device(const std::filesystem::path& file, std::string_view bytes) {
   return problem;
 }
 
-// Some file systems can't sync a folder; the file is whole all the same, so failures are not reported.
+// Some file systems cannot sync a folder. The file is complete all the same, so failures are not reported.
 void sync_folder(const std::filesystem::path& folder) {
   const int handle = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (handle < 0) return;
@@ -42,7 +43,7 @@ void sync_folder(const std::filesystem::path& folder) {
   ::close(handle);
 }
 
-// Opens a file that did not exist, beside `target`. O_EXCL: nobody else's file or link of that name is written to.
+// Opens a new file beside `target`. O_EXCL makes sure that an existing file or link of that name is never written to.
 int open_temporary(const std::filesystem::path& target, std::filesystem::path& temporary, int& handle) {
   static std::atomic<unsigned> count = 0;
   for (int tried = 0; tried < kNames; ++tried) {
@@ -55,7 +56,7 @@ int open_temporary(const std::filesystem::path& target, std::filesystem::path& t
   return EEXIST;
 }
 
-// `mode`: the permissions of the file that is replaced; nullptr when there is none.
+// mode: the permissions of the file that is replaced; nullptr when there is no such file.
 int write_and_rename(const std::filesystem::path& target, std::string_view bytes, Durability durability,
                      const mode_t* mode) {
   std::filesystem::path temporary;
@@ -75,7 +76,7 @@ int write_file(const std::filesystem::path& file, std::string_view bytes, Durabi
   struct stat status {};
   const bool exists = ::stat(file.c_str(), &status) == 0;
   if (exists && S_ISDIR(status.st_mode)) return EISDIR;
-  // Renaming over a device would put a file in its place.
+  // Renaming over a device would replace it by a regular file.
   if (exists && !S_ISREG(status.st_mode)) return write_device(file, bytes);
   std::error_code error;
   std::filesystem::path target = file;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bounded blocking queue: an actor's inbox (architecture.md, decision 5). Waits are on condition variables and end by
-// std::stop_token or close(); no polling.
+// A bounded blocking queue, used as the inbox of an actor (architecture.md, decision 5). Waits use condition variables
+// and end by std::stop_token or close(); there is no polling.
 #pragma once
 
 #include <condition_variable>
@@ -17,7 +17,7 @@ class BlockingQueue {
  public:
   explicit BlockingQueue(size_t capacity) : capacity_(capacity) {}
 
-  // Waits for room. False when the queue is closed or a stop was asked for: the item was not taken.
+  // Waits until there is room. Returns false when the queue is closed or a stop was requested: the item was not added.
   bool push(T item, std::stop_token stop = {}) {
     std::unique_lock lock(mutex_);
     if (!changed_.wait(lock, stop, [&] { return closed_ || items_.size() < capacity_; }) || closed_) return false;
@@ -26,7 +26,7 @@ class BlockingQueue {
     return true;
   }
 
-  // Waits for an item. Empty when stopped, or closed with nothing left.
+  // Waits for an item. Returns an empty value when stopped, or when closed and no items are left.
   std::optional<T> pop(std::stop_token stop = {}) {
     std::unique_lock lock(mutex_);
     if (!changed_.wait(lock, stop, [&] { return closed_ || !items_.empty(); }) || items_.empty()) return std::nullopt;
@@ -36,7 +36,7 @@ class BlockingQueue {
     return item;
   }
 
-  // No more items are taken; those inside can still be popped.
+  // Refuses further items; those already in the queue can still be popped.
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One description of every setting: an Options struct lists its fields once (`Fields fields(OrbOptions&)`), and from
-// that list come the YAML keys, their range checks, --dump-config and the documentation.
+// The single description of every setting: an Options struct lists its fields once (`Fields fields(OrbOptions&)`), and
+// the YAML keys, their range checks, --dump-config and the documentation are all derived from that list.
 #pragma once
 
 #include <limits>
@@ -15,23 +15,23 @@ namespace covis {
 
 struct Field {
   std::string name;                                        // key, for example "orb.features"
-  std::variant<int*, double*, bool*, std::string*> value;  // where it is read from and written to
-  std::string doc;                                         // what it does, with its unit
-  double min = std::numeric_limits<double>::lowest();      // least and greatest value allowed (numbers)
+  std::variant<int*, double*, bool*, std::string*> value;  // pointer to the value that is read and written
+  std::string doc;                                         // effect of the setting, with its unit
+  double min = std::numeric_limits<double>::lowest();      // least and greatest value allowed (numbers only)
   double max = std::numeric_limits<double>::max();
-  std::string former = {};  // the name it had in earlier versions, refused with a message that tells the new one
+  std::string former = {};  // name in earlier versions; using it is an error whose message gives the new name
 };
 
 using Fields = std::vector<Field>;
 
-// Sets the field of that name from text. Errors name the nearest known field, the new name of a renamed one, or the
-// range.
+// Sets the field with that name from text. An error names the nearest known field, the new name of a renamed field, or
+// the allowed range.
 Result<void> set_field(const Fields& fields, std::string_view name, std::string_view text);
-// The field's present value as set_field() takes it.
+// Returns the field's current value in the form that set_field() accepts.
 std::string field_text(const Field& field);
-// "from 1 to 10"; empty when there is no bound.
+// Returns the range as text ("from 1 to 10"), or an empty string when the field has no bound.
 std::string field_range(const Field& field);
-// Of `names` the one with the fewest letters to change to `name` (the first on a tie); empty when there are none.
+// Returns the entry of `names` with the smallest edit distance to `name` (the first on a tie), or "" if there are none.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& names);
 
 }  // namespace covis

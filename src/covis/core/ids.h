@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Handles of the things the map owns. A handle is a slot and the slot's generation: when the thing is erased the slot's
-// generation moves on, so a stale handle is detected by the map and never dereferenced (architecture.md, decision 1).
+// Handles of the objects that the map owns. A handle is a slot and that slot's generation. Erasing an object increases
+// the generation of its slot, so the map detects stale handles and never dereferences them (architecture.md, decision
+// 1).
 #pragma once
 
 #include <compare>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Images: a view (pointer, size, stride in elements; owns nothing) and an owner. Row-major; pixel centres at whole
-// numbers.
+// Images: a view (pointer, size, stride in elements) that does not own the pixels, and an owner. Row-major; pixel
+// centres lie at integer coordinates.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ struct ImageView {
   T* data = nullptr;
   int width = 0;
   int height = 0;
-  ptrdiff_t stride = 0;  // elements from a row to the next
+  ptrdiff_t stride = 0;  // distance between rows, elements
 
   bool empty() const { return data == nullptr || width <= 0 || height <= 0; }
   T* row(int y) const { return data + y * stride; }
@@ -24,8 +24,8 @@ struct ImageView {
   operator ImageView<const T>() const { return {data, width, height, stride}; }
 };
 
-// Owns its pixels; rows start at multiples of 64 bytes, and at least 64 readable bytes follow the last row. The memory
-// is kept when the image is resized to something that fits: no allocation in a steady state.
+// Owns its pixels. Rows start at multiples of 64 bytes, and at least 64 readable bytes follow the last row. The memory
+// is kept when the image is resized to something that fits, so there is no allocation in the steady state.
 template <class T>
 class Image {
  public:
@@ -39,7 +39,7 @@ class Image {
     return *this;
   }
 
-  // Contents are undefined afterwards.
+  // The contents are undefined afterwards.
   void resize(int width, int height) {
     const ptrdiff_t stride = (static_cast<ptrdiff_t>(width) * static_cast<ptrdiff_t>(sizeof(T)) + 63) / 64 * 64 /
                              static_cast<ptrdiff_t>(sizeof(T));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The library's messages go to a sink the program sets; without one they are dropped. The library never prints.
+// The library's messages go to a sink that the program sets. Without a sink they are dropped; the library never prints.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@ namespace covis {
 enum class LogLevel { debug, info, warning, error };
 using LogSink = std::function<void(LogLevel, std::string_view)>;
 
-// Set before threads start. The sink is called under a lock, one message at a time, from any thread.
+// Must be called before threads start. The sink is called from any thread, under a lock, with one message at a time.
 void set_log_sink(LogSink sink);
 void log(LogLevel level, std::string_view message);
 

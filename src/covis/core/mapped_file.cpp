@@ -17,7 +17,7 @@ tl::unexpected<Error> fail_errno(const std::filesystem::path& file, const char* 
   return fail(file.string() + ": " + what + ": " + std::generic_category().message(errno));
 }
 
-struct FileHandle {  // closes itself
+struct FileHandle {  // closes the file descriptor on destruction
   int fd;
   ~FileHandle() {
     if (fd >= 0) ::close(fd);
@@ -33,7 +33,7 @@ Result<std::unique_ptr<MappedFile>> MappedFile::open(const std::filesystem::path
   if (::fstat(handle.fd, &status) != 0) return fail_errno(file, "can't be read");
   if (!S_ISREG(status.st_mode)) return fail(file.string() + ": it is not a regular file");
   std::unique_ptr<MappedFile> mapped(new MappedFile);
-  if (status.st_size == 0) return mapped;  // an empty range can't be mapped
+  if (status.st_size == 0) return mapped;  // an empty range cannot be mapped
   const auto size = static_cast<size_t>(status.st_size);
   void* data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, handle.fd, 0);
   if (data == MAP_FAILED) return fail_errno(file, "can't be mapped");

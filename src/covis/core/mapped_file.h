@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file's bytes, used where they lie: pages are read when they are first touched, and shared between processes.
+// A memory-mapped file: pages are read on first access and shared between processes.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small deterministic random numbers: the same on every machine and standard library (std distributions are not).
-// Seeds come from hash_seed(seed, stage, frame), so that no stage's numbers depend on how many another stage drew.
+// Small deterministic random number generator. It gives the same numbers on every machine and standard library, which
+// the std distributions do not. Seeds come from hash_seed(seed, stage, frame), so that no stage's numbers depend on how
+// many another stage drew.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How vectors get their room, where doubling would not do.
+// Vector growth policies for the cases in which doubling the capacity is unsuitable.
 #pragma once
 
 #include <algorithm>
@@ -7,16 +7,16 @@
 
 namespace covis {
 
-// For those filled anew for every frame, whose sizes differ a little. Room for n elements; where it is made, for half
-// as many more: the next frame's few more then allocate nothing.
+// For vectors that are refilled for every frame with a slightly different size. Reserves room for n elements; when it
+// must allocate, for n + n / 2, so that slightly larger following frames do not allocate.
 template <class Vector>
 void reserve_ahead(Vector& vector, size_t n) {
   if (vector.capacity() < n) vector.reserve(n + n / 2 + 64);
 }
 
-// For the very many short ones that a map keeps: doubling would leave a third of their memory unused. Room for one more
-// element; where it is made, for a quarter more, and what is left of the allocator's block: they hold 24, 40, 56 …
-// bytes.
+// For the very many short vectors that a map keeps, where doubling would leave a third of their memory unused. Makes
+// room for one more element; when it must allocate, it adds a quarter and the rest of the allocator's block (blocks
+// hold 24, 40, 56 … bytes).
 template <class Vector>
 void reserve_one_more(Vector& vector) {
   if (vector.size() < vector.capacity()) return;

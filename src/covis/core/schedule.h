@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// When what mapping makes becomes visible to tracking (architecture.md, decision 6).
+// The time at which the results of mapping become visible to tracking (architecture.md, decision 6).
 #pragma once
 
 namespace covis {
 
 enum class Schedule {
-  deterministic,  // a fixed number of frames after the key frame: the result depends on input and settings alone
-  realtime,       // as soon as it is ready, and mapping is interrupted by new key frames
+  deterministic,  // a fixed number of frames after the key frame, so that the result depends only on input and settings
+  realtime,       // as soon as they are ready; new key frames interrupt mapping
 };
 
 }  // namespace covis

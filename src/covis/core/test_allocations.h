@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// For tests that say what allocates nothing: replaces operator new by one that counts, plain, aligned and nothrow. What
-// calls malloc itself is not seen. Replacing is for a whole program: include it in one file of an executable.
+// For tests that count allocations: replaces operator new (plain, aligned and nothrow) by one that counts. Direct calls
+// of malloc are not seen. The replacement affects the whole program: include this file once per executable.
 #pragma once
 
 #include <atomic>
@@ -10,8 +10,8 @@
 
 namespace covis {
 
-inline thread_local long own_allocations = 0;  // of this thread
-inline std::atomic<long> all_allocations{0};   // of all threads
+inline thread_local long own_allocations = 0;  // allocations of this thread
+inline std::atomic<long> all_allocations{0};   // allocations of all threads
 
 inline void* count_and_allocate(size_t n, size_t alignment) {
   ++own_allocations;

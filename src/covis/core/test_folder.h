@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For tests: a folder of the test's own, removed at its end, and files in it.
+// For tests: a temporary folder for each test, removed at its end, and helpers to write files in it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ class TemporaryFolder {
   TemporaryFolder() {
     const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
     std::string name = "covis_" + std::string(test.test_suite_name()) + "_" + test.name();
-    std::replace(name.begin(), name.end(), '/', '_');  // of tests with parameters
+    std::replace(name.begin(), name.end(), '/', '_');  // names of parametrised tests contain slashes
     path_ = std::filesystem::path(testing::TempDir()) / (name + std::to_string(::getpid()));
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);

@@ -11,11 +11,11 @@ namespace covis {
 
 #ifdef __linux__
 
-// An error leaves things as they were.
+// Errors are ignored: the priority or core mask then stays unchanged.
 
 void lower_thread_priority() {
   constexpr int kSteps = 3;
-  // Linux keeps a nice value for each thread; 0 stands for the calling one.
+  // Linux keeps a nice value per thread; 0 selects the calling thread.
   setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + kSteps);
 }
 

@@ -1,26 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which threads get a core, and which one, when there are more busy threads than cores. Only where threads have
-// priorities and cores of their own (Linux); elsewhere nothing happens.
+// Thread priority and core placement for machines with more busy threads than cores. Implemented for Linux, where each
+// thread has its own priority and core mask; a no-op elsewhere.
 #pragma once
 
 #include <thread>
 
 namespace covis {
 
-// For work that gives way to tracking: from now on the calling thread, and those it makes, get half the time of a
-// thread of usual priority they share a core with; all of it when the core is free.
+// For work that yields to tracking: lowers the priority of the calling thread and of the threads it creates from now
+// on. Such a thread gets half the time of a normal thread on the same core, and all of it when the core is otherwise
+// idle.
 void lower_thread_priority();
 
-// Keeps a helper off the core its caller runs on. Where cores share no cache Linux may wake it there, to wait until the
-// caller is done, while others are idle or do work of lower priority.
+// Keeps a helper thread off the core on which its caller runs. Where cores share no cache Linux may wake the helper on
+// that core, where it waits until the caller is done although other cores are idle or run work of lower priority.
 class OtherCores {
  public:
-  // Call it in the caller's thread, before the helper is woken. The helper may then use the caller's cores but the
-  // present one; that one too when it is the only one.
+  // Call it in the caller's thread before waking the helper. The helper may then run on the caller's cores except the
+  // current one, or on the current one if there is no other.
   void keep(std::jthread& helper);
 
  private:
-  int core_ = -1;  // where the caller was the last time
+  int core_ = -1;  // core on which the caller ran the last time; -1: unknown
 };
 
 }  // namespace covis

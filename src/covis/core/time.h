@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stamps of frames and a stop watch. Stamps are whole nanoseconds: EuRoC's 19 digits do not fit a double.
+// Frame timestamps and a stopwatch. Timestamps are integer nanoseconds: EuRoC's 19 digits do not fit a double.
 #pragma once
 
 #include <chrono>
@@ -14,7 +14,7 @@ constexpr Timestamp from_seconds(double s) { return static_cast<Timestamp>(s * 1
 
 class Stopwatch {
  public:
-  // Milliseconds since construction or the last restart().
+  // Returns the milliseconds since construction or the last restart().
   double ms() const { return std::chrono::duration<double, std::milli>(Clock::now() - start_).count(); }
   void restart() { start_ = Clock::now(); }
 

@@ -42,8 +42,8 @@ Trajectory sorted(Trajectory trajectory) {
   return trajectory;
 }
 
-// The truth at a stamp: the true pose itself when one is as near as a hundredth of a frame, else between two, else the
-// nearest, if near enough.
+// The ground truth at a stamp: the true pose itself when one is within half a millisecond, else interpolated between
+// two poses, else the nearest one if it is near enough.
 std::optional<SE3> truth_at(const Trajectory& truth, Timestamp stamp, const EvaluationOptions& options,
                             size_t& nearest) {
   const auto next = std::lower_bound(truth.begin(), truth.end(), stamp,
@@ -52,7 +52,7 @@ std::optional<SE3> truth_at(const Trajectory& truth, Timestamp stamp, const Eval
   Trajectory::const_iterator best = next;
   if (next == truth.end() || (next != truth.begin() && distance(next - 1) < distance(next))) best = next - 1;
   nearest = static_cast<size_t>(best - truth.begin());
-  constexpr Timestamp kSame = 500'000;  // ns: stamps rounded to milliseconds are the same
+  constexpr Timestamp kSame = 500'000;  // ns: stamps rounded to milliseconds count as equal
   if (distance(best) <= kSame) return best->T_wc;
   if (next != truth.begin() && next != truth.end()) {
     const StampedPose &a = *(next - 1), &b = *next;
@@ -74,7 +74,7 @@ std::string span_text(const Trajectory& t) {
   return text;
 }
 
-// Distance travelled up to each pose.
+// Returns the distance travelled up to each pose.
 std::vector<double> travelled(const std::vector<ComparedPose>& poses) {
   std::vector<double> distance{0};
   for (size_t i = 1; i < poses.size(); ++i) {
@@ -112,8 +112,8 @@ void relative_errors(const std::vector<ComparedPose>& poses, const std::vector<d
   result.rpe_rotation_deg = statistics(rotation);
 }
 
-// The benchmark's definition: from every 10th pose, segments of 100 … 800 m. Shorter paths: eighths of the path, and
-// said so.
+// The benchmark's definition: from every 10th pose, segments of 100 … 800 m. A shorter path uses eighths of its length,
+// and the result says so.
 std::optional<KittiError> kitti_error(const std::vector<ComparedPose>& poses, const std::vector<double>& distance) {
   KittiError result;
   const double path = distance.back();
@@ -145,7 +145,7 @@ std::optional<KittiError> kitti_error(const std::vector<ComparedPose>& poses, co
   return result;
 }
 
-// What takes this pose to its truth.
+// The alignment that maps this pose to its ground truth.
 Alignment by_pose(const ComparedPose& pose, double scale) {
   const Eigen::Matrix3d R = pose.truth.R() * pose.estimate.R().transpose();
   return {.T_ba = SE3(R, Eigen::Vector3d(pose.truth.t() - scale * (R * pose.estimate.t()))), .scale = scale};

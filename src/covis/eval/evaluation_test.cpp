@@ -124,7 +124,7 @@ TEST(Evaluation, FramesWithoutTruthAreDropped) {
   EXPECT_EQ(e->coverage, 1);
   EXPECT_LT(e->ate.rmse, 1e-9);
   EXPECT_NEAR(evaluate(half, truth, {})->coverage, 0.5, 1e-12);
-  // A hole in the truth is not bridged.
+  // A hole in the ground truth is not interpolated over.
   Trajectory holed;
   for (size_t i = 0; i < truth.size(); ++i) {
     if (i < 40 || i >= 60) holed.push_back(truth[i]);

@@ -18,7 +18,7 @@ cv::Scalar bgr(const PlotColour& c) {
   return {static_cast<double>(c.b), static_cast<double>(c.g), static_cast<double>(c.r)};
 }
 
-// A step of 1, 2 or 5 times a power of ten that gives about `count` ticks.
+// Returns a step of 1, 2 or 5 times a power of ten that gives about `count` ticks.
 double tick_step(double span, int count) {
   const double raw = span / count, power = std::pow(10, std::floor(std::log10(raw)));
   for (const double factor : {1.0, 2.0, 5.0}) {
@@ -36,8 +36,8 @@ std::string tick_text(double value, double step) {
 
 struct Canvas {
   cv::Mat image;
-  double x0, x1, y0, y1;  // shown
-  cv::Rect2d box;         // where, pixels
+  double x0, x1, y0, y1;  // range of the data that is drawn
+  cv::Rect2d box;         // area of the axes, pixels
 
   cv::Point at(double x, double y) const {
     const double px = box.x + (x - x0) / (x1 - x0) * box.width,
@@ -58,7 +58,7 @@ struct Canvas {
 void find_range(const Plot& plot, bool of_x, std::array<double, 2>& range) {
   if (range[0] != range[1]) return;
   double low = 1e300, high = -1e300;
-  for (const bool dots : {false, true}) {  // dots (map points) only when there is nothing else
+  for (const bool dots : {false, true}) {  // dots (map points) set the range only when there is no other series
     for (const PlotSeries& s : plot.series) {
       if ((s.style == PlotSeries::Style::dots) != dots) continue;
       for (const double v : of_x ? s.x : s.y) {
@@ -87,7 +87,7 @@ void draw_axes(const Canvas& c, const Plot& plot) {
   }
   c.text(plot.title, c.box.x, 24, 0.6);
   c.text(plot.x_label, c.box.x + c.box.width / 2, c.box.y + c.box.height + 40, 0.45, 0.5);
-  // The label of y stands on its side.
+  // The label of the y axis is rotated by 90 degrees.
   int base = 0;
   const cv::Size extent = cv::getTextSize(plot.y_label, cv::FONT_HERSHEY_SIMPLEX, 0.45, 1, &base);
   if (extent.width > 0) {
@@ -137,7 +137,7 @@ cv::Mat paint(const Plot& plot) {
   find_range(plot, true, xr);
   find_range(plot, false, yr);
   if (plot.equal_aspect) {
-    const double unit = std::max((xr[1] - xr[0]) / c.box.width, (yr[1] - yr[0]) / c.box.height);  // per pixel
+    const double unit = std::max((xr[1] - xr[0]) / c.box.width, (yr[1] - yr[0]) / c.box.height);  // units per pixel
     for (auto [range, pixels] : {std::pair{&xr, c.box.width}, std::pair{&yr, c.box.height}}) {
       const double middle = ((*range)[0] + (*range)[1]) / 2;
       *range = {middle - unit * pixels / 2, middle + unit * pixels / 2};
@@ -145,7 +145,7 @@ cv::Mat paint(const Plot& plot) {
   }
   c.x0 = xr[0], c.x1 = xr[1], c.y0 = yr[0], c.y1 = yr[1];
   draw_axes(c, plot);
-  // What runs out of the box is cut off by drawing into a copy of it.
+  // Drawing into a copy of the box clips everything outside it.
   Canvas inner = c;
   inner.image = c.image.clone();
   for (const PlotSeries& s : plot.series) draw_series(inner, s);

@@ -15,25 +15,25 @@ struct PlotColour {
 
 struct PlotSeries {
   enum class Style { line, dots, marks };
-  std::string label;         // in the legend; empty: not listed
+  std::string label;         // text in the legend; empty: not listed
   std::vector<double> x, y;  // NaN breaks a line
   PlotColour colour;
   Style style = Style::line;
-  double width = 1.5;  // of a line, or radius of dots and marks, pixels
+  double width = 1.5;  // width of a line, or radius of dots and marks, pixels
 };
 
 struct Plot {
   std::string title, x_label, y_label;
   std::vector<PlotSeries> series;
-  bool equal_aspect = false;       // one unit is as long in x as in y: for paths
+  bool equal_aspect = false;       // same scale in x and y, for paths
   int width = 1000, height = 420;  // pixels
-  // The part shown; when first equals second it is taken from the series that are not dots.
+  // The range drawn. When both ends are equal it is computed from the series that are not dots.
   std::array<double, 2> x_range{0, 0}, y_range{0, 0};
 };
 
-// The bytes of a PNG file.
+// Returns the bytes of a PNG file.
 std::string draw(const Plot& plot);
-// One below the other; they must be equally wide.
+// Draws plots one below the other; they must have the same width.
 std::string draw_stacked(const std::vector<Plot>& plots);
 
 }  // namespace covis

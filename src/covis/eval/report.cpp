@@ -23,7 +23,7 @@ std::string path_picture(const ReportInput& in, const Result<Evaluation>& evalua
   points.width = 0.8;
   plot.series.push_back(std::move(points));
   if (evaluation) {
-    // The truth in the estimate's world: the inverse of the alignment, found by aligning the other way.
+    // The ground truth is moved into the world of the estimate by aligning in the opposite direction.
     std::vector<Eigen::Vector3d> estimated, truth;
     for (const ComparedPose& p : evaluation->compared) truth.push_back(p.truth.t());
     size_t next = 0;
@@ -43,7 +43,7 @@ std::string path_picture(const ReportInput& in, const Result<Evaluation>& evalua
   marks.style = PlotSeries::Style::marks;
   marks.width = 3;
   plot.series.push_back(std::move(marks));
-  // Room round the path for the map's points, though not for all of them.
+  // Enlarge the range around the path for the map's points, but not for all of them.
   for (const bool first : {true, false}) {
     double low = 1e300, high = -1e300;
     for (const Eigen::Vector3d& p : path) {
@@ -107,7 +107,7 @@ std::string coverage_picture(const ReportInput& in) {
   return draw(plot);
 }
 
-// Stretches without a pose, with the reason of their first frame.
+// Intervals without a pose, with the reason of their first frame.
 std::string gaps_table(const ReportInput& in) {
   std::string rows;
   for (size_t i = 0; i < in.frames.size();) {

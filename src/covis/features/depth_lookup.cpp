@@ -8,11 +8,11 @@
 namespace covis {
 namespace {
 
-// Pixels of the level to either side at which depth is compared: of 2, 3 and 4 it parts right depths from wrong ones
-// best.
+// Distance, in pixels of the level, at which the depth is compared on both sides. Of 2, 3 and 4 it separates correct
+// depths from wrong ones best.
 constexpr float kReach = 2;
-// How much the inverse depth may bend over twice that, relative. Over a plane it does not bend at all; a depth camera's
-// noise at 3 m bends it by 1 to 2 percent.
+// Largest relative second difference of the inverse depth over twice that distance. It is 0 over a plane; the noise of
+// a depth camera at 3 m makes it 1 to 2 percent.
 constexpr float kMaxBend = 0.04f;
 
 }  // namespace
@@ -27,7 +27,7 @@ float depth_at(ImageView<const float> depth, int x, int y, float scale) {
   for (const auto& [dx, dy] : steps) {
     if (x < dx || x + dx >= depth.width || y < std::abs(dy) || y + std::abs(dy) >= depth.height) continue;
     const float a = depth(x - dx, y - dy), b = depth(x + dx, y + dy);
-    // 1 / a + 1 / b > (2 + kMaxBend) / z; never where a or b is not a number or infinite.
+    // Holds when 1 / a + 1 / b > (2 + kMaxBend) / z; false when a or b is NaN or infinite.
     if (a > 0 && b > 0 && (a + b) * z > (2 + kMaxBend) * a * b) return 0;
   }
   return z;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The depth of a keypoint in a depth image. A keypoint close to the outline of something nearer is a corner of that
-// outline: its pixel often shows what lies behind, and it moves with what lies before. Taken at its word, such depth is
-// too large, and so is every motion measured by it. So there is none there, and views from several places decide.
+// The depth of a keypoint in a depth image. A keypoint close to an occluding edge is a corner of the nearer surface and
+// moves with it, but its pixel often shows the farther surface. Such a depth would be too large, and with it every
+// motion measured by it. Those keypoints therefore get no depth, and triangulation from several views decides.
 #pragma once
 
 #include "covis/core/image.h"
 
 namespace covis {
 
-// Metres along z at pixel (x, y), which lies in the image; 0: none (0, negative or not finite in the image, or close to
-// the outline of something nearer). scale: of the keypoint's level, image pixels a pixel of the level.
+// Returns metres along z at pixel (x, y), which must lie in the image, or 0 for no depth (0, negative or non-finite in
+// the image, or close to an occluding edge). scale: image pixels per pixel of the keypoint's level.
 float depth_at(ImageView<const float> depth, int x, int y, float scale);
 
 }  // namespace covis

@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kCellSize = 30;
 
-// Shares of the levels: proportional to factor^-l, the last level what is left. What a level can't fill goes to the
-// others in proportion, finest first.
+// Feature budget of the levels: proportional to factor^-l, and the remainder for the last level. The budget that a
+// level cannot fill is given to the others in proportion, finest first.
 void share_out(int total, double factor, const std::vector<int>& available, std::vector<int>& share) {
   const size_t levels = available.size();
   share.assign(levels, 0);
@@ -115,7 +115,7 @@ void OrbExtractor::describe(int l) {
   const ImageView<const uint8_t> from = level.view;
   KeyPoints& points = level.keypoints;
   points.clear();
-  points.reserve(static_cast<size_t>(options_.features) + 3);  // memory is used only when they come
+  points.reserve(static_cast<size_t>(options_.features) + 3);  // memory pages are used only when filled
   level.quadtree.distribute(level.corners, kEdgeBorder, kEdgeBorder, from.width - kEdgeBorder,
                             from.height - kEdgeBorder, share_[static_cast<size_t>(l)], level.kept);
   if (level.kept.empty()) return;

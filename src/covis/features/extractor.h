@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keypoints and descriptors of one image. Keeps its pyramid until the next call: stereo matching reads it.
+// Keypoints and descriptors of one image. The pyramid is kept until the next call, because stereo matching reads it.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace covis {
 
-// Keypoints in the image's own pixels, level 0 scale.
+// Returns keypoints in the image's own pixels, at the scale of level 0.
 struct KeyPoints {
   AlignedVector<float> x, y, angle;
   AlignedVector<uint8_t> level;
@@ -27,26 +27,26 @@ class OrbExtractor {
  public:
   explicit OrbExtractor(const OrbOptions& options);
 
-  // No image gives more: each level may go beyond its share by three.
+  // Upper bound on the keypoints of an image: each level may exceed its share by three.
   size_t most_keypoints() const { return static_cast<size_t>(options_.features + 3 * options_.levels); }
   void set_budget(int features) { options_.features = features; }
-  // Sorted by level, then row, then column.
+  // Keypoints are sorted by level, then row, then column.
   const KeyPoints& extract(ImageView<const uint8_t> image);
 
-  // The same in steps, one after the other; detect() and describe() of different levels may run in different threads.
-  void start(ImageView<const uint8_t> image);  // the pyramid
-  void detect(int level);                      // corners
-  void share_budget();                         // keypoints wanted of each level
-  void describe(int level);                    // keypoints and descriptors
-  const KeyPoints& finish();                   // of all levels
+  // The same in steps, to be called in this order; detect() and describe() of different levels may run in parallel.
+  void start(ImageView<const uint8_t> image);  // builds the pyramid
+  void detect(int level);                      // finds the corners of a level
+  void share_budget();                         // sets the number of keypoints wanted on each level
+  void describe(int level);                    // computes the level's keypoints and descriptors
+  const KeyPoints& finish();                   // joins the keypoints of all levels
 
   const KeyPoints& keypoints() const { return keypoints_; }
   int levels() const { return static_cast<int>(levels_.size()); }
-  // Level of the last image; level 0 is the caller's.
+  // Returns a level of the last image's pyramid; level 0 is the caller's image.
   ImageView<const uint8_t> level(int l) const { return levels_[static_cast<size_t>(l)].view; }
-  // Pixels of a level to pixels of the image, and back. Pixel centres are at whole numbers and a level's pixels tile
-  // the same area, so its centre (0, 0) lies half a pixel of the level inside the corner: leaving that out shifts the
-  // keypoints of the coarsest level by more than a pixel.
+  // Conversion between pixels of a level and pixels of the image. Pixel centres lie at integer coordinates and a
+  // level's pixels tile the same area, so its centre (0, 0) lies half a pixel of the level inside the corner. Ignoring
+  // that would shift the keypoints of the coarsest level by more than a pixel.
   Eigen::Vector2f to_image(int l, float x, float y) const {
     const Eigen::Vector2f& s = levels_[static_cast<size_t>(l)].stretch;
     return {(x + 0.5f) * s.x() - 0.5f, (y + 0.5f) * s.y() - 0.5f};
@@ -55,15 +55,15 @@ class OrbExtractor {
     const Eigen::Vector2f& s = levels_[static_cast<size_t>(l)].stretch;
     return {(x + 0.5f) / s.x() - 0.5f, (y + 0.5f) / s.y() - 0.5f};
   }
-  float stretch(int l) const { return levels_[static_cast<size_t>(l)].stretch.x(); }  // image columns a level's pixel
+  float stretch(int l) const { return levels_[static_cast<size_t>(l)].stretch.x(); }  // image columns per level pixel
   const std::shared_ptr<const ScalePyramid>& pyramid() const { return pyramid_; }
 
  private:
-  // With scratch memory of its own: levels are worked on side by side.
+  // One pyramid level, with its own scratch memory because levels are processed in parallel.
   struct Level {
     ImageU8 image;  // empty in level 0
     ImageView<const uint8_t> view;
-    Eigen::Vector2f stretch;  // image pixels a pixel
+    Eigen::Vector2f stretch;  // image pixels per level pixel
     BilinearResizer resizer;
     FastDetector detector;
     std::vector<Corner> corners, kept;
@@ -76,7 +76,7 @@ class OrbExtractor {
   OrbOptions options_;
   std::shared_ptr<const ScalePyramid> pyramid_;
   std::vector<Level> levels_;
-  std::vector<int> available_, share_;  // corners found and wanted, for each level
+  std::vector<int> available_, share_;  // numbers of corners found and wanted, per level
   KeyPoints keypoints_;
 };
 

@@ -27,7 +27,7 @@ constexpr std::array<std::array<int, 2>, 16> kCircle = {{{0, 3},
                                                          {-2, 2},
                                                          {-1, 3}}};
 
-// Where the parabola through three scores has its top, relative to the middle one, which is the greatest.
+// Returns the maximum's offset from the middle of the parabola through three scores; the middle score is the greatest.
 float peak(int before, int at, int after) {
   return 0.5f * static_cast<float>(after - before) / static_cast<float>(2 * at - before - after);
 }
@@ -36,7 +36,7 @@ float peak(int before, int at, int after) {
 
 int fast_score(const uint8_t* pixel, ptrdiff_t stride, int threshold) {
   const int p = *pixel;
-  // Nine in a row always hold one of each opposite pair: two quick looks reject most pixels.
+  // Nine contiguous pixels always contain one of each opposite pair: two quick tests reject most pixels.
   const auto at = [&](size_t k) { return static_cast<int>(pixel[kCircle[k][1] * stride + kCircle[k][0]]) - p; };
   const int d0 = at(0), d8 = at(8), d4 = at(4), d12 = at(12);
   const bool bright = std::max(d0, d8) > threshold && std::max(d4, d12) > threshold;
@@ -63,9 +63,9 @@ void FastDetector::detect(ImageView<const uint8_t> image, int border, int cell_s
   all_.clear();
   const int x0 = border, y0 = border, x1 = image.width - border, y1 = image.height - border;
   if (x1 <= x0 || y1 <= y0) return;
-  // Room for a corner in every sixteenth pixel, memory for which is used only when they come.
+  // Reserves room for a corner at every sixteenth pixel; memory pages are used only when filled.
   for (auto* list : {&all_, &corners}) list->reserve(static_cast<size_t>((x1 - x0) * (y1 - y0) / 16));
-  // Scores outside [x0, x1) x [y0, y1) count too where they neighbour it. Three rows of them are held.
+  // Neighbouring scores outside [x0, x1) x [y0, y1) count too. A ring of three rows is kept.
   scores_.resize(image.width, 3);
   std::memset(scores_.row(0), 0, static_cast<size_t>(3 * scores_.stride()));
   const int sx0 = std::max(3, x0 - 1), sx1 = std::min(image.width - 3, x1 + 1);

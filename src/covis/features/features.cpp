@@ -16,7 +16,7 @@ ScalePyramid::ScalePyramid(int level_count, float scale_factor)
 }
 
 int ScalePyramid::predict_level(float d_max, float distance) const {
-  // The first level whose scale reaches d_max / distance: ceil of the logarithm, without taking one.
+  // Finds the first level whose scale reaches d_max / distance: the ceil of the logarithm without computing one.
   const float ratio = d_max / distance;
   int level = 0;
   while (level + 1 < levels && scale[static_cast<size_t>(level)] < ratio) ++level;
@@ -50,9 +50,9 @@ void FeatureGrid::build(const ImageBounds& image_bounds, const AlignedVector<flo
     const int r = std::clamp(static_cast<int>((y[i] - bounds.min_y) * inv_cell_height), 0, kRows - 1);
     return static_cast<size_t>(r) * kColumns + static_cast<size_t>(c);
   };
-  std::array<uint16_t, kCells> next{};  // how many a cell holds, then the place of its next index
+  std::array<uint16_t, kCells> next{};  // count of each cell, then the position of its next index
   for (size_t i = 0; i < x.size(); ++i) ++next[cell_of(i)];
-  // Every cell writes its offset, empty ones to be overwritten: cheaper than asking.
+  // Every cell writes its offset and the next filled cell overwrites that of an empty one: cheaper than a branch.
   offsets.resize(std::min(x.size(), kCells) + 1);
   size_t cells = 0;
   uint16_t total = 0;

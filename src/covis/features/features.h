@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is kept of an image: keypoints and descriptors in flat arrays, immutable once made and shared by
+// The features of an image: keypoints and descriptors in flat arrays, immutable once made and shared by
 // std::shared_ptr<const Features> (architecture.md, decision 4). Monocular, stereo and RGB-D differ only in u_right and
 // depth. Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, section III-A.
 #pragma once
@@ -30,8 +30,8 @@ inline int hamming(const Descriptor& a, const Descriptor& b) {
 inline constexpr int kHammingHigh = 100;  // greatest distance of a plausible match
 inline constexpr int kHammingLow = 50;    // greatest distance of a safe match
 
-// The scale pyramid's figures. scale[l] = factor^l; sigma2[l] = scale[l]^2, the variance (pixels^2) of a level-l key
-// point.
+// Scale factors of the pyramid. scale[l] = factor^l; sigma2[l] = scale[l]^2, the variance (pixels^2) of a keypoint on
+// level l.
 struct ScalePyramid {
   int levels = 0;
   float factor = 1.2f;
@@ -40,43 +40,43 @@ struct ScalePyramid {
 
   ScalePyramid() = default;
   ScalePyramid(int levels, float factor);
-  // The level at which a point is expected: ceil(log(d_max / distance) / log(factor)), clamped to [0, levels - 1].
+  // Returns the level at which a point is expected: ceil(log(d_max / distance) / log(factor)), in [0, levels - 1].
   int predict_level(float d_max, float distance) const;
 };
 
-// The box of the undistorted image's corners, pixels.
+// Bounding box of the undistorted image corners, pixels.
 struct ImageBounds {
   float min_x = 0, min_y = 0, max_x = 0, max_y = 0;
   bool contains(float x, float y) const { return x >= min_x && x < max_x && y >= min_y && y < max_y; }
 };
 
-inline constexpr int kMaxFeatures = 65535;  // of an image
+inline constexpr int kMaxFeatures = 65535;  // greatest number of keypoints of an image
 
-// Keypoints bucketed by undistorted position. Most cells are empty: only the others have an offset, cells counted by
-// rows. The k-th of them holds indices[offsets[k] .. offsets[k + 1]), in rising order of index.
+// Keypoints bucketed by undistorted position. Most cells are empty, so only filled cells have an offset; they are
+// counted row by row. The k-th filled cell holds indices[offsets[k] .. offsets[k + 1]), in ascending order.
 struct FeatureGrid {
   static constexpr int kColumns = 64, kRows = 48;
   static constexpr size_t kCells = size_t{kColumns} * kRows;
   ImageBounds bounds;
-  float inv_cell_width = 0, inv_cell_height = 0;  // cells a pixel
-  std::array<uint64_t, kRows> filled{};           // bit c of row r: cell (c, r) is not empty
-  std::array<uint16_t, kRows> before{};           // cells that are not empty before row r
-  // Of 16 bits, as every key frame has one: kMaxFeatures is their limit.
-  std::vector<uint16_t> offsets;  // one more than cells that are not empty
+  float inv_cell_width = 0, inv_cell_height = 0;  // cells per pixel
+  std::array<uint64_t, kRows> filled{};           // bit c of row r is set when cell (c, r) is not empty
+  std::array<uint16_t, kRows> before{};           // number of filled cells before row r
+  // 16-bit values because every key frame stores a grid; kMaxFeatures is their limit.
+  std::vector<uint16_t> offsets;  // one per filled cell, and the end
   std::vector<uint16_t> indices;
 
   void build(const ImageBounds& bounds, const AlignedVector<float>& x, const AlignedVector<float>& y);
 };
 
 struct Features {
-  // Empty, with room for so many keypoints; for their raw pixels only when asked.
+  // Removes all keypoints and makes room for `room` of them, and for their raw pixels if the image is distorted.
   void start(size_t room, bool distorted);
 
-  AlignedVector<float> x, y;          // undistorted pixel, level-0 scale, as the camera that was given would see it
-  AlignedVector<float> raw_x, raw_y;  // pixel in the image as it came; empty where x, y are just that: see image_x()
+  AlignedVector<float> x, y;          // undistorted pixels, level-0 scale, in the given camera's pinhole model
+  AlignedVector<float> raw_x, raw_y;  // distorted pixels of the input image; empty when equal to x, y: see image_x()
   AlignedVector<float> angle;         // radians in [0, 2 pi)
-  AlignedVector<float> u_right;       // column in the (real or virtual) right image; negative: none
-  AlignedVector<float> depth;         // metres along z; not positive: none
+  AlignedVector<float> u_right;       // column in the (real or virtual) right image; negative: no measurement
+  AlignedVector<float> depth;         // metres along z; not positive: no measurement
   AlignedVector<uint8_t> level;       // pyramid level
   AlignedVector<Descriptor> descriptor;
   FeatureGrid grid;
@@ -88,7 +88,7 @@ struct Features {
   bool has_depth(int i) const { return depth[static_cast<size_t>(i)] > 0; }
 
   // Calls visit(index) for each keypoint with |x - px| <= radius, |y - py| <= radius and min_level <= level <=
-  // max_level, in a fixed order. Touches only the grid cells under the window.
+  // max_level, in a fixed order. Reads only the grid cells under the window.
   template <class Visit>
   void for_each_in_window(float px, float py, float radius, int min_level, int max_level, Visit&& visit) const {
     const int c0 = std::max(0, static_cast<int>((px - radius - grid.bounds.min_x) * grid.inv_cell_width));
@@ -103,7 +103,7 @@ struct Features {
       const uint64_t filled = grid.filled[static_cast<size_t>(r)];
       const uint16_t* row = grid.offsets.data() + grid.before[static_cast<size_t>(r)];
       const uint32_t first = row[std::popcount(filled & left_of)];
-      const uint32_t last = row[std::popcount(filled & up_to_last)];  // cells of a row are contiguous
+      const uint32_t last = row[std::popcount(filled & up_to_last)];  // the cells of a row are contiguous
       for (uint32_t k = first; k < last; ++k) {
         const uint32_t i = grid.indices[k];
         if (level[i] < min_level || level[i] > max_level) continue;

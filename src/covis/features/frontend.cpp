@@ -13,7 +13,8 @@
 
 namespace covis {
 
-// Both images of a pair, in two threads. (Like the ring below not in the anonymous namespace: Frontend::Impl holds it.)
+// Extracts both images of a stereo pair in two threads. (Outside the anonymous namespace because Frontend::Impl has it
+// as a member; the same holds for the ring below.)
 class PairExtractor {
  public:
   PairExtractor(OrbExtractor& left, OrbExtractor& right)
@@ -37,12 +38,12 @@ class PairExtractor {
   StagedWork work_;
 };
 
-// Features come from here and serve again when nobody holds them any more; the tracker holds those of two frames.
+// Pool of Features objects, reused once nobody holds them; the tracker holds those of two frames.
 class FeaturesRing {
  public:
   std::shared_ptr<Features> next() {
     at_ = (at_ + 1) % ring_.size();
-    // Copying a shared pointer waits for what its last other owner did, in whatever thread.
+    // Copying the shared pointer synchronises with the release by its last other owner, in whatever thread that was.
     std::shared_ptr<Features> copy = ring_[at_];
     if (copy.use_count() == 2) return copy;
     return ring_[at_] = std::make_shared<Features>();
@@ -55,7 +56,7 @@ class FeaturesRing {
 
 namespace {
 
-// The box of the undistorted border.
+// Bounding box of the undistorted image border.
 ImageBounds find_bounds(const Camera& camera) {
   const auto w = static_cast<float>(camera.width), h = static_cast<float>(camera.height);
   if (camera.distortion == Distortion::none) return {0, 0, w, h};
@@ -76,21 +77,20 @@ ImageBounds find_bounds(const Camera& camera) {
     }
   }
   if (!any) return {0, 0, w, h};
-  // A fisheye's corners fly off: what lies farther than an image size outside is of no use.
+  // The corners of a fisheye image map very far out; bounds more than an image size outside are useless.
   return {std::max(box.min_x, -w), std::max(box.min_y, -h), std::min(box.max_x, 2 * w), std::min(box.max_y, 2 * h)};
 }
 
 }  // namespace
 
 Fields fields(OrbOptions& o) {
-  return {
-      {"orb.features", &o.features, "keypoints wanted in an image", 50, 30000},
-      {"orb.levels", &o.levels, "pyramid levels", 1, 16},
-      {"orb.scale_factor", &o.scale_factor, "scale between levels", 1.05, 2},
-      {"orb.fast_threshold", &o.fast_threshold, "FAST contrast, first try in a cell, grey levels", 1, 255},
-      {"orb.fast_threshold_low", &o.fast_threshold_low, "second try where the first found nothing, grey levels", 1,
-       255},
-      {"orb.subpixel", &o.subpixel, "place keypoints at the top of the corner score's parabola, not at the pixel"}};
+  return {{"orb.features", &o.features, "keypoints wanted in an image", 50, 30000},
+          {"orb.levels", &o.levels, "pyramid levels", 1, 16},
+          {"orb.scale_factor", &o.scale_factor, "scale between levels", 1.05, 2},
+          {"orb.fast_threshold", &o.fast_threshold, "FAST contrast, first try in a cell, grey levels", 1, 255},
+          {"orb.fast_threshold_low", &o.fast_threshold_low, "second try where the first found nothing, grey levels", 1,
+           255},
+          {"orb.subpixel", &o.subpixel, "place keypoints at the top of the corner score's parabola, not at the pixel"}};
 }
 
 struct Frontend::Impl {
@@ -114,7 +114,7 @@ struct Frontend::Impl {
   Timing timing;
 };
 
-// Undistorted features of the left extractor's keypoints, without depth.
+// Makes undistorted features from the left extractor's keypoints, without depth.
 std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_image) {
   const KeyPoints& k = left.keypoints();
   std::shared_ptr<Features> f = ring.next();

@@ -14,41 +14,41 @@
 namespace covis {
 
 struct OrbOptions {
-  int features = 1000;         // keypoints wanted in an image
+  int features = 1000;         // number of keypoints wanted in an image
   int levels = 8;              // pyramid levels
-  double scale_factor = 1.2;   // between levels
-  int fast_threshold = 20;     // FAST contrast, first try in a cell
-  int fast_threshold_low = 7;  // second try where the first found nothing
-  bool subpixel = true;        // place keypoints at the top of the corner score's parabola, not at the pixel
+  double scale_factor = 1.2;   // scale between levels
+  int fast_threshold = 20;     // FAST contrast of the first attempt in a cell
+  int fast_threshold_low = 7;  // FAST contrast of the second attempt, where the first found no corner
+  bool subpixel = true;        // place keypoints at the maximum of the corner score's parabola, not at the pixel
 };
 Fields fields(OrbOptions& options);
 
-// Makes Features from images. Owns its scratch memory: an extraction allocates nothing in a steady state.
-// Features are taken back and used again once nobody holds them: who keeps them longer than some frames copies them.
-// Not thread-safe; one per tracker.
+// Makes Features from images. It owns its scratch memory: an extraction allocates nothing in the steady state. Features
+// are reused once nobody holds them, so a user who keeps them for more than a few frames must copy them. Not
+// thread-safe; use one per tracker.
 class Frontend {
  public:
-  // camera: of the (left) image; pinhole.bf must be set for stereo (rectified, no distortion) and RGB-D.
+  // camera: the (left) image's camera. pinhole.bf must be set for stereo (rectified, no distortion) and RGB-D.
   Frontend(const Camera& camera, const OrbOptions& options, Sensor sensor);
   ~Frontend();
   Frontend(const Frontend&) = delete;
   Frontend& operator=(const Frontend&) = delete;
 
-  // Milliseconds the stages of the last call took.
+  // Duration of the stages of the last call, milliseconds.
   struct Timing {
     double extract_ms = 0;  // pyramid, corners, quadtree, orientation, descriptors (for stereo: both images)
     double depth_ms = 0;    // stereo matching or depth look-up
   };
   const Timing& timing() const;
 
-  // Greatest number of keypoints wanted (the monocular initialiser asks for more than tracking does).
+  // Sets the number of keypoints wanted (the monocular initialiser uses more than tracking does).
   void set_feature_budget(int features);
 
   // Images must have the camera's size (asserted; readers check it before).
   FeaturesPtr monocular(ImageView<const uint8_t> image);
-  // A rectified pair; both images are extracted side by side in two threads.
+  // Processes a rectified pair; both images are extracted in parallel by two threads.
   FeaturesPtr stereo(ImageView<const uint8_t> left, ImageView<const uint8_t> right);
-  // depth: metres, registered to the image, same size; 0 or not finite: none.
+  // depth: metres, registered to the image, same size; 0 or non-finite: no measurement.
   FeaturesPtr rgbd(ImageView<const uint8_t> image, ImageView<const float> depth);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hamming distances of one descriptor to many.
+// Hamming distances from one descriptor to many.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace covis {
 
-// out[j] = hamming(a, b[j]) for j in [0, n).
+// Sets out[j] = hamming(a, b[j]) for j in [0, n).
 void hamming_row(const Descriptor& a, const Descriptor* b, int n, uint16_t* out);
 
 }  // namespace covis

@@ -38,7 +38,7 @@ float orientation(const uint8_t* pixel, ptrdiff_t stride) {
 
 namespace {
 
-// The pattern's 512 points, x and y apart for SIMD.
+// The 512 points of the pattern, x and y in separate arrays for SIMD.
 struct PatternPoints {
   alignas(64) std::array<float, 512> x, y;
   constexpr PatternPoints() : x(), y() {

@@ -8,14 +8,15 @@
 
 namespace covis {
 
-inline constexpr int kPatchRadius = 15;  // of the disc whose centroid gives the orientation
-inline constexpr int kEdgeBorder = 19;   // pixels clear of the border, so that a rotated pattern stays inside
+inline constexpr int kPatchRadius = 15;  // radius of the disc whose centroid gives the orientation, pixels
+inline constexpr int kEdgeBorder = 19;   // least distance to the border, pixels, so that a rotated pattern stays inside
 
-// Angle of the intensity centroid round `pixel`, radians in [0, 2 pi). 15 pixels must be there on all sides, 16 to the
-// right.
+// Angle of the intensity centroid around `pixel`, radians in [0, 2 pi). The image must extend at least 15 pixels beyond
+// it on every side, and 16 to the right.
 float orientation(const uint8_t* pixel, ptrdiff_t stride);
 
-// The 256 comparisons round `pixel` of the blurred level, turned by `angle`. 19 pixels must be there on all sides.
+// The 256 comparisons around `pixel` of the blurred level, with the pattern rotated by `angle`. The image must extend
+// at least 19 pixels beyond it on every side.
 Descriptor describe(const uint8_t* pixel, ptrdiff_t stride, float angle);
 
 }  // namespace covis

@@ -81,7 +81,7 @@ void BilinearResizer::resize(ImageView<const uint8_t> from, ImageView<uint8_t> t
     make_groups();
     for (auto& line : lines_) line.resize((columns_.size() + 7) / 8 * 8);
   }
-  held_ = {-1, -1};  // source rows already resized along x
+  held_ = {-1, -1};  // source rows that are resized along x already
   const auto line = [&](int y) {
     const auto slot = static_cast<size_t>(y & 1);
     if (held_[slot] != y) {

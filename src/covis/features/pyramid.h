@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The image pyramid and the blur that descriptors are read from.
+// The image pyramid, and the blur applied before descriptors are read.
 #pragma once
 
 #include <array>
@@ -11,14 +11,14 @@
 
 namespace covis {
 
-// Bilinear, in fixed point: weights of 11 bits, pixel centres mapped as (x + 0.5) * factor - 0.5, borders clamped. For
-// making images smaller by less than 2. Keeps its tables for the next image of the same sizes.
+// Bilinear interpolation in fixed point: weights of 11 bits, pixel centres mapped as (x + 0.5) * factor - 0.5, borders
+// clamped. For reducing images by less than 2. The tables are kept for the next image of the same sizes.
 class BilinearResizer {
  public:
   struct Tap {
-    int index;   // of the first pixel
-    int next;    // of the second
-    int weight;  // of the second, 2^11 = all
+    int index;   // index of the first pixel
+    int next;    // index of the second pixel
+    int weight;  // weight of the second pixel; 2^11 is 1
   };
   void resize(ImageView<const uint8_t> from, ImageView<uint8_t> to);
 
@@ -28,7 +28,7 @@ class BilinearResizer {
 
   int from_width_ = 0, from_height_ = 0, to_width_ = 0, to_height_ = 0;
   std::vector<Tap> columns_, rows_;
-  std::vector<ResizeGroup> groups_;             // the columns for SIMD; empty where 16 bytes do not span eight
+  std::vector<ResizeGroup> groups_;             // columns for SIMD; empty where 16 bytes do not span eight pixels
   std::array<std::vector<uint32_t>, 2> lines_;  // the two source rows in use, resized along x
   std::array<int, 2> held_{};
 };
@@ -43,7 +43,7 @@ class GaussianBlur {
   void apply_scalar(ImageView<const uint8_t> from, ImageU8& to);
 
   std::vector<int16_t> line_;   // SIMD: a row blurred along y
-  std::vector<uint16_t> rows_;  // scalar: 7 rows blurred along x, a ring
+  std::vector<uint16_t> rows_;  // scalar: ring of 7 rows blurred along x
 };
 
 }  // namespace covis

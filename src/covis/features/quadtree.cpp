@@ -80,7 +80,7 @@ void Quadtree::distribute(const std::vector<Corner>& corners, int x0, int y0, in
   if (corners.empty() || budget <= 0) return;
   reserve_ahead(sorted_, corners.size());
   sorted_ = corners;
-  // The result must not depend on the order of input; the detector's is this one already.
+  // The result must not depend on the input order; the detector's output is sorted this way already.
   if (!std::is_sorted(sorted_.begin(), sorted_.end(), before)) std::sort(sorted_.begin(), sorted_.end(), before);
   make_roots(x0, y0, x1, y1);
   for (auto* nodes : {&nodes_, &next_}) reserve_ahead(*nodes, static_cast<size_t>(budget));
@@ -103,7 +103,7 @@ void Quadtree::distribute(const std::vector<Corner>& corners, int x0, int y0, in
       std::swap(nodes_, next_);
       continue;
     }
-    // The last rounds: fullest first, one by one, until the budget is reached.
+    // In the last rounds the fullest nodes are split first, one by one, until the budget is reached.
     sort_by_size();
     next_.clear();
     size_t k = 0;
@@ -118,7 +118,7 @@ void Quadtree::distribute(const std::vector<Corner>& corners, int x0, int y0, in
   }
   best_.clear();
   for (const Node& node : nodes_) {
-    uint32_t best = places_[node.first].index;  // of equals the first: a node's places stay in the order of y, then x
+    uint32_t best = places_[node.first].index;  // the first of equal scores: a node's places are sorted by y, then x
     for (uint32_t k = node.first + 1; k < node.last; ++k) {
       const uint32_t index = places_[k].index;
       if (sorted_[index].score > sorted_[best].score) best = index;

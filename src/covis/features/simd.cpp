@@ -10,7 +10,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "covis/features/simd.cpp"
 #include <hwy/foreach_target.h>
-// after foreach_target
+// must follow foreach_target
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -18,9 +18,9 @@ namespace covis::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Sixteen differences to the circle, all one sign; the greatest of the least of nine in a row, by doubling: runs of 2,
-// 4, 8, then 9. Plain arrays: the standard's are not compiled for the instruction set of this part, and vectors then
-// not made in them.
+// Takes the sixteen differences to the circle, all with the same sign, and returns the greatest minimum of nine
+// contiguous ones, by doubling: runs of 2, 4, 8, then 9. Uses plain arrays because std::array's functions are not
+// compiled for this section's instruction set, and vectors cannot be created in them.
 template <class V>
 HWY_INLINE V best_run(const V* d) {
   V two[16], four[16];
@@ -44,7 +44,7 @@ void FastScoreRow(const uint8_t* pixel, ptrdiff_t stride, int count, int thresho
     const uint8_t* p = pixel + x;
     const V c = hn::LoadU(tag, p);
     const V high = hn::SaturatedAdd(c, t), low = hn::SaturatedSub(c, t);
-    // Nine in a row hold one of each opposite pair.
+    // Nine contiguous pixels contain one of each opposite pair.
     const V p0 = hn::LoadU(tag, p + circle[0]), p8 = hn::LoadU(tag, p + circle[8]);
     const V p4 = hn::LoadU(tag, p + circle[4]), p12 = hn::LoadU(tag, p + circle[12]);
     const V bright = hn::Min(hn::SaturatedSub(hn::Max(p0, p8), high), hn::SaturatedSub(hn::Max(p4, p12), high));
@@ -58,7 +58,7 @@ void FastScoreRow(const uint8_t* pixel, ptrdiff_t stride, int count, int thresho
         down[k] = hn::SaturatedSub(c, q);
       }
       const V best = hn::Max(best_run(up), best_run(down));
-      // best > t ? best - 1 : 0
+      // Computes best > t ? best - 1 : 0.
       const V above = hn::SaturatedSub(best, t);
       score = hn::IfThenElse(hn::Eq(above, hn::Zero(tag)), hn::Zero(tag), hn::Sub(best, one));
     }
@@ -79,7 +79,7 @@ int LocalMaximaRow(const uint8_t* above, const uint8_t* row, const uint8_t* belo
   int found = 0;
   for (int x = 0; x < count; x += step) {
     const V at = hn::LoadU(tag, row + x);
-    if (hn::AllTrue(tag, hn::Eq(at, hn::Zero(tag)))) continue;  // most are no corners
+    if (hn::AllTrue(tag, hn::Eq(at, hn::Zero(tag)))) continue;  // most pixels are no corners
     const auto three = [&](const uint8_t* p) {
       return hn::Max(hn::LoadU(tag, p + x), hn::Max(hn::LoadU(tag, p + x - 1), hn::LoadU(tag, p + x + 1)));
     };
@@ -118,7 +118,7 @@ HWY_EXPORT(FastScoreRow);
 HWY_EXPORT(LocalMaximaRow);
 HWY_EXPORT(HammingRow);
 
-// Best first: Highway numbers the better ones lower.
+// Sorted best first: Highway gives better targets lower numbers.
 template <class Visit>
 void for_each_target(Visit&& visit) {
   hwy::SetSupportedTargetsForTest(0);
@@ -143,7 +143,7 @@ std::vector<std::string> simd_targets() {
 
 bool use_simd_target(std::string_view name) {
   enabled = name != "scalar";
-  int64_t chosen = 0;  // all
+  int64_t chosen = 0;  // 0: all targets
   bool known = name == "best" || name == "scalar";
   for_each_target([&](const std::string& target, int64_t bit) {
     if (target != name) return;

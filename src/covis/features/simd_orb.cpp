@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Patches: the moments orientation comes from, the turned pattern of the descriptor, sums of differences for stereo.
+// Patches: the moments for the orientation, the rotated pattern of the descriptor, sums of differences for stereo.
 #include <array>
 
 #include "covis/features/simd.h"
@@ -7,7 +7,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "covis/features/simd_orb.cpp"
 #include <hwy/foreach_target.h>
-// after foreach_target
+// must follow foreach_target
 #include <hwy/highway.h>
 
 #include "covis/features/simd-inl.h"
@@ -15,7 +15,7 @@
 #ifndef COVIS_FEATURES_MOMENT_WEIGHTS
 #define COVIS_FEATURES_MOMENT_WEIGHTS
 namespace covis {
-// Of the columns -15 ... 16 in each row of the disc: their x, and the row's y; 0 outside.
+// For each row of the disc, the columns -15 ... 16: their x, and the row's y; 0 outside the disc.
 struct MomentWeights {
   alignas(64) std::array<std::array<int16_t, 32>, 16> x{}, y{};
   constexpr MomentWeights() {
@@ -28,7 +28,7 @@ struct MomentWeights {
   }
 };
 inline constexpr MomentWeights kMomentWeights;
-// The 11 columns of a patch.
+// Selects the 11 columns of a patch.
 alignas(16) inline constexpr std::array<uint8_t, 16> kPatchColumns = {255, 255, 255, 255, 255, 255,
                                                                       255, 255, 255, 255, 255};
 }  // namespace covis
@@ -65,7 +65,7 @@ void TurnPoints(const float* x, const float* y, size_t count, float c, float s, 
   const auto pitch = hn::Set(di, stride);
   for (size_t i = 0; i < count; i += hn::Lanes(d)) {
     const auto px = hn::Load(d, x + i), py = hn::Load(d, y + i);
-    // Products rounded each, as in the scalar twin: no fused operations.
+    // Each product is rounded on its own, as in the scalar twin: no fused operations.
     const auto column = hn::ConvertTo(di, hn::Round(hn::Sub(hn::Mul(px, cosine), hn::Mul(py, sine))));
     const auto row = hn::ConvertTo(di, hn::Round(hn::Add(hn::Mul(px, sine), hn::Mul(py, cosine))));
     hn::Store(hn::Add(hn::Mul(row, pitch), column), di, offsets + i);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of the pyramid and of the blur. All sums are of whole numbers and exact, so that order does not matter.
+// Row kernels of the pyramid and of the blur. All sums are exact integers, so the order of summation does not matter.
 #include <array>
 
 #include "covis/features/simd.h"
@@ -7,7 +7,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "covis/features/simd_pyramid.cpp"
 #include <hwy/foreach_target.h>
-// after foreach_target
+// must follow foreach_target
 #include <hwy/highway.h>
 
 #include "covis/features/simd-inl.h"
@@ -17,7 +17,7 @@ namespace covis::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Eight pixels of 16 lanes, or in two steps of 8.
+// Interpolates eight pixels in 16 lanes, or in two steps of 8 lanes.
 template <class D16>
 HWY_INLINE void mix_group(D16 d16, const uint8_t* row, const ResizeGroup& group, int32_t* out) {
   const hn::FixedTag<uint8_t, 16> bytes;
@@ -47,9 +47,9 @@ void ResizeRows(const uint32_t* above, const uint32_t* below, uint32_t weight, i
   const auto step = static_cast<int>(hn::Lanes(d));
   const auto w = hn::Set(d, weight), half = hn::Set(d, 1u << (2 * kResizeBits - 1));
   for (int x = 0; x < width; x += step) {
-    if (x + step > width) x = width - step;  // some pixels twice rather than beyond the row
+    if (x + step > width) x = width - step;  // recomputes some pixels rather than running past the row
     const auto a = hn::LoadU(d, above + x), b = hn::LoadU(d, below + x);
-    // a (2^11 - w) + b w, modulo 2^32
+    // Computes a (2^11 - w) + b w, modulo 2^32.
     const auto sum = hn::Add(hn::Add(hn::ShiftLeft<kResizeBits>(a), hn::Mul(hn::Sub(b, a), w)), half);
     hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(di, hn::ShiftRight<2 * kResizeBits>(sum))), bytes, out + x);
   }
@@ -63,7 +63,7 @@ void BlurRow(const uint8_t* const* rows, int width, int16_t* line, uint8_t* out)
   const hn::Rebind<uint8_t, decltype(d)> bytes;
   const auto step = static_cast<int>(hn::Lanes(d));
   {
-    // Down the columns: up to 65280, kept 32768 lower to fit a signed number.
+    // Vertical pass. Sums reach 65280 and are stored minus 32768 to fit a signed number.
     const auto w0 = hn::Set(d, kGauss[0]), w1 = hn::Set(d, kGauss[1]), w2 = hn::Set(d, kGauss[2]),
                w3 = hn::Set(d, kGauss[3]);
     const auto sign = hn::Set(d, 0x8000);
@@ -79,14 +79,15 @@ void BlurRow(const uint8_t* const* rows, int width, int16_t* line, uint8_t* out)
     line[-k] = line[k];
     line[width - 1 + k] = line[width - 1 - k];
   }
-  // Along the row by pairs of neighbours, even and odd pixels apart: each weighs eight from its first on, the last with
-  // 0.
+  // Horizontal pass over pairs of neighbours, even and odd pixels separately: each pair sum covers eight pixels from
+  // its first one on, the last with weight 0.
   hn::Vec<decltype(di)> w[4];
   for (size_t k = 0; k < 4; ++k) {
     const uint32_t first = kGauss[2 * k], second = k == 3 ? 0 : kGauss[2 * k + 1];
     w[k] = hn::BitCast(di, hn::Set(du32, first | second << 16));
   }
-  const auto bias = hn::Set(d32, 256 * 32768 + 32768);  // what the lowering took away, and half for rounding
+  // Restores the 32768 subtracted above, and adds one half for rounding.
+  const auto bias = hn::Set(d32, 256 * 32768 + 32768);
   for (int x = 0; x < width; x += step) {
     if (x + step > width) x = width - step;
     const auto sums = [&](const int16_t* p) {

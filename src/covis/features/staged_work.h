@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work of several stages, shared by the caller and a helper thread. Each takes the next task when it is free: a helper
-// that gets no core holds nothing up but the task it has.
+// Work in several stages, shared by the caller and a helper thread. Each takes the next task when it is free, so a
+// helper that gets no core delays only the task it holds.
 #pragma once
 
 #include <condition_variable>
@@ -23,7 +23,7 @@ class StagedWork {
   explicit StagedWork(std::vector<Stage> stages)
       : stages_(std::move(stages)), at_(stages_.size()), helper_([this](const std::stop_token& stop) { help(stop); }) {}
 
-  // All tasks of a stage are done before the next begins, and of the last when it returns.
+  // Runs all tasks of a stage before the next stage begins; returns when the last stage is done.
   void run() {
     other_cores_.keep(helper_);
     std::unique_lock lock(mutex_);
@@ -61,10 +61,10 @@ class StagedWork {
   const std::vector<Stage> stages_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  size_t at_;                // stage; guarded by mutex_, as are:
-  int next_ = 0, done_ = 0;  // of its tasks
+  size_t at_;                // current stage; guarded by mutex_, like the next line
+  int next_ = 0, done_ = 0;  // next task of the stage, and number of finished ones
   OtherCores other_cores_;
-  std::jthread helper_;  // last: it uses the rest
+  std::jthread helper_;  // last member: its thread uses the others
 };
 
 }  // namespace covis

@@ -13,13 +13,13 @@
 namespace covis {
 namespace {
 
-constexpr int kHalfPatch = 5;  // of the 11x11 patches compared
-constexpr int kSlide = 5;      // pixels either way
+constexpr int kHalfPatch = 5;  // half width of the 11x11 patches compared
+constexpr int kSlide = 5;      // search range to either side, pixels
 constexpr int kMaxHamming = 75;
 
 using Sads = std::array<int, 2 * kSlide + 1>;
 
-// The patch with top left `a` against those at b, b + 1, ...
+// Compares the patch with top left `a` with those at b, b + 1, ...
 void slide(const uint8_t* a, ptrdiff_t stride_a, const uint8_t* b, ptrdiff_t stride_b, Sads& sad) {
   if (simd_enabled()) return slide_sad(a, stride_a, b, stride_b, sad.data());
   sad.fill(0);
@@ -42,7 +42,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
   depth.assign(l.size(), 0.0f);
   const int height = left.level(0).height;
 
-  // Right keypoints by the rows they may answer: 2 pixels at their scale either way.
+  // Right keypoints by the rows in which they may match: 2 pixels at their scale up and down.
   const auto rows_of = [&](size_t j) {
     const float reach = 2 * pyramid.scale[r.level[j]];
     return std::pair{std::max(0, static_cast<int>(std::floor(r.y[j] - reach))),
@@ -63,7 +63,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
   }
 
   accepted_.clear();
-  const auto max_disparity = static_cast<float>(fx);  // depth of one baseline
+  const auto max_disparity = static_cast<float>(fx);  // disparity of a point at a depth of one baseline
   for (size_t i = 0; i < l.size(); ++i) {
     const auto row = static_cast<size_t>(std::clamp(static_cast<int>(std::lround(l.y[i])), 0, height - 1));
     int best = kMaxHamming;
@@ -81,7 +81,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     }
     if (best_j == r.size()) continue;
 
-    // Sub-pixel, at the left keypoint's level.
+    // Sub-pixel refinement, at the left keypoint's level.
     const int level = l.level[i];
     const auto a = left.level(level), b = right.level(level);
     const Eigen::Vector2f in_a = left.to_level(level, l.x[i], l.y[i]);
@@ -89,7 +89,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     const int xr = static_cast<int>(std::lround(right.to_level(level, r.x[best_j], r.y[best_j]).x()));
     if (xr - kSlide - kHalfPatch < 0 || xr + kSlide + kHalfPatch >= b.width) continue;
     Sads sad;
-    // Of a row of 11 bytes 16 are read: keypoints keep clear of the last rows.
+    // Of each row of 11 bytes 16 are read, which is safe because keypoints stay clear of the last rows.
     slide(a.row(y - kHalfPatch) + xl - kHalfPatch, a.stride, b.row(y - kHalfPatch) + xr - kSlide - kHalfPatch, b.stride,
           sad);
     const int at = static_cast<int>(std::min_element(sad.begin(), sad.end()) - sad.begin()) - kSlide;
@@ -101,7 +101,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     if (!(curvature > 0)) continue;
     const float offset = (s0 - s2) / (2 * curvature);
     if (std::abs(offset) > 1) continue;
-    // Between the patches, that is between whole pixels: the keypoints' own fractions do not enter.
+    // The disparity is that between the patches, at integer pixels: the keypoints' own fractions do not enter.
     float disparity = (static_cast<float>(xl - xr - at) - offset) * left.stretch(level);
     if (disparity < 0 || disparity > max_disparity) continue;
     disparity = std::max(disparity, 0.01f);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Matches the keypoints of a rectified pair along rows (algorithms.md §1; ORB-SLAM2, T-RO 2017, section III-A).
+// Matches the keypoints of a rectified pair along image rows (algorithms.md §1; ORB-SLAM2, T-RO 2017, section III-A).
 #pragma once
 
 #include <vector>
@@ -10,14 +10,14 @@ namespace covis {
 
 class StereoMatcher {
  public:
-  // For each left keypoint its column in the right image (sub-pixel), or -1, and its depth in metres, or 0. bf: pixels
-  // x metres.
+  // Gives for each left keypoint its column in the right image (sub-pixel) or -1, and its depth in metres or 0. bf:
+  // pixels x metres.
   void match(const OrbExtractor& left, const OrbExtractor& right, double fx, double bf, AlignedVector<float>& u_right,
              AlignedVector<float>& depth);
 
  private:
   std::vector<uint32_t> row_offsets_, row_items_, next_;
-  std::vector<std::pair<int, uint32_t>> accepted_;  // SAD, left index
+  std::vector<std::pair<int, uint32_t>> accepted_;  // SAD and index of the left keypoint
 };
 
 }  // namespace covis

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For tests: features made by hand, with every array filled as the front end fills them for a camera
-// without distortion.
+// For tests: hand-made features, with every array filled as the front end fills it for a camera without distortion.
 #pragma once
 
 #include <memory>
@@ -14,7 +13,7 @@ inline Descriptor random_descriptor(Random& random) {
   return {{random.next(), random.next(), random.next(), random.next()}};
 }
 
-// Without keypoints.
+// Makes features without keypoints.
 inline Features no_features() {
   Features f;
   f.pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
@@ -26,7 +25,7 @@ struct TestKeyPoint {
   int level = 0;
   Descriptor descriptor{};
   double angle = 0;
-  double depth = 0, u_right = -1;  // where one is given, the other follows
+  double depth = 0, u_right = -1;  // either one may be given; the other is computed
 };
 
 // bf: pixels of disparity at a depth of one metre (Pinhole::bf).
@@ -40,10 +39,10 @@ inline void add(Features& f, const TestKeyPoint& k, double bf = 40) {
   f.descriptor.push_back(k.descriptor);
 }
 
-// To be called after the last keypoint.
+// Must be called after the last keypoint.
 inline void finish(Features& f, const ImageBounds& bounds = {0, 0, 640, 480}) { f.grid.build(bounds, f.x, f.y); }
 
-// Anywhere in an image of 640 x 480, of all levels, all of one depth (0: none).
+// Adds keypoints at random positions of a 640 x 480 image, on all levels, all with one depth (0: none).
 inline FeaturesPtr random_features(Random& random, int count, double depth) {
   auto f = std::make_shared<Features>(no_features());
   for (int i = 0; i < count; ++i) {

@@ -9,7 +9,7 @@
 
 namespace covis {
 
-// Boxes of many sizes and grey levels, a little smoothed, with some noise; moved left by `shift` pixels.
+// Draws boxes of many sizes and grey levels, slightly smoothed, with some noise; shifted left by `shift` pixels.
 inline ImageU8 texture(int width, int height, uint64_t seed, int shift = 0) {
   Random random(seed);
   Image<float> plain(width, height);

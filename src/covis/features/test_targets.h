@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For tests: the same by every instruction set.
+// For tests: compares the results of all instruction sets.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 namespace covis {
 
-// Runs `check` with every instruction set this machine and this build have, and with the scalar twins.
+// Runs `check` with every instruction set that this machine and this build support, and with the scalar twins.
 template <class Check>
 void for_each_target(Check&& check) {
   for (const std::string& target : simd_targets()) {
@@ -21,7 +21,7 @@ void for_each_target(Check&& check) {
   use_simd_target("best");
 }
 
-// What `make` returns by the scalar twins; every target must return the same.
+// Checks that make() returns the same with every target as with the scalar twins.
 template <class Make>
 void expect_scalar_twin(Make&& make) {
   use_simd_target("scalar");

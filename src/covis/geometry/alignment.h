@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The similarity or rigid motion that best takes one set of points to another. Source: Horn, JOSA A 1987; Umeyama,
+// The similarity or rigid transform that best maps one point set to another. Source: Horn, JOSA A 1987; Umeyama,
 // "Least-squares estimation of transformation parameters between two point patterns", PAMI 1991, eq. 40 to 43.
 #pragma once
 
@@ -11,15 +11,15 @@
 namespace covis {
 
 struct Alignment {
-  SE3 T_ba;  // with `scale`: b ~ scale * R * a + t
+  SE3 T_ba;  // for alignment with `scale`: b ~ scale * R * a + t
   double scale = 1;
-  double rmse = 0;     // of the distances left
-  bool unique = true;  // false: the points lie on a line, the rotation about it is arbitrary
+  double rmse = 0;     // root mean square of the remaining distances
+  bool unique = true;  // false: the points lie on a line, and the rotation about it is arbitrary
 
   Eigen::Vector3d operator*(const Eigen::Vector3d& a) const { return scale * (T_ba.R() * a) + T_ba.t(); }
 };
 
-// Nothing for fewer than 3 points, sets of different sizes, points that are not finite or all coincide.
+// Returns nullopt for fewer than 3 points, sets of different sizes, non-finite points, or points that all coincide.
 std::optional<Alignment> align(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b, bool with_scale);
 
 }  // namespace covis

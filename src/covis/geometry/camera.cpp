@@ -10,11 +10,11 @@
 namespace covis {
 namespace {
 
-// Distorted normalised coordinates of ideal ones, and their Jacobian.
+// Distorts ideal normalised coordinates; also gives the Jacobian.
 Eigen::Vector2d brown_conrady(const std::array<double, 5>& k, const Eigen::Vector2d& m, Eigen::Matrix2d& J) {
   const double x = m.x(), y = m.y(), r2 = x * x + y * y;
   const double radial = 1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
-  const double slope = 2 * (k[0] + r2 * (2 * k[1] + r2 * 3 * k[4]));  // d radial / d r2, times 2
+  const double slope = 2 * (k[0] + r2 * (2 * k[1] + r2 * 3 * k[4]));  // 2 * d radial / d r2
   const double p1 = k[2], p2 = k[3];
   J(0, 0) = radial + x * x * slope + 2 * p1 * y + 6 * p2 * x;
   J(0, 1) = x * y * slope + 2 * p1 * x + 2 * p2 * y;
@@ -23,14 +23,15 @@ Eigen::Vector2d brown_conrady(const std::array<double, 5>& k, const Eigen::Vecto
   return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
 }
 
-// theta_d of theta and its slope (Kannala and Brandt, eq. 6).
+// theta_d as a function of theta, and its derivative (Kannala and Brandt, eq. 6).
 double kannala_brandt(const std::array<double, 5>& k, double theta, double& slope) {
   const double t2 = theta * theta;
   slope = 1 + t2 * (3 * k[0] + t2 * (5 * k[1] + t2 * (7 * k[2] + t2 * 9 * k[3])));
   return theta * (1 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3]))));
 }
 
-// Newton from the distorted point; nothing when it does not converge or lands beyond the fold of the lens polynomial.
+// Newton iteration from the distorted point. Returns nullopt when it does not converge or ends beyond the fold of the
+// lens polynomial.
 std::optional<Eigen::Vector2d> undo_brown_conrady(const std::array<double, 5>& k, const Eigen::Vector2d& distorted) {
   Eigen::Vector2d m = distorted;
   Eigen::Matrix2d J;
@@ -71,7 +72,7 @@ std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& p, Eigen::
     const double theta = std::atan2(r, p.z());
     double slope;
     const double theta_d = kannala_brandt(coefficients, theta, slope);
-    if (!(slope > 0)) return std::nullopt;  // beyond the lens
+    if (!(slope > 0)) return std::nullopt;  // the angle is beyond the range of the lens model
     if (r < 1e-12) {
       if (!(p.z() > 0)) return std::nullopt;
       if (J) *J << f.x() / p.z(), 0, 0, 0, f.y() / p.z(), 0;
@@ -99,7 +100,7 @@ std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& p, Eigen::
   }
   Eigen::Matrix2d J_d;
   const Eigen::Vector2d d = brown_conrady(coefficients, m, J_d);
-  if (!(J_d.determinant() > 0)) return std::nullopt;  // the polynomial has folded over: no lens does that
+  if (!(J_d.determinant() > 0)) return std::nullopt;  // the polynomial has folded over, which no real lens does
   if (J) *J = f.asDiagonal() * J_d * J_m;
   return f.cwiseProduct(d) + c;
 }

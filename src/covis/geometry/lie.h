@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the groups share: the function (e^M - I) M^-1 = sum M^k / (k + 1)! of a square matrix. Of a group's tangent
-// matrix it is the V (or W) of exp's translation; of its adjoint matrix ad(xi) it is the left Jacobian.
+// Common code of the Lie groups: the function (e^M - I) M^-1 = sum M^k / (k + 1)! of a square matrix. For a group's
+// tangent matrix it is the V (or W) of exp's translation; for its adjoint matrix ad(xi) it is the left Jacobian.
 // Source: Higham, "Functions of Matrices", 2008, section 10.7.4: halving and doubling,
 // phi(2 M) = (e^M + I) phi(M) / 2; Strasdat, "Local accuracy and global consistency for efficient visual SLAM", 2012.
 #pragma once
@@ -15,7 +15,7 @@ Eigen::Matrix<double, N, N> phi_function(Eigen::Matrix<double, N, N> M) {
   int halvings = 0;
   for (double norm = M.cwiseAbs().maxCoeff(); norm > 0.25; norm /= 2) ++halvings;
   M *= 1.0 / (1 << halvings);
-  // Horner: 14 terms leave less than rounding for a norm of N / 4.
+  // Horner scheme: with 14 terms the truncation error is below rounding for a norm of N / 4.
   Matrix phi = Matrix::Identity();
   for (int k = 15; k >= 2; --k) phi = Matrix::Identity() + M * phi / k;
   Matrix power = Matrix::Identity() + M * phi;  // e^M

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The measurement of a point by a camera: z = h(p_c) = (u, v, u - bf / depth), of which the third row is there only with
-// a stereo or depth sensor. This is the one place that knows h for a pinhole camera (the pose optimisation has it once
-// more, in the order of operations that is fastest): searches, checks and solvers all call it, so that another camera
-// model has one place to go. Units: metres and pixels. Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, eq. 3, 4.
+// The measurement of a point by a camera: z = h(p_c) = (u, v, u - bf / depth); the third row exists only with a stereo
+// or depth sensor. Searches, checks and solvers all call this h, so that another camera model needs changes in one
+// place only. (The pose optimisation alone repeats it, in the order of operations that is fastest.) Units: metres and
+// pixels. Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, eq. 3, 4.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,20 +22,20 @@ struct PredictedMeasurement {
   double disparity = 0;  // pixels; 0 without a baseline
 };
 
-// h(p_c) of a point in front of the camera.
+// Evaluates h(p_c) for a point in front of the camera.
 inline PredictedMeasurement predict_measurement(const Eigen::Vector3d& p_c, const Pinhole& camera) {
   const double iz = 1 / p_c.z();
   return {camera.fx * p_c.x() * iz + camera.cx, camera.fy * p_c.y() * iz + camera.cy, camera.bf * iz};
 }
 
-// z - h(p_c); row 2 is 0 without u_right (negative).
+// Evaluates z - h(p_c); row 2 is 0 when u_right is negative.
 inline Eigen::Vector3d reprojection_residual(const Eigen::Vector3d& p_c, const Pinhole& camera, float u, float v,
                                              float u_right) {
   const PredictedMeasurement h = predict_measurement(p_c, camera);
   return {u - h.u, v - h.v, u_right >= 0 ? u_right - (h.u - h.disparity) : 0.0};
 }
 
-// The 95 % bound of a measurement's squared residual over its variance.
+// The 95 % bound on a measurement's squared residual divided by its variance.
 inline double chi2_bound(float u_right) { return u_right >= 0 ? kChi2Stereo : kChi2Mono; }
 
 }  // namespace covis

@@ -11,7 +11,7 @@
 namespace covis {
 namespace {
 
-// Real roots of sum c[k] v^k, degree 4 (or less when c[4] vanishes).
+// Real roots of sum c[k] v^k, of degree 4 or, when c[4] vanishes, less.
 int real_roots(const std::array<double, 5>& c, std::array<double, 4>& roots) {
   if (!(std::abs(c[4]) > 1e-14)) return 0;
   Eigen::Matrix4d companion = Eigen::Matrix4d::Zero();
@@ -24,7 +24,7 @@ int real_roots(const std::array<double, 5>& c, std::array<double, 4>& roots) {
     const std::complex<double> root = solver.eigenvalues()(k);
     if (std::abs(root.imag()) > 1e-4 * (1 + std::abs(root.real()))) continue;
     double v = root.real();
-    for (int i = 0; i < 3; ++i) {  // polish
+    for (int i = 0; i < 3; ++i) {  // Newton steps
       const double f = c[0] + v * (c[1] + v * (c[2] + v * (c[3] + v * c[4])));
       const double slope = c[1] + v * (2 * c[2] + v * (3 * c[3] + v * 4 * c[4]));
       if (slope == 0) break;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera's pose from points of known place, without a guess. Source of the minimal solver: Grunert 1841, as given by
+// A camera's pose from known points, without an initial guess. Source of the minimal solver: Grunert 1841, as given by
 // Haralick, Lee, Ottenberg, Nölle, "Review and analysis of solutions of the three point perspective pose estimation
 // problem", IJCV 1994, section 3.1; RANSAC: Fischler and Bolles, CACM 1981.
 #pragma once
@@ -14,8 +14,8 @@
 
 namespace covis {
 
-// Poses T_cw that show the three world points along the three rays (camera coordinates, any length). Returns how many,
-// at most 4.
+// Computes the poses T_cw that see the three world points along the three rays (camera coordinates, any length).
+// Returns their number, at most 4.
 int solve_p3p(const std::array<Eigen::Vector3d, 3>& points_w, const std::array<Eigen::Vector3d, 3>& rays,
               std::array<SE3, 4>& T_cw);
 
@@ -36,8 +36,8 @@ struct PnpResult {
   int inliers = 0;
 };
 
-// The pose most observations agree with (chi-square 5.991), of at most 300 samples, fewer when 99 % sure; nothing with
-// fewer than 4 observations or `min_inliers` agreeing. The same seed gives the same result.
+// The pose with the most inliers (chi-square 5.991) of at most 300 samples, fewer once 99 % sure. Returns nullopt for
+// fewer than 4 observations or fewer than `min_inliers` inliers. The same seed gives the same result.
 std::optional<PnpResult> ransac_pnp(const PnpProblem& problem, const Pinhole& camera, uint64_t seed,
                                     int min_inliers = 10);
 

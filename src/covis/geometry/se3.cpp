@@ -8,7 +8,7 @@
 namespace covis {
 namespace {
 
-// sin(x)/x, (1 - cos x)/x^2, (x - sin x)/x^3 with their Taylor series near 0.
+// Evaluates sin(x)/x, (1 - cos x)/x^2 and (x - sin x)/x^3, by their Taylor series near 0.
 struct Coefficients {
   double a, b, c;
   explicit Coefficients(double theta2) {

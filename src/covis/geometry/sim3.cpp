@@ -9,7 +9,7 @@
 namespace covis {
 namespace {
 
-// The rotation and scale part of the tangent matrix.
+// The rotation and scale block of the tangent matrix.
 Eigen::Matrix3d tangent_matrix(const Eigen::Vector3d& phi, double sigma) {
   Eigen::Matrix3d M = hat(phi);
   M.diagonal().array() += sigma;

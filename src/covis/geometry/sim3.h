@@ -33,8 +33,8 @@ class Sim3 {
     return {Rt, -(Rt * t_) / scale_, 1 / scale_};
   }
 
-  // The camera pose among those of this similarity: a camera sees the same pixels when its world is scaled, so
-  // [s R, t] and [R, t / s] are the same view.
+  // The rigid camera pose that is equivalent to this similarity: a camera sees the same pixels when its world is
+  // scaled, so [s R, t] and [R, t / s] are the same view.
   SE3 as_pose() const { return SE3(R_, Eigen::Vector3d(t_ / scale_)).normalized(); }
   Sim3 normalized() const { return {Eigen::Quaterniond(R_).normalized().toRotationMatrix(), t_, scale_}; }
   bool all_finite() const { return R_.allFinite() && t_.allFinite() && std::isfinite(scale_) && scale_ > 0; }

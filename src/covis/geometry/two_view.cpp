@@ -15,13 +15,13 @@
 namespace covis {
 namespace {
 
-constexpr double kChi2Homography = 5.991;   // 2 degrees of freedom, 95 %
-constexpr double kChi2Fundamental = 3.841;  // 1 degree of freedom
-constexpr double kScoreCap = 5.991;         // both, so that scores compare
+constexpr double kChi2Homography = 5.991;   // bound for 2 degrees of freedom, 95 %
+constexpr double kChi2Fundamental = 3.841;  // bound for 1 degree of freedom, 95 %
+constexpr double kScoreCap = 5.991;         // used for both models, so that their scores are comparable
 
 using Points = std::vector<Eigen::Vector2d>;
 
-// Shift and scale to mean 0 and mean distance sqrt(2) (Hartley and Zisserman, 4.4.4).
+// Shifts and scales points to mean 0 and mean distance sqrt(2) (Hartley and Zisserman, 4.4.4).
 Eigen::Matrix3d normalisation(const Points& points) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const auto& p : points) mean += p;
@@ -44,7 +44,7 @@ Eigen::Matrix3d smallest(const Matrix9d& AtA) {
   return m;
 }
 
-// b ~ H a over the given matches of normalised points.
+// Fits H with b ~ H a to the given matches of normalised points.
 Eigen::Matrix3d fit_homography(const Points& a, const Points& b, const std::vector<size_t>& use) {
   Matrix9d AtA = Matrix9d::Zero();
   for (const size_t i : use) {
@@ -57,7 +57,7 @@ Eigen::Matrix3d fit_homography(const Points& a, const Points& b, const std::vect
   return smallest(AtA);
 }
 
-// b' F a = 0, of rank 2.
+// Fits F with b' F a = 0, of rank 2.
 Eigen::Matrix3d fit_fundamental(const Points& a, const Points& b, const std::vector<size_t>& use) {
   Matrix9d AtA = Matrix9d::Zero();
   for (const size_t i : use) {
@@ -72,7 +72,7 @@ Eigen::Matrix3d fit_fundamental(const Points& a, const Points& b, const std::vec
   return svd.matrixU() * w.asDiagonal() * svd.matrixV().transpose();
 }
 
-// Score of a model, capped both ways (ORB-SLAM, eq. 2), and its inliers.
+// Score of a model, truncated in both images (ORB-SLAM, eq. 2), and its inliers.
 struct Score {
   double value = 0;
   std::vector<uint8_t> inlier;
@@ -122,8 +122,8 @@ std::vector<size_t> indices_of(const std::vector<uint8_t>& flags) {
   return indices;
 }
 
-// The 8 motions of a homography of calibrated coordinates (Faugeras and Lustman), |t| = 1; none when its singular
-// values are not distinct.
+// The 8 motions of a homography of calibrated coordinates (Faugeras and Lustman), |t| = 1. Returns none when the
+// singular values of the homography are not distinct.
 std::vector<SE3> motions_of_homography(const Eigen::Matrix3d& H, const Eigen::Matrix3d& K) {
   const Eigen::Matrix3d A = K.inverse() * H * K;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -136,14 +136,14 @@ std::vector<SE3> motions_of_homography(const Eigen::Matrix3d& H, const Eigen::Ma
                x3 = std::sqrt((d2 * d2 - d3 * d3) / (d1 * d1 - d3 * d3));
   for (const double e1 : {1.0, -1.0}) {
     for (const double e3 : {1.0, -1.0}) {
-      // d' = d2
+      // the case d' = d2
       const double sin_t = e1 * e3 * std::sqrt((d1 * d1 - d2 * d2) * (d2 * d2 - d3 * d3)) / ((d1 + d3) * d2);
       const double cos_t = (d2 * d2 + d1 * d3) / ((d1 + d3) * d2);
       Eigen::Matrix3d R;
       R << cos_t, 0, -sin_t, 0, 1, 0, sin_t, 0, cos_t;
       const Eigen::Vector3d t = U * Eigen::Vector3d(e1 * x1, 0, -e3 * x3);
       motions.emplace_back(Eigen::Matrix3d(s * U * R * V.transpose()), t.normalized());
-      // d' = -d2
+      // the case d' = -d2
       const double sin_p = e1 * e3 * std::sqrt((d1 * d1 - d2 * d2) * (d2 * d2 - d3 * d3)) / ((d1 - d3) * d2);
       const double cos_p = (d1 * d3 - d2 * d2) / ((d1 - d3) * d2);
       R << cos_p, 0, sin_p, 0, -1, 0, sin_p, 0, -cos_p;
@@ -176,9 +176,10 @@ struct Trial {
   double parallax_deg = 0;
 };
 
-// How many of the inliers a motion explains: in front of both cameras, near both pixels.
+// Counts the inliers that a motion explains: in front of both cameras and with small residuals in both images.
 Trial try_motion(const SE3& T_21, const TwoViewMatches& m, const std::vector<uint8_t>& inlier, const Pinhole& camera) {
-  constexpr double kMinParallaxCos = 0.99998;  // farther points may be behind without harm, but give no parallax
+  // Points farther away may lie behind a camera without harm, but give no parallax.
+  constexpr double kMinParallaxCos = 0.99998;
   constexpr double kMaxChi2 = 4;
   Trial trial;
   trial.T_21 = T_21;
@@ -251,7 +252,7 @@ TwoViewResult reconstruct_two_views(const TwoViewMatches& m, const Pinhole& came
       F = f;
     }
   }
-  // Again over all that agree, while it gets better.
+  // Refits to all inliers as long as the score improves.
   for (int k = 0; k < 5 && score_h.count >= 8; ++k) {
     const Eigen::Matrix3d h = homography(indices_of(score_h.inlier));
     Score s = score_homography(h, m);

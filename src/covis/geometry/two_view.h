@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Structure and motion from two views without a prior: homography or fundamental matrix, whichever explains the
-// matches. Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section IV; Hartley and Zisserman, "Multiple
+// Structure and motion from two views without a prior, from a homography or a fundamental matrix, whichever fits the
+// matches better. Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section IV; Hartley and Zisserman,
+// "Multiple
 // View Geometry", 2004, sections 4.1, 4.4 (normalised DLT), 9.6, 11.2 (8 points); Faugeras and Lustman, "Motion and
 // structure from motion in a piecewise planar environment", 1988.
 #pragma once
@@ -15,17 +16,18 @@
 namespace covis {
 
 struct TwoViewMatches {
-  std::vector<Eigen::Vector2d> a, b;  // undistorted pixels of the first and the second view
+  std::vector<Eigen::Vector2d> a, b;  // undistorted pixels in the first and the second view
   std::vector<double> sigma2;         // variance of each match, pixels^2; empty: 1 for all
 };
 
 struct TwoViewOptions {
-  int iterations = 200;            // RANSAC samples of 8
-  double homography_ratio = 0.45;  // S_H / (S_H + S_F) above which the homography is taken
+  int iterations = 200;            // number of RANSAC samples of 8 matches
+  double homography_ratio = 0.45;  // S_H / (S_H + S_F) above which the homography is used
   double min_parallax_deg = 1.0;
-  int min_points = 50;          // triangulated points of an accepted motion
-  double min_good_share = 0.9;  // of the model's inliers that the best motion must triangulate
-  double clear_winner = 0.75;   // the second-best motion may have no more than this share of the best one's points
+  int min_points = 50;          // least number of triangulated points of an accepted motion
+  double min_good_share = 0.9;  // least share of the model's inliers that the best motion must triangulate
+  // Largest allowed number of points of the second-best motion, relative to that of the best.
+  double clear_winner = 0.75;
   uint64_t seed = 0;
 };
 
@@ -51,12 +53,12 @@ constexpr std::string_view name(TwoViewStatus status) {
 
 struct TwoViewResult {
   TwoViewStatus status = TwoViewStatus::too_few_matches;
-  SE3 T_21;                               // first camera to second, |t| = 1
-  std::vector<Eigen::Vector3d> points_1;  // for each match, first camera's coordinates
-  std::vector<uint8_t> triangulated;      // for each match
-  bool homography = false;                // the model taken
+  SE3 T_21;                               // maps camera 1 to camera 2 coordinates, |t| = 1
+  std::vector<Eigen::Vector3d> points_1;  // one per match, in the first camera's coordinates
+  std::vector<uint8_t> triangulated;      // one per match: 1 when points_1 is valid
+  bool homography = false;                // true: motion from the homography; false: from the fundamental matrix
   double score_h = 0, score_f = 0;
-  double parallax_deg = 0;  // that a quarter of the points exceed, and 50 at least
+  double parallax_deg = 0;  // n-th largest parallax of a point, degrees; n: a quarter of the points, at least 50
 };
 
 TwoViewResult reconstruct_two_views(const TwoViewMatches& matches, const Pinhole& camera,

@@ -23,7 +23,7 @@ const char* model_name(Distortion distortion) {
   return "";
 }
 
-// The plain values of the file; model and distortion are read apart.
+// The scalar values of the file; model and distortion are read separately.
 struct Values {
   int width = 0, height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0, baseline = 0, bf = 0, fps = 0, depth_scale = 0;

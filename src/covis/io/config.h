@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings files: YAML in, checked against the list of fields (core/fields.h), and out again.
+// Settings files: YAML that is read, checked against the list of fields (core/fields.h), and written.
 #pragma once
 
 #include <filesystem>
@@ -11,11 +11,11 @@
 namespace covis::io {
 
 // Sets the fields named in a YAML file; a dotted name is a nested map ("orb: {features: 2000}" or "orb.features:
-// 2000"). Errors name the file, the line, the key, and what would be right.
+// 2000"). Errors name the file, the line, the key, and the accepted values.
 Result<void> load_settings(const std::filesystem::path& file, const Fields& fields);
 
-// All fields with their present values as YAML, each with its meaning and range as a comment. load_settings() reads it
-// back.
+// Returns all fields with their current values as YAML, each with its meaning and range as a comment. load_settings()
+// can read it.
 std::string dump_settings(const Fields& fields);
 
 }  // namespace covis::io

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes frames ahead of their use in a thread of its own, into memory that comes back for reuse.
+// Decodes frames ahead of their use in a thread of its own, into recycled memory.
 #pragma once
 
 #include <algorithm>
@@ -18,13 +18,13 @@ namespace covis::io {
 class DecodeAhead {
  public:
   using Item = Result<std::optional<Frame>>;
-  // The next frame into the given memory; nothing at the end.
+  // Decodes the next frame into the given memory; returns nullopt at the end.
   using Decode = std::function<Item(Frame)>;
-  // What to do when frames come faster than they are taken: wait (recordings), or go on and drop those not taken (live
-  // cameras: what is taken is never older than a frame).
+  // Behaviour when frames arrive faster than they are taken: wait (recordings), or go on and drop frames (live cameras,
+  // so that a taken frame is never older than one frame interval).
   enum class WhenFull { wait, drop_old };
 
-  // `ahead`: frames that may lie ready.
+  // ahead: greatest number of decoded frames in the queue.
   DecodeAhead(Decode decode, int ahead, WhenFull when_full = WhenFull::wait)
       : ahead_(static_cast<size_t>(std::max(1, ahead))), when_full_(when_full), decode_(std::move(decode)) {
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
@@ -47,12 +47,12 @@ class DecodeAhead {
   static bool is_end(const Item& item) { return item && !*item; }
 
   void keep_memory(Frame frame) {
-    // Never more than the frames that are ready, taken and being decoded.
+    // Keeps no more than the frames that are ready, taken and being decoded.
     if (!frame.image.empty() && free_.size() < ahead_ + 2) free_.push_back(std::move(frame));
   }
 
   void run(const std::stop_token& stop) {
-    if (when_full_ == WhenFull::wait) lower_thread_priority();  // a live camera's frame is wanted at once
+    if (when_full_ == WhenFull::wait) lower_thread_priority();  // a live camera's frame is needed at once
     for (bool end = false; !end && !stop.stop_requested();) {
       Item item = decode_(free_memory());
       end = is_end(item);
@@ -72,7 +72,7 @@ class DecodeAhead {
     return memory;
   }
 
-  // Frames only: an error or the end is always told.
+  // Drops frames only: errors and the end are always reported.
   void drop_frames() {
     for (Item& item : ready_) {
       if (item && *item) keep_memory(std::move(**item));
@@ -87,8 +87,8 @@ class DecodeAhead {
   std::condition_variable_any changed_;
   std::deque<Item> ready_;   // guarded by mutex_
   std::vector<Frame> free_;  // guarded by mutex_
-  bool ended_ = false;       // of the taker alone
-  std::jthread thread_;      // last: it uses the rest
+  bool ended_ = false;       // used by the consumer thread only
+  std::jthread thread_;      // last member: it uses the others
 };
 
 }  // namespace covis::io

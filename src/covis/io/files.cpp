@@ -23,7 +23,7 @@ Result<void> read_bytes(const std::filesystem::path& file, std::string& bytes) {
   if (std::filesystem::is_directory(file, none)) return fail(file.string() + ": it is a folder, a file is wanted");
   const int handle = open(file.c_str(), O_RDONLY | O_CLOEXEC);
   if (handle < 0) return fail(file.string() + ": it can't be opened: " + std::strerror(errno));
-  // The size is a guess only: files of /proc and pipes have none.
+  // The size is only a hint: files of /proc and pipes have none.
   const auto guess = std::filesystem::file_size(file, none);
   bytes.resize(none ? 0 : static_cast<size_t>(guess) + 1);
   size_t done = 0;
@@ -66,7 +66,7 @@ std::optional<double> parse_double(std::string_view text) {
 
 namespace {
 
-// A decimal number as digits, with the number of them before the point: "-1.25e1" is negative, "125", 2.
+// A decimal number as its digits and the number of digits before the point: "-1.25e1" is negative, "125", 2.
 struct Decimal {
   bool negative = false;
   std::string digits;
@@ -74,7 +74,7 @@ struct Decimal {
 };
 
 std::optional<Decimal> parse_decimal(std::string_view text) {
-  if (!parse_double(text)) return std::nullopt;  // from here on it is known to be a finite number
+  if (!parse_double(text)) return std::nullopt;  // ensures a finite number for the code below
   Decimal decimal;
   if (text.front() == '-' || text.front() == '+') {
     decimal.negative = text.front() == '-';
@@ -104,9 +104,9 @@ std::optional<Timestamp> parse_stamp(std::string_view text, WholeStamp whole) {
   if (!decimal) return std::nullopt;
   const bool plain = text.find_first_of(".eE") == std::string_view::npos;
   const bool nanoseconds = decimal->point >= 16 || (plain && whole == WholeStamp::nanoseconds);
-  const int64_t wanted = decimal->point + (nanoseconds ? 0 : 9);  // digits of the whole nanoseconds
+  const int64_t wanted = decimal->point + (nanoseconds ? 0 : 9);  // number of digits of the integer nanoseconds
   if (decimal->digits.empty() || wanted < 0) return 0;
-  if (wanted > 19) return std::nullopt;  // beyond 64 bits
+  if (wanted > 19) return std::nullopt;  // does not fit 64 bits
   std::string& digits = decimal->digits;
   const auto kept = static_cast<size_t>(wanted);
   const bool up = digits.size() > kept && digits[kept] >= '5';

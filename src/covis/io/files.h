@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole files read, and numbers from text.
+// Reading of whole files, and parsing of numbers.
 #pragma once
 
 #include <filesystem>
@@ -14,25 +14,25 @@
 namespace covis::io {
 
 Result<std::string> read_text(const std::filesystem::path& file);
-// The same into memory that is used again.
+// The same, into reused memory.
 Result<void> read_bytes(const std::filesystem::path& file, std::string& bytes);
 
-// "FILE:LINE", as messages name a line.
+// Returns "FILE:LINE", as used in messages.
 inline std::string place(const std::filesystem::path& file, int line) {
   return file.string() + ":" + std::to_string(line);
 }
-// The parts of a line between blanks, tabs or commas.
+// Splits a line at blanks, tabs and commas.
 std::vector<std::string_view> split(std::string_view line);
-// A finite number and nothing else.
+// Parses a finite number; nullopt when the text holds anything else.
 std::optional<double> parse_double(std::string_view text);
-// A stamp, to the nanosecond, however it is written: "1305031102.175304", "1.036e-01", "1403715273262142976". Seconds,
-// unless there are 16 digits or more before the point: no clock counts so many seconds, those are nanoseconds. `whole`
-// says what a plain whole number of fewer digits means.
+// Parses a stamp to the nanosecond, in any notation: "1305031102.175304", "1.036e-01", "1403715273262142976". The unit
+// is seconds, unless there are 16 digits or more before the point: so many seconds would be no plausible time, so those
+// are nanoseconds. `whole` gives the unit of integers with fewer digits.
 enum class WholeStamp { seconds, nanoseconds };
 std::optional<Timestamp> parse_stamp(std::string_view text, WholeStamp whole = WholeStamp::seconds);
-// A list of stamps, one a row in its first column, in seconds.
+// Reads a list of stamps in seconds: one per row, in the first column.
 Result<std::vector<Timestamp>> read_stamps(const std::filesystem::path& file);
-// Seconds with 9 decimals.
+// Formats seconds with 9 decimals.
 std::string stamp_text(Timestamp stamp);
 
 // Calls visit(line, number) for each line that is neither blank nor a comment (#), numbered from 1, until it returns

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files in and out: stamps, trajectories, point clouds, a full disk.
+// Files read whole, and stamps.
 #include "covis/io/files.h"
 
-#include <cstring>
-
 #include "covis/core/random.h"
-#include "covis/io/outputs.h"
 #include "covis/io/test_recordings.h"
-#include "covis/io/trajectory.h"
 
 namespace covis::io {
 namespace {
@@ -27,61 +23,6 @@ TEST_F(Files, ReadWhole) {
   EXPECT_THAT(*read_text("/proc/self/status"), HasSubstr("Pid:")) << "a file whose size is not known before";
   EXPECT_THAT(read_text(folder).error().message, HasSubstr("it is a folder"));
   EXPECT_THAT(read_text(folder / "none").error().message, HasSubstr("none: it can't be opened"));
-}
-
-TEST_F(Files, FullDiskIsAnErrorOfATrajectory) {
-  fs::create_symlink("/dev/full", folder / "full");
-  Trajectory one(1);
-  EXPECT_THAT(write_trajectory(folder / "full", one, TrajectoryFormat::tum).error().message,
-              HasSubstr("No space left"));
-}
-
-TEST_F(Files, PointCloudsHoldEveryPoint) {
-  const std::vector<Eigen::Vector3d> points{{1, 2, 3}, {-0.5, 1e-3, 7e4}};
-  ASSERT_TRUE(write_ply(folder / "map.ply", points));
-  const std::string text = *read_text(folder / "map.ply");
-  EXPECT_THAT(text, AllOf(testing::StartsWith("ply\nformat binary_little_endian 1.0\n"),
-                          HasSubstr("element vertex 2\nproperty float x\nproperty float y\nproperty float z\n")));
-  const size_t body = text.find("end_header\n") + 11;
-  ASSERT_EQ(text.size(), body + 2 * 3 * sizeof(float));
-  for (size_t i = 0; i < 6; ++i) {
-    float value;
-    std::memcpy(&value, text.data() + body + i * sizeof value, sizeof value);
-    EXPECT_EQ(value, static_cast<float>(points[i / 3][static_cast<Eigen::Index>(i % 3)]));
-  }
-}
-
-TEST_F(Files, TrajectoriesRoundTripExactly) {
-  Trajectory trajectory;
-  for (int i = 0; i < 5; ++i) {
-    Vector6d xi;
-    xi << 1 * i, 2, 3, 0.1 * i, 0.2, 0.3;
-    trajectory.push_back({1403715273262142976 + i * 1001, SE3::exp(xi)});
-  }
-  for (const TrajectoryFormat format : {TrajectoryFormat::tum, TrajectoryFormat::euroc, TrajectoryFormat::kitti}) {
-    ASSERT_TRUE(write_trajectory(folder / "t.txt", trajectory, format));
-    const auto read = read_trajectory(folder / "t.txt");
-    ASSERT_TRUE(read) << read.error().message;
-    ASSERT_EQ(read->size(), 5u);
-    for (size_t i = 0; i < 5; ++i) {
-      if (format != TrajectoryFormat::kitti) {
-        EXPECT_EQ((*read)[i].stamp, trajectory[i].stamp);
-      }
-      EXPECT_LT(((*read)[i].T_wc.t() - trajectory[i].T_wc.t()).norm(), 1e-7);
-      EXPECT_LT(((*read)[i].T_wc.R() - trajectory[i].T_wc.R()).norm(), 1e-7);
-    }
-  }
-  // Whole numbers of EuRoC rows are nanoseconds, however few; stamps with a comma may be seconds all the same.
-  ASSERT_TRUE(write_trajectory(folder / "t.csv", {{33'333'333, SE3()}}, TrajectoryFormat::euroc));
-  EXPECT_EQ(read_trajectory(folder / "t.csv")->front().stamp, 33'333'333);
-  write("t.csv", "0.5,0,0,0,1,0,0,0\n");
-  EXPECT_EQ(read_trajectory(folder / "t.csv")->front().stamp, 500'000'000);
-  write("bad.txt", "# t\n1 2 3\n");
-  EXPECT_THAT(read_trajectory(folder / "bad.txt").error().message, HasSubstr("bad.txt:2"));
-  write("bad.txt", "1 0 0 0 0 0 0 nan\n");
-  EXPECT_FALSE(read_trajectory(folder / "bad.txt"));
-  write("bad.txt", "1 0 0 0 0 0 0 7\n");
-  EXPECT_THAT(read_trajectory(folder / "bad.txt").error().message, HasSubstr("rotation"));
 }
 
 TEST(Stamps, AreExact) {

@@ -10,7 +10,7 @@
 namespace covis::io {
 namespace {
 
-// Where the compressed data of a JPEG begins: behind the headers, which may hold a whole JPEG of their own (a preview).
+// Offset of a JPEG's compressed data, behind the headers, which may contain another complete JPEG (a preview).
 size_t jpeg_data(std::string_view bytes) {
   const auto byte = [&](size_t i) { return static_cast<size_t>(static_cast<unsigned char>(bytes[i])); };
   size_t i = 2;
@@ -20,11 +20,10 @@ size_t jpeg_data(std::string_view bytes) {
   return i;
 }
 
-// Decoders fill up with grey what is missing of a file that was cut short: look for the end mark of PNG and JPEG files
-// first.
+// Decoders fill the missing part of a truncated file with grey, so look for the end mark of PNG and JPEG files first.
 bool cut_short(std::string_view bytes) {
   if (bytes.starts_with("\x89PNG")) {
-    const size_t end = bytes.rfind("IEND");  // and four bytes of its checksum
+    const size_t end = bytes.rfind("IEND");  // the checksum's four bytes follow it
     return end == std::string_view::npos || end + 8 > bytes.size();
   }
   if (bytes.starts_with("\xff\xd8")) {
@@ -40,13 +39,13 @@ cv::Mat as_mat(Image<T>& image, int type) {
   return {image.height(), image.width(), type, image.row(0), static_cast<size_t>(image.stride()) * sizeof(T)};
 }
 
-// Decodes into `to`'s memory when size and type fit it, else into memory of its own.
+// Decodes into `to`'s memory if size and type match, else into new memory.
 Result<cv::Mat> decode(const std::filesystem::path& file, std::string& bytes, int flags, cv::Mat to) {
   if (auto read = read_bytes(file, bytes); !read) return tl::unexpected(read.error());
   if (bytes.empty()) return fail(file.string() + ": the image file is empty");
   if (cut_short(bytes))
     return fail(file.string() + ": the image file is cut short (" + std::to_string(bytes.size()) + " bytes)");
-  // A file of no known kind would leave in `to` what was there before, and look decoded.
+  // A file of unknown format would leave the old contents of `to`, which would look like a decoded image.
   const std::string_view view = bytes;
   if (!view.starts_with("\x89PNG\r\n\x1a\n") && !view.starts_with("\xff\xd8\xff")) to = cv::Mat();
   const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, bytes.data());
@@ -77,7 +76,7 @@ Result<void> ImageReader::depth(const std::filesystem::path& file, double scale,
     return fail(file.string() + ": a depth image must have one channel of 16 bits or of 32-bit float");
   }
   depth.resize(decoded->cols, decoded->rows);
-  raw_.resize(decoded->type() == CV_16UC1 ? decoded->cols : 0, decoded->rows);  // for the next one
+  raw_.resize(decoded->type() == CV_16UC1 ? decoded->cols : 0, decoded->rows);  // allocated for the next image
   const auto inverse = static_cast<float>(1 / scale);
   for (int y = 0; y < decoded->rows; ++y) {
     float* out = depth.row(y);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading image files.
+// Reading of image files.
 #pragma once
 
 #include <filesystem>
@@ -10,20 +10,20 @@
 
 namespace covis::io {
 
-// Reads images into memory that is used again: nothing of an image's size is allocated in the steady state, but by the
-// decoders. Not for several threads at once.
+// Reads images into reused memory: in the steady state only the decoders allocate memory of an image's size. Not
+// thread-safe.
 class ImageReader {
  public:
-  // Grey values; colour is converted on decoding (for JPEG: its luma as stored), 16 bits keep the upper 8. An error for
-  // a file that is missing, cut short or no image.
+  // Reads grey values. Colour is converted on decoding (JPEG: the stored luma); of 16 bits the upper 8 are kept. Fails
+  // for a file that is missing, truncated or no image.
   Result<void> grey(const std::filesystem::path& file, ImageU8& image);
-  // Depth in metres: 16-bit files divided by `scale` (units a metre), 32-bit float files (TIFF) as they are. 0 where
-  // there is none: what is negative or not finite is none.
+  // Reads depth in metres: 16-bit files are divided by `scale` (units per metre), 32-bit float files (TIFF) are used as
+  // they are. Negative and non-finite depths are stored as 0 (no measurement).
   Result<void> depth(const std::filesystem::path& file, double scale, ImageF& depth);
 
  private:
-  std::string bytes_;    // of the file
-  Image<uint16_t> raw_;  // depth as stored
+  std::string bytes_;    // contents of the file
+  Image<uint16_t> raw_;  // depth as stored in the file
 };
 
 }  // namespace covis::io

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Point clouds.
+// Output of point clouds.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@
 
 namespace covis::io {
 
-// Binary little-endian PLY with float x, y, z. Written whole or not at all.
+// Writes a binary little-endian PLY file with float x, y, z, completely or not at all.
 Result<void> write_ply(const std::filesystem::path& file, const std::vector<Eigen::Vector3d>& points);
 
 }  // namespace covis::io

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a folder of images holds, listed before anything is decoded. Each reader turns one layout into this one form.
+// The frames of a recording's folder, listed before anything is decoded. Each reader converts one layout to this form.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace covis::io {
 
 struct FrameFiles {
   Timestamp stamp = 0;
-  std::filesystem::path image, right, depth;  // right, depth: empty when there is none
+  std::filesystem::path image, right, depth;  // right, depth: empty when the recording has none
 };
 
 struct Recording {
@@ -23,16 +23,16 @@ struct Recording {
   Sensor sensor = Sensor::monocular;
   std::vector<FrameFiles> frames;
   Camera camera;            // width and height 0: not known yet, taken from the first image
-  std::string calibration;  // where the camera's figures are from, for messages: a file's name
-  double depth_scale = 1;   // units a metre
+  std::string calibration;  // source of the camera's calibration, for messages: a file name
+  double depth_scale = 1;   // units per metre
   std::optional<StereoRectification> rectification;
   std::optional<Truth> truth;
   std::string name;                // "TUM RGB-D folder"
-  std::vector<std::string> notes;  // what was passed over: see Sequence::notes()
+  std::vector<std::string> notes;  // items that were skipped: see Sequence::notes()
 };
 
-// Readers of one layout; `wanted`: the sensor asked for, if any; `given`: the camera file given on the command line, if
-// any.
+// Input of the readers, one per layout. wanted: the sensor asked for, if any. given: the camera file from the command
+// line, if any.
 struct Request {
   std::filesystem::path folder;
   std::optional<Sensor> wanted;
@@ -43,11 +43,11 @@ Result<Recording> read_kitti(const Request& request);
 Result<Recording> read_euroc(const Request& request);
 Result<Recording> read_images(const Request& request);
 
-// Image files of a folder, in natural order (2 before 10).
+// Lists the image files of a folder in natural order (2 before 10).
 std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);
-// What to say when nothing tells the camera's figures: names --camera and shows a minimal file.
+// Returns the error for a missing calibration: it names --camera and shows a minimal file.
 Error no_calibration(const std::filesystem::path& folder, const std::string& looked_for);
-// The virtual baseline of an RGB-D camera without one, metres.
+// Virtual baseline, in metres, of an RGB-D camera for which none is given.
 inline constexpr double kVirtualBaseline = 0.08;
 
 }  // namespace covis::io

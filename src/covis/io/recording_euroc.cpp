@@ -75,7 +75,7 @@ Result<Sensored> read_sensor(const fs::path& file) {
 
 using Images = std::map<Timestamp, fs::path>;
 
-// Rows "stamp in nanoseconds, file name".
+// Reads rows of "stamp in nanoseconds, file name".
 Result<Images> read_csv(const fs::path& csv) {
   const auto text = read_text(csv);
   if (!text) return tl::unexpected(text.error());
@@ -100,7 +100,7 @@ Result<Images> read_csv(const fs::path& csv) {
   return images;
 }
 
-// Stamp to image, from data.csv or, without one, from the files' names.
+// Maps stamps to images, from data.csv or, if there is none, from the file names.
 Result<Images> read_list(const fs::path& camera) {
   const fs::path csv = camera / "data.csv";
   if (fs::exists(csv)) return read_csv(csv);
@@ -115,8 +115,8 @@ Result<Images> read_list(const fs::path& camera) {
   return images;
 }
 
-// Pairs of equal stamps, or the left images alone. Lists may name images that a copy leaves out: these frames are
-// passed over. A right image that is listed must be there when the left one is.
+// Pairs images with equal stamps, or lists the left images alone. A list may name images that a copy leaves out: such
+// frames are skipped. A right image that is listed must exist when the left one does.
 Result<void> list_frames(const fs::path& base, Recording& recording) {
   const bool stereo = recording.sensor == Sensor::stereo;
   const auto left = read_list(base / "cam0");
@@ -150,8 +150,8 @@ Result<void> list_frames(const fs::path& base, Recording& recording) {
   return {};
 }
 
-// The camera (rectified, when stereo); returns T_bc, which takes it to the body. A camera file given stands for images
-// that are rectified already.
+// Reads the camera (rectified, when stereo) and returns T_bc, its pose in the body frame. A given camera file means
+// that the images are rectified already.
 Result<SE3> find_camera(const Request& request, const fs::path& base, Recording& recording) {
   const fs::path left_file = base / "cam0" / "sensor.yaml", right_file = base / "cam1" / "sensor.yaml";
   if (request.given) {
@@ -193,7 +193,8 @@ Result<Recording> read_euroc(const Request& request) {
   const auto T_bc = find_camera(request, base, recording);
   if (!T_bc) return tl::unexpected(T_bc.error());
   if (auto listed = list_frames(base, recording); !listed) return tl::unexpected(listed.error());
-  for (const char* source : {"state_groundtruth_estimate0", "mocap0"}) {  // mocap0: TUM VI, of the body as well
+  // Mocap0: TUM VI's ground truth, which is also that of the body.
+  for (const char* source : {"state_groundtruth_estimate0", "mocap0"}) {
     const fs::path truth = base / source / "data.csv";
     if (!recording.truth && fs::exists(truth)) recording.truth = Truth{truth, {}, *T_bc};
   }

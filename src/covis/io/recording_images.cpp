@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder of images, with stamps from a list, from the files' names, or from a frame rate.
+// A folder of images, with stamps from a list, from the file names, or from a frame rate.
 #include <algorithm>
 #include <cctype>
 
@@ -12,7 +12,8 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_image(const fs::path& file) {
-  if (file.filename().string().starts_with('.')) return false;  // "._1.png": what some systems leave beside files
+  // Such as "._1.png", which some systems leave beside files.
+  if (file.filename().string().starts_with('.')) return false;
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
@@ -22,7 +23,7 @@ bool is_image(const fs::path& file) {
   return false;
 }
 
-// Numbers inside names compare by value.
+// Compares names with the numbers in them ordered by value.
 bool natural_less(const fs::path& a, const fs::path& b) {
   const std::string s = a.filename().string(), t = b.filename().string();
   size_t i = 0, j = 0;
@@ -46,8 +47,8 @@ bool natural_less(const fs::path& a, const fs::path& b) {
   return s.size() - i != t.size() - j ? s.size() - i < t.size() - j : s < t;
 }
 
-// Stamps from a list beside the images (or one folder up), one a row, the stamp in the first column; empty when there
-// is none.
+// Reads stamps from a list beside the images or one folder up, one per row in the first column. Returns an empty list
+// if there is no such file.
 Result<std::vector<Timestamp>> find_stamps(const fs::path& folder, const fs::path& images, size_t count) {
   for (const fs::path& base : {folder, images}) {
     for (const char* name : {"times.txt", "timestamps.txt", "stamps.txt"}) {
@@ -64,7 +65,7 @@ Result<std::vector<Timestamp>> find_stamps(const fs::path& folder, const fs::pat
   return std::vector<Timestamp>{};
 }
 
-// Stamps when every name is a plain number of at least 10 digits (seconds or nanoseconds), rising.
+// Returns ascending stamps when every name is a plain number of at least 10 digits (seconds or nanoseconds).
 std::vector<Timestamp> stamps_of_names(const std::vector<fs::path>& images) {
   std::vector<Timestamp> stamps;
   for (const fs::path& image : images) {
@@ -89,8 +90,8 @@ std::vector<fs::path> list_images(const fs::path& folder) {
 }
 
 Error no_calibration(const fs::path& folder, const std::string& looked_for) {
-  return {folder.string() + ": nothing tells the camera's figures (looked for " + looked_for +
-          "). Give them with --camera FILE, a YAML such as:\n  width: 640\n  height: 480\n  fx: 525\n  fy: 525\n  cx: "
+  return {folder.string() + ": no camera calibration found (looked for " + looked_for +
+          "). Give one with --camera FILE, a YAML such as:\n  width: 640\n  height: 480\n  fx: 525\n  fy: 525\n  cx: "
           "320\n  cy: 240"};
 }
 

@@ -21,7 +21,7 @@ Result<std::map<std::string, Projection>> read_projections(const fs::path& file)
   for_each_line(*text, [&](std::string_view line, int number) {
     const auto parts = split(line);
     std::string name(parts.empty() ? "" : parts[0]);
-    if (name.empty() || name.back() != ':' || name.front() != 'P') return true;  // Tr: and others are not needed
+    if (name.empty() || name.back() != ':' || name.front() != 'P') return true;  // Tr: and other rows are not needed
     name.pop_back();
     const std::string where = place(file, number) + ": " + name;
     if (parts.size() != 13) {
@@ -51,10 +51,10 @@ Result<std::map<std::string, Projection>> read_projections(const fs::path& file)
 struct Calibration {
   std::string source;
   Camera camera;
-  SE3 T_0c;  // takes the (left) camera of the images to camera 0, which the poses are of
+  SE3 T_0c;  // maps from the (left) camera of the images to camera 0, whose poses the ground truth gives
 };
 
-// `left`, `right`: "P0", "P1" or "P2", "P3". bf is from the offset between both.
+// left, right: "P0", "P1" or "P2", "P3". bf is computed from the offset between the two.
 Result<Calibration> find_calibration(const Request& request, const std::string& left, const std::string& right,
                                      Sensor sensor) {
   if (request.given) return Calibration{request.given->file.string(), request.given->camera, {}};
@@ -73,7 +73,7 @@ Result<Calibration> find_calibration(const Request& request, const std::string& 
   const Projection& p = found->second;
   Calibration result{file.string(), {}, {}};
   result.camera.pinhole = {p[0], p[5], p[2], p[6], 0};
-  // P = K [I | t]: a point of camera 0 moves by t.
+  // P = K [I | t]: a point in camera 0 is translated by t.
   const Eigen::Vector3d t((p[3] - p[2] * p[11]) / p[0], (p[7] - p[6] * p[11]) / p[5], p[11]);
   result.T_0c = SE3(Eigen::Matrix3d::Identity(), -t);
   if (sensor != Sensor::stereo) return result;
@@ -81,12 +81,12 @@ Result<Calibration> find_calibration(const Request& request, const std::string& 
   if (q == projections->end()) return fail(file.string() + ": '" + right + ":' is missing");
   result.camera.pinhole.bf = p[3] - q->second[3];
   if (!(result.camera.pinhole.bf > 0))
-    return fail(file.string() + ": " + right + " is not to the right of " + left + " (their fourth numbers tell)");
+    return fail(file.string() + ": " + right + " is not to the right of " + left + " (see their fourth numbers)");
   return result;
 }
 
-// Row of times.txt and of the poses that an image belongs to: its place among the images or, when there are fewer
-// images than rows (a part of a sequence), the number that is its name.
+// The row of times.txt and of the poses for an image: its position among the images or, when there are fewer images
+// than rows (a part of a sequence), the number in its name.
 std::optional<size_t> row_of(const fs::path& image, size_t place, size_t images, size_t rows) {
   if (images == rows) return place;
   const std::string name = image.stem().string();
@@ -110,7 +110,7 @@ Result<void> set_stamps(const fs::path& times, std::vector<FrameFiles>& frames) 
   return {};
 }
 
-// Beside the images, or where the data set has it: dataset/poses/06.txt for dataset/sequences/06.
+// Looks beside the images and in the data set's layout: dataset/poses/06.txt for dataset/sequences/06.
 std::optional<Truth> find_truth(const fs::path& folder, const fs::path& times, const SE3& T_0c) {
   std::error_code none;
   const fs::path whole = fs::weakly_canonical(folder, none);

@@ -10,15 +10,15 @@
 namespace covis::io {
 namespace {
 
-constexpr Timestamp kMaxDifference = 20'000'000;  // ns between an image and its depth
+constexpr Timestamp kMaxDifference = 20'000'000;  // ns, between an image and its depth
 
 struct Listed {
   Timestamp stamp;
-  std::string name;  // as it is written
+  std::string name;  // name as written in the file
   std::filesystem::path file;
 };
 
-// Rows of `columns / 2` pairs "stamp file".
+// Reads rows with `columns / 2` pairs "stamp file".
 Result<std::vector<std::vector<Listed>>> read_list(const std::filesystem::path& list, size_t pairs) {
   const auto text = read_text(list);
   if (!text) return tl::unexpected(text.error());
@@ -47,7 +47,7 @@ Result<std::vector<std::vector<Listed>>> read_list(const std::filesystem::path& 
   return rows;
 }
 
-// Pairs images and depths by stamp, nearest first, each used once.
+// Pairs images and depths by stamp, nearest first, each used at most once.
 std::vector<FrameFiles> associate(const std::vector<std::vector<Listed>>& images,
                                   const std::vector<std::vector<Listed>>& depths) {
   struct Pair {
@@ -80,7 +80,7 @@ std::vector<FrameFiles> associate(const std::vector<std::vector<Listed>>& images
   return frames;
 }
 
-// calibration.txt as in ETH3D: fx fy cx cy, and perhaps k1 k2 p1 p2 [k3].
+// Reads calibration.txt as in ETH3D: fx fy cx cy, optionally k1 k2 p1 p2 [k3].
 Result<Camera> read_calibration(const std::filesystem::path& file) {
   const auto text = read_text(file);
   if (!text) return tl::unexpected(text.error());
@@ -92,7 +92,7 @@ Result<Camera> read_calibration(const std::filesystem::path& file) {
       if (!value) problem = place(file, number) + ": '" + std::string(part) + "' is not a finite number";
       v.push_back(value.value_or(0));
     }
-    return false;  // the first row only
+    return false;  // ends after the first row
   });
   if (!problem.empty()) return fail(problem);
   if (v.size() != 4 && v.size() != 8 && v.size() != 9) {
@@ -110,8 +110,7 @@ Result<Camera> read_calibration(const std::filesystem::path& file) {
   return camera;
 }
 
-// Intrinsics the data set's page gives for its three cameras
-// (vision.in.tum.de/data/datasets/rgbd-dataset/file_formats).
+// Intrinsics from the data set's page for its three cameras (vision.in.tum.de/data/datasets/rgbd-dataset/file_formats).
 std::optional<Camera> published_camera(const std::string& folder) {
   const auto make = [](double fx, double fy, double cx, double cy, std::array<double, 5> k) {
     Camera camera;
@@ -167,7 +166,7 @@ Result<Recording> read_tum(const Request& request) {
   if (recording.sensor == Sensor::rgbd && !has_depth) {
     return fail(folder.string() + ": there is neither depth.txt nor associations.txt; without depth use --sensor mono");
   }
-  // Associations leave out images without depth: one camera alone takes all.
+  // Associations leave out images without depth, but a monocular run uses all images.
   const bool all_images = recording.sensor == Sensor::monocular && std::filesystem::exists(folder / "rgb.txt");
   if (!associations.empty() && !all_images) {
     const auto rows = read_list(associations, 2);

@@ -8,12 +8,12 @@
 namespace covis::io {
 
 struct StereoRectification::Maps {
-  cv::Mat fixed, fraction;  // as cv::remap wants them
+  cv::Mat fixed, fraction;  // fixed-point form of cv::remap's maps
 };
 
 namespace {
 
-// For each pixel of the rectified camera, where it is in the camera as it is.
+// For each pixel of the rectified camera, the pixel of the original camera.
 template <class Maps>
 std::shared_ptr<const Maps> make_maps(const Camera& rectified, const Camera& from,
                                       const Eigen::Matrix3d& R_from_rectified) {
@@ -45,7 +45,7 @@ Result<StereoRectification> StereoRectification::create(const Camera& left, cons
                 std::to_string(right_in_left.x()) + ", " + std::to_string(right_in_left.y()) + ", " +
                 std::to_string(right_in_left.z()) + ") m in the left camera");
   }
-  // x along the baseline, z as near as can be to the mean of both optical axes.
+  // x points along the baseline, z as close as possible to the mean of both optical axes.
   const Eigen::Vector3d x = right_in_left / baseline;
   const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ() + T_rl.R().transpose() * Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d y = axis.cross(x).normalized();
@@ -60,7 +60,7 @@ Result<StereoRectification> StereoRectification::create(const Camera& left, cons
   const double f = (left.pinhole.fx + left.pinhole.fy + right.pinhole.fx + right.pinhole.fy) / 4;
   camera.pinhole = {f, f, left.width / 2.0, left.height / 2.0, f * baseline};
   const Eigen::Matrix3d R_right_rectified = T_rl.R() * R_left_rectified;
-  // The image centres of both should stay near the centre: the principal point moves by their mean.
+  // Shift the principal point by the mean offset of both image centres, so that both stay near the centre.
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
   int count = 0;
   for (const auto& [from, R] : {std::pair{&left, R_left_rectified}, std::pair{&right, R_right_rectified}}) {

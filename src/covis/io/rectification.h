@@ -14,14 +14,14 @@ namespace covis::io {
 
 class StereoRectification {
  public:
-  // T_rl takes the left camera to the right one. An error when the right camera is not to the right of the left one.
+  // T_rl maps left to right camera coordinates. Fails when the right camera is not to the right of the left one.
   static Result<StereoRectification> create(const Camera& left, const Camera& right, const SE3& T_rl);
 
-  const Camera& camera() const { return camera_; }  // of the rectified images, bf filled in
+  const Camera& camera() const { return camera_; }  // camera of the rectified images, including bf
   const SE3& T_left_rectified() const {
     return T_left_rectified_;
-  }  // rectified left camera to left camera (a rotation)
-  // In place of the image as it came; `scratch` is memory that is used again.
+  }  // rotation from the rectified left camera to the left camera
+  // Rectifies the image in place; `scratch` is reused memory.
   void left(ImageU8& image, ImageU8& scratch) const { apply(*maps_[0], image, scratch); }
   void right(ImageU8& image, ImageU8& scratch) const { apply(*maps_[1], image, scratch); }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opening recordings: recognising the kind, checking what can be checked before decoding.
+// Opening of recordings: recognises the kind and checks all that can be checked before decoding.
 #include "covis/io/sequence.h"
 
 #include <algorithm>
@@ -39,7 +39,7 @@ std::optional<SequenceKind> kind_of_folder(const fs::path& folder) {
   return std::nullopt;
 }
 
-// What a folder that is no recording holds, and which of its folders is one.
+// Describes the contents of a folder that is no recording, and names a subfolder that looks like one.
 std::string contents(const fs::path& folder) {
   constexpr size_t kMost = 6;
   std::vector<fs::path> entries;
@@ -71,7 +71,7 @@ Result<SequenceKind> recognise(const std::string& path) {
               contents(path));
 }
 
-// Stamps must rise; every file must be there.
+// Checks that stamps are ascending and that every file exists.
 Result<void> check_frames(const Recording& recording) {
   const FrameFiles* last = nullptr;
   for (const FrameFiles& frame : recording.frames) {
@@ -135,7 +135,7 @@ Result<std::unique_ptr<Sequence>> open(const std::string& path, const SequenceOp
 Result<std::unique_ptr<Sequence>> open_sequence(const std::string& path, const SequenceOptions& options) {
   try {
     return open(path, options);
-  } catch (const fs::filesystem_error& error) {  // a folder that may not be entered, a name too long
+  } catch (const fs::filesystem_error& error) {  // thrown for a folder without access rights or a name that is too long
     return fail((error.path1().empty() ? path : error.path1().string()) + ": " + error.code().message());
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recordings as a stream of frames: TUM RGB-D, KITTI odometry, EuRoC, an image folder, a video file, a camera.
+// Recordings as streams of frames: TUM RGB-D, KITTI odometry, EuRoC, an image folder, a video file, a camera.
 #pragma once
 
 #include <filesystem>
@@ -17,35 +17,34 @@
 
 namespace covis::io {
 
-// One moment of the recording, decoded. Stereo images are rectified already; depth is in metres, registered to the
-// image.
+// One decoded frame of a recording. Stereo images are rectified already; depth is in metres, registered to the image.
 struct Frame {
-  int64_t index = 0;  // in the recording, from 0; frames that can't be read keep their number
+  int64_t index = 0;  // index in the recording, from 0; unreadable frames keep their number
   Timestamp stamp = 0;
   ImageU8 image;  // grey, left
-  ImageU8 right;  // stereo only
-  ImageF depth;   // RGB-D only
+  ImageU8 right;  // grey, right; stereo only
+  ImageF depth;   // metres; RGB-D only
 };
 
 enum class SequenceKind { automatic, tum, kitti, euroc, images, video, camera };
 
-// What to open of a recording, and how. first < 0, stride < 1, decode_ahead < 1 are errors.
+// Selects the source and the frames to read. first < 0, stride < 1 and decode_ahead < 1 are errors.
 struct SequenceOptions {
   SequenceKind kind = SequenceKind::automatic;  // automatic: recognised from the folder
-  std::optional<Sensor> sensor = std::nullopt;  // nothing: the richest the recording allows
-  std::filesystem::path camera_file = {};       // YAML for what the folder does not say; empty: none
-  int decode_ahead = 4;                         // frames decoded ahead, in a thread of their own
+  std::optional<Sensor> sensor = std::nullopt;  // nullopt: the richest one that the recording supports
+  std::filesystem::path camera_file = {};       // YAML for data that the folder lacks; empty: none
+  int decode_ahead = 4;                         // number of frames decoded ahead, in a thread of its own
   int64_t first = 0;                            // index of the first frame
-  int64_t count = -1;                           // frames at most; -1: all
-  int stride = 1;                               // every n-th frame
+  int64_t count = -1;                           // greatest number of frames; -1: all
+  int stride = 1;                               // only every n-th frame is read
 };
 
-// Where the truth of a recording is, if it has any.
+// Files with the ground truth of a recording, if there are any.
 struct Truth {
   std::filesystem::path file;
-  std::filesystem::path stamps;  // KITTI: times.txt beside poses.txt; else empty
-  // When the truth is of a body b (EuRoC) or another camera (KITTI colour): takes the camera of the images (rectified,
-  // when stereo) to it.
+  std::filesystem::path stamps;  // KITTI: times.txt, which belongs to poses.txt; else empty
+  // Pose of the images' camera (rectified, when stereo) in the body frame b (EuRoC) or in the camera (KITTI colour)
+  // whose poses the ground truth gives.
   std::optional<SE3> T_bc;
 };
 
@@ -55,25 +54,25 @@ class Sequence {
 
   virtual SequenceKind kind() const = 0;
   virtual Sensor sensor() const = 0;
-  // Of the images next() returns (after rectification), bf and depth filled in.
+  // Returns the camera of the images from next() (after rectification), including bf.
   virtual const Camera& camera() const = 0;
-  virtual int64_t size() const = 0;       // frames, -1 when not known (camera, some videos)
-  virtual double frame_rate() const = 0;  // Hz, from the stamps; 30 when not known
+  virtual int64_t size() const = 0;       // number of frames; -1 when unknown (camera, some videos)
+  virtual double frame_rate() const = 0;  // Hz, from the stamps; 30 when unknown
   virtual std::optional<Truth> truth() const = 0;
-  // A one-line description: "TUM RGB-D folder, 1000 frames, 640x480".
+  // Returns a one-line description: "TUM RGB-D folder, 1000 frames, 640x480".
   virtual std::string description() const = 0;
-  // What was passed over on opening: "2 images are listed but missing".
+  // Returns what was skipped on opening: "2 images are listed but missing".
   virtual std::vector<std::string> notes() const = 0;
-  // The next frame; nothing at the end; an error for an unreadable frame, after which next() may be called again for
-  // the one after it. `recycled` frames' memory is used again.
+  // Returns the next frame, nullopt at the end, or an error for an unreadable frame, after which next() may be called
+  // again for the frame after it. The memory of `recycled` is reused.
   virtual Result<std::optional<Frame>> next(Frame recycled = {}) = 0;
 };
 
-// Opens and checks what can be checked without decoding images (files listed exist, stamps rise, calibration is there
-// and sound).
+// Opens a recording and checks all that can be checked without decoding images: listed files exist, stamps are
+// ascending, the calibration exists and is valid.
 Result<std::unique_ptr<Sequence>> open_sequence(const std::string& path, const SequenceOptions& options);
 
-// The truth of a sequence that has one: poses of its camera.
+// Reads the ground truth of a sequence that has one: poses of its camera.
 Result<Trajectory> load_truth(const Sequence& sequence);
 
 }  // namespace covis::io

@@ -24,7 +24,7 @@ class CaptureSequence : public Sequence {
         rate_(rate),
         frames_(frames),
         options_(options),
-        // A camera goes on whether we keep up or not: only its latest frame is wanted.
+        // A camera does not wait for the program: only its latest frame is used.
         ahead_([this](Frame memory) { return decode(std::move(memory)); },
                kind == SequenceKind::camera ? 1 : options.decode_ahead,
                kind == SequenceKind::camera ? DecodeAhead::WhenFull::drop_old : DecodeAhead::WhenFull::wait) {}
@@ -83,11 +83,11 @@ class CaptureSequence : public Sequence {
   const SequenceOptions options_;
   int64_t read_ = 0, given_ = 0;
   cv::Mat picture_, grey_;
-  DecodeAhead ahead_;  // last: its thread uses the rest
+  DecodeAhead ahead_;  // last member: its thread uses the others
 };
 
-// OpenCV's own warnings about what it tried first say less than our message. Only the back ends meant for it are tried:
-// a search through all of them takes longer and leaves memory behind.
+// OpenCV's own warnings about failed attempts are less helpful than our message. Only the suitable back ends are tried,
+// because a search through all of them takes longer and leaks memory.
 cv::VideoCapture open_quietly(const std::string& path, std::optional<int> number) {
   namespace logging = cv::utils::logging;
   const logging::LogLevel before = logging::setLogLevel(logging::LOG_LEVEL_SILENT);
@@ -105,7 +105,7 @@ cv::VideoCapture open_quietly(const std::string& path, std::optional<int> number
   return capture;
 }
 
-// Frames that will come; -1 when the file does not tell.
+// Returns the number of frames to come; -1 when the file does not contain it.
 int64_t count_frames(const cv::VideoCapture& capture, const SequenceOptions& options) {
   const double all = capture.get(cv::CAP_PROP_FRAME_COUNT);
   if (!(all > 0 && all < 1e12)) return -1;

@@ -48,7 +48,7 @@ class FolderSequence : public Sequence {
   Result<std::optional<Frame>> next(Frame recycled) override { return ahead_.next(std::move(recycled)); }
 
  private:
-  // In the decoding thread.
+  // Runs in the decoding thread.
   Result<std::optional<Frame>> decode(Frame memory) {
     if (next_ >= recording_.frames.size()) return std::optional<Frame>();
     const FrameFiles& files = recording_.frames[next_];
@@ -91,15 +91,15 @@ class FolderSequence : public Sequence {
 
   const Recording recording_;
   const SequenceOptions options_;
-  // Of the decoding thread alone.
+  // Used by the decoding thread only.
   size_t next_ = 0;
   ImageReader reader_;
   ImageU8 scratch_;
-  DecodeAhead ahead_;  // last: its thread uses the rest
+  DecodeAhead ahead_;  // last member: its thread uses the others
 };
 
-// The size of the images, from the first that can be read when the calibration does not tell it. When the calibration
-// tells one that none of a few images has, it is of another camera.
+// Takes the image size from the first readable image when the calibration has none. When the calibration has a size
+// that none of a few images match, it belongs to another camera, which is an error.
 Result<void> settle_size(Recording& recording) {
   Camera& camera = recording.camera;
   const size_t count = recording.frames.size();
@@ -119,7 +119,7 @@ Result<void> settle_size(Recording& recording) {
   std::string problem;
   for (const size_t k : {size_t{0}, count / 2, count - 1}) {
     const std::filesystem::path& file = recording.frames[k].image;
-    if (!reader.grey(file, image)) continue;  // next() will tell
+    if (!reader.grey(file, image)) continue;  // next() will report the error
     if (image.width() == camera.width && image.height() == camera.height) return {};
     problem = wrong_size(file, image.width(), image.height(), recording);
   }

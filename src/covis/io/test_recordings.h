@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For tests: small recordings of every layout, written into a folder of the test's own.
+// For tests: small recordings of every layout, written into the test's own folder.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -79,7 +79,8 @@ class RecordingTest : public testing::Test {
     return opened ? "" : opened.error().message;
   }
 
-  // Two cameras 0.1 m apart along their x axis, which is the body's y axis: the camera is turned by a quarter about z.
+  // Two cameras 0.1 m apart along their x axis, which is the body's y axis: the camera is rotated by 90 degrees about
+  // z.
   void euroc(const std::string& model = "radial-tangential") const {
     for (const int cam : {0, 1}) {
       const fs::path base = "mav0/cam" + std::to_string(cam);
@@ -99,5 +100,8 @@ class RecordingTest : public testing::Test {
 
   fs::path folder;
 };
+
+class Sequences : public RecordingTest {};
+class BadInput : public RecordingTest {};  // recordings with something wrong
 
 }  // namespace covis::io

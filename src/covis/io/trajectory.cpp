@@ -11,7 +11,7 @@
 namespace covis::io {
 namespace {
 
-// The numbers of a row from `first` on; nothing when one is not a finite number.
+// Parses the numbers of a row from `first` on; nullopt when one is not a finite number.
 std::optional<std::vector<double>> numbers(const std::vector<std::string_view>& parts, size_t first) {
   std::vector<double> values;
   for (size_t i = first; i < parts.size(); ++i) {
@@ -29,7 +29,7 @@ std::optional<SE3> from_matrix_row(const std::vector<double>& v) {
   return SE3(R, Eigen::Vector3d(v[3], v[7], v[11])).normalized();
 }
 
-// q as x y z w.
+// q is given as x y z w.
 std::optional<SE3> from_quaternion(double tx, double ty, double tz, double x, double y, double z, double w) {
   const Eigen::Quaterniond q(w, x, y, z);
   if (std::abs(q.norm() - 1) > 1e-2) return std::nullopt;

@@ -22,18 +22,18 @@ namespace io {
 
 enum class TrajectoryFormat { automatic, tum, kitti, euroc };
 
-// automatic: recognised from the number of columns and the separator. Stamps are in seconds or, with 16 digits or more
-// before the point and in whole numbers of EuRoC rows, in nanoseconds. KITTI rows have no stamps: `stamps` (a
-// times.txt) or, without it, the row number in seconds. Blank lines and lines starting with '#' are passed over;
-// anything else that is not right is an error with file and line.
+// automatic: recognised from the number of columns and the separator. Stamps are in seconds; they are in nanoseconds
+// when they have 16 digits or more before the point, and in EuRoC rows when they are integers. KITTI rows have no
+// stamps: these come from `stamps` (a times.txt) or, without it, are the row number in seconds. Blank lines and lines
+// starting with '#' are skipped; any other malformed line is an error with file and line.
 Result<Trajectory> read_trajectory(const std::filesystem::path& file,
                                    TrajectoryFormat format = TrajectoryFormat::automatic,
                                    const std::filesystem::path& stamps = {});
-// Written to a temporary name and renamed, so that a full disk leaves no half file.
+// Writes to a temporary name and renames, so that a full disk leaves no partial file.
 Result<void> write_trajectory(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFormat format);
-// Maps that are not joined have a world each, and so a file each: FILE, FILE_map1, … Files of that name that an earlier
-// run left beyond the last are removed: they would pass for this one's. The first failure is the error; the others are
-// written all the same.
+// Maps that are not joined have a world each, and so a file each: FILE, FILE_map1, … Files of that name with higher
+// numbers from an earlier run are removed, because they would be mistaken for this run's. The first failure is
+// returned; the other files are written all the same.
 Result<void> write_trajectories(const std::filesystem::path& file, const std::vector<Trajectory>& of_map,
                                 TrajectoryFormat format);
 

@@ -8,7 +8,7 @@ namespace covis::io {
 Result<YAML::Node> load_yaml(const std::filesystem::path& file) {
   auto text = read_text(file);
   if (!text) return tl::unexpected(text.error());
-  // OpenCV and EuRoC write "%YAML:1.0", which is no YAML directive.
+  // OpenCV and EuRoC write "%YAML:1.0", which is not a valid YAML directive.
   if (text->starts_with("%YAML:")) text->replace(0, 1, "#");
   try {
     return YAML::Load(*text);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading YAML with errors that name file and line. For .cpp files of this module only.
+// Reading of YAML with errors that name file and line. For .cpp files of this module only.
 #pragma once
 
 #include <yaml-cpp/yaml.h>
@@ -12,7 +12,7 @@
 namespace covis::io {
 
 Result<YAML::Node> load_yaml(const std::filesystem::path& file);
-// "file:line" of a node.
+// Returns "file:line" of a node.
 std::string yaml_place(const std::filesystem::path& file, const YAML::Node& node);
 
 }  // namespace covis::io

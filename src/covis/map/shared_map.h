@@ -2,6 +2,8 @@
 // The one lock (architecture.md, decision 3): no thread reaches the map but through a guard.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <mutex>
 #include <shared_mutex>
 
@@ -35,7 +37,9 @@ class SharedMap {
 
    private:
     friend class SharedMap;
-    WriteGuard(Map& map, std::shared_mutex& mutex) : lock_(mutex), map_(&map) {}
+    WriteGuard(Map& map, std::shared_mutex& mutex, std::atomic<uint64_t>& revision) : lock_(mutex), map_(&map) {
+      ++revision;
+    }
     std::unique_lock<std::shared_mutex> lock_;
     Map* map_;
   };
@@ -44,10 +48,13 @@ class SharedMap {
   explicit SharedMap(const Pinhole& camera) { map_.set_camera(camera); }
 
   ReadGuard read() const { return {map_, mutex_}; }
-  WriteGuard write() { return {map_, mutex_}; }
+  WriteGuard write() { return {map_, mutex_, revision_}; }
+  // Rises with every write guard: what was read at one revision is what is there as long as it stays. Needs no guard.
+  uint64_t revision() const { return revision_.load(); }
 
  private:
   mutable std::shared_mutex mutex_;
+  std::atomic<uint64_t> revision_{0};
   Map map_;
 };
 

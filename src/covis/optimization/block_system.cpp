@@ -35,7 +35,7 @@ BlockPattern::BlockPattern(int32_t variables, std::span<const BlockPair> pairs) 
   }
   for (size_t c = 0; c < n; ++c) first[c + 1] += first[c];
 
-  // Row k of the factor has blocks in the columns on the ways from the matrix' blocks up the elimination tree.
+  // Row k of the factor has blocks in the columns on the paths from the matrix' blocks up the elimination tree.
   std::vector<int32_t> parent(n, -1), mark(n, -1);
   factor_first.assign(n + 1, 0);
   pattern_first.assign(1, 0);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Symmetric positive definite systems made of N x N blocks, one row and column of blocks for each variable (a pose), of
-// which few differ from zero. The pattern is fixed once; values are then written in place and solved again and again,
-// without allocations. A Cholesky factorisation by whole blocks, several times faster than one by single numbers.
+// Symmetric positive definite systems made of N x N blocks, with one row and column of blocks for each variable (a
+// pose), most of them zero. The pattern is fixed once; values are then written in place and the system is solved
+// repeatedly without allocations. The Cholesky factorisation works on whole blocks, several times faster than on single
+// numbers.
 // Source: Davis, "Direct methods for sparse linear systems", 2006, sections 4.1 (elimination tree), 4.7 (up-looking
 // Cholesky); order: Amestoy, Davis, Duff, "An approximate minimum degree ordering algorithm", SIAM J. Matrix Anal.
 // 1996.
@@ -17,28 +18,28 @@
 
 namespace covis {
 
-// Two variables that share a residual: (column, row) with row < column, so that sorting puts columns together.
+// Two variables that share a residual: (column, row) with row < column, so that sorting groups the pairs by column.
 using BlockPair = std::pair<int32_t, int32_t>;
 
 constexpr BlockPair make_block_pair(int32_t a, int32_t b) { return a > b ? BlockPair{a, b} : BlockPair{b, a}; }
 
-// Sorts pairs and drops repetitions.
+// Sorts pairs and removes duplicates.
 void make_unique(std::vector<BlockPair>& pairs);
 
-// An order of the variables that keeps the factor sparse: result[k] is the variable to become number k.
+// Returns an order of the variables that keeps the factor sparse: result[k] is the variable that becomes number k.
 std::vector<int32_t> sparse_order(int32_t variables, std::span<const BlockPair> pairs);
 
-// Where the blocks of a matrix and of its factor lie.
+// Positions of the blocks of a matrix and of its factor.
 struct BlockPattern {
   std::vector<uint32_t> first;  // the matrix' blocks of column c above the diagonal: [first[c], first[c + 1])
-  std::vector<int32_t> row;     // of each of them, increasing in a column
+  std::vector<int32_t> row;     // row of each of these blocks, ascending within a column
 
   std::vector<uint32_t> factor_first;   // the factor's blocks of column c below the diagonal: [.[c], .[c + 1])
-  std::vector<int32_t> factor_row;      // of each of them, increasing in a column
+  std::vector<int32_t> factor_row;      // row of each of these blocks, ascending within a column
   std::vector<uint32_t> pattern_first;  // the columns in which row r of the factor has blocks left of the diagonal,
-  std::vector<int32_t> pattern;         // increasing: pattern[pattern_first[r]] to pattern[pattern_first[r + 1]]
+  std::vector<int32_t> pattern;         // ascending: pattern[pattern_first[r]] to pattern[pattern_first[r + 1]]
 
-  // Of sorted unique pairs.
+  // The pairs must be sorted and unique.
   BlockPattern() = default;
   BlockPattern(int32_t variables, std::span<const BlockPair> pairs);
   uint32_t slot(BlockPair pair) const;
@@ -49,16 +50,17 @@ class BlockSystem {
  public:
   using Block = Eigen::Matrix<double, N, N>;
 
-  // The pairs sorted and unique. Number the variables by sparse_order first: they are eliminated as they are numbered.
+  // The pairs must be sorted and unique. Number the variables by sparse_order first: they are eliminated in their
+  // order.
   void set_pattern(int32_t variables, std::span<const BlockPair> pairs);
 
-  // The block in row `row` and column `column` of a pair of the pattern is block(slot(pair)).
+  // The block of a pair of the pattern, at row `row` and column `column`, is block(slot(pair)).
   uint32_t slot(BlockPair pair) const { return pattern_.slot(pair); }
   Block& block(uint32_t slot) { return blocks_[slot]; }
-  Block& diagonal(size_t variable) { return diagonal_[variable]; }  // its lower triangle is read
+  Block& diagonal(size_t variable) { return diagonal_[variable]; }  // only its lower triangle is read
   void set_zero();
 
-  // Solves matrix * x = rhs; false when the matrix is not positive definite. The matrix stays as it is.
+  // Solves matrix * x = rhs; returns false when the matrix is not positive definite. The matrix is not changed.
   bool solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& x);
 
  private:
@@ -67,9 +69,9 @@ class BlockSystem {
   BlockPattern pattern_;
   AlignedVector<Block> blocks_, diagonal_;
   AlignedVector<Block> factor_;   // L below the diagonal, by columns
-  AlignedVector<Block> inverse_;  // of the factor's diagonal blocks
+  AlignedVector<Block> inverse_;  // inverses of the factor's diagonal blocks
   AlignedVector<Block> work_;     // one row of the factor, transposed
-  std::vector<uint32_t> filled_;  // up to where each column of the factor is known
+  std::vector<uint32_t> filled_;  // end of the computed part of each column of the factor
 };
 
 extern template class BlockSystem<6>;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bundle adjustment, local and full: poses and points that minimise the robust reprojection error. Plain problem in,
-// plain result out; knows no map.
+// Bundle adjustment, local and full: poses and points that minimise the robust reprojection error. Input and output are
+// plain data; the code does not depend on the map.
 // Source: Triggs et al., "Bundle adjustment, a modern synthesis", 2000 (Schur complement, section 6); Mur-Artal and
 // Tardós, "ORB-SLAM2", T-RO 2017, section III-C. Levenberg-Marquardt damping: Nielsen, "Damping parameter in
 // Marquardt's method", 1999.
@@ -20,34 +20,34 @@ struct BundleObservation {
   int32_t pose = 0;      // index into poses
   int32_t point = 0;     // index into points
   float u = 0, v = 0;    // pixels, undistorted
-  float u_right = -1;    // pixels; negative: 2 rows only
+  float u_right = -1;    // pixels; negative: the observation has 2 rows only
   float inv_sigma2 = 1;  // 1 / pixels^2
-  uint8_t active = 1;    // 0: left out (an outlier)
+  uint8_t active = 1;    // 0: not used (an outlier)
 };
 
 struct BundleProblem {
   std::vector<SE3> poses;                       // T_cw
-  std::vector<uint8_t> fixed;                   // for each pose: 1 does not move
-  std::vector<Eigen::Vector3d> points;          // p_w; all move
+  std::vector<uint8_t> fixed;                   // one per pose; 1: the pose does not move
+  std::vector<Eigen::Vector3d> points;          // p_w; all of them move
   std::vector<BundleObservation> observations;  // any order
   Pinhole camera;
 };
 
 struct BundleOptions {
-  int iterations = 10;                           // accepted or rejected Levenberg-Marquardt steps, at most
+  int iterations = 10;                           // greatest number of Levenberg-Marquardt steps, accepted or rejected
   bool robust = true;                            // Huber at sqrt(5.991) (2 rows) and sqrt(7.815) (3 rows)
-  double relative_cost_change = 1e-6;            // stop when a step gains less
-  const std::atomic<bool>* interrupt = nullptr;  // when it becomes true the solver returns the last accepted state soon
+  double relative_cost_change = 1e-6;            // the solver stops when a step gains less
+  const std::atomic<bool>* interrupt = nullptr;  // when it becomes true the solver soon returns the last accepted state
 };
 
 struct BundleSummary {
-  double initial_cost = 0, final_cost = 0;  // sum of rho(chi2), active observations
+  double initial_cost = 0, final_cost = 0;  // sum of rho(chi2) over the active observations
   int iterations = 0;
   bool interrupted = false;
-  bool ok = true;  // false: nothing to solve, or no step could be made
+  bool ok = true;  // false: there was nothing to solve, or no step could be made
 };
 
-// Keeps its work space between calls. Not thread-safe.
+// Keeps its workspace between calls. Not thread-safe.
 class BundleAdjuster {
  public:
   BundleAdjuster();
@@ -62,8 +62,8 @@ class BundleAdjuster {
   std::unique_ptr<Workspace> workspace_;
 };
 
-// Marks observations whose chi-square exceeds the 95 % bound, or whose point is behind the camera, inactive (and the
-// others active). Returns the number inactive.
+// Sets observations inactive whose chi-square exceeds the 95 % bound or whose point is behind the camera, and the
+// others active. Returns the number of inactive ones.
 int classify_observations(BundleProblem& problem);
 
 }  // namespace covis

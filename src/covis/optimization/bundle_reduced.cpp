@@ -7,9 +7,9 @@
 
 namespace covis {
 
-// The pairs of free poses that see a point together, sorted and unique.
+// Returns the pairs of free poses that observe a common point, sorted and unique.
 std::vector<BlockPair> BundleAdjuster::Workspace::co_observing() const {
-  // Observations by pose.
+  // Indices of the observations, grouped by pose.
   std::vector<uint32_t> first(free_index.size() + 1, 0), by_pose(sorted.size());
   for (uint32_t k = 0; k < sorted.size(); ++k) {
     if (free_of(k) >= 0) ++first[static_cast<size_t>(free_of(k)) + 1];
@@ -38,7 +38,7 @@ std::vector<BlockPair> BundleAdjuster::Workspace::co_observing() const {
   return pairs;
 }
 
-// Numbers the free poses anew, in an order of little fill, and looks up each pair of observations' block.
+// Renumbers the free poses in an order with little fill-in, and looks up the block of each pair of observations.
 void BundleAdjuster::Workspace::prepare_sparse() {
   const auto variables = static_cast<int32_t>(free_index.size());
   std::vector<BlockPair> pairs = co_observing();
@@ -68,7 +68,7 @@ void BundleAdjuster::Workspace::prepare_sparse() {
   }
 }
 
-// The damped U, and b_c.
+// Computes the damped U, and b_c.
 void BundleAdjuster::Workspace::start_reduced(double lambda) {
   const auto n = static_cast<Eigen::Index>(free_index.size()) * 6;
   if (sparse) {
@@ -98,7 +98,7 @@ void BundleAdjuster::Workspace::add_dense() {
     for (size_t j = 0; j < row.size(); ++j) {
       const auto kj = static_cast<size_t>(row[j].first);
       const auto cj = static_cast<Eigen::Index>(free_pose[static_cast<size_t>(sorted[kj].pose)]);
-      if (cj > ci) continue;  // the lower triangle is enough
+      if (cj > ci) continue;  // only the lower triangle is needed
       S.block<6, 6>(ci * 6, cj * 6).noalias() -= row[i].second * W[kj].transpose();
     }
   }
@@ -116,7 +116,7 @@ void BundleAdjuster::Workspace::add_sparse(size_t& next_slot) {
         system.block(slot[next_slot]).noalias() -= row[i].second * W[kj].transpose();
       } else if (b < a) {
         system.block(slot[next_slot]).noalias() -= row[j].second * W[ki].transpose();
-      } else {  // seen twice by one camera
+      } else {  // one camera observes the point twice
         const Matrix6d product = row[i].second * W[kj].transpose();
         system.diagonal(static_cast<size_t>(a)) -= product + product.transpose();
       }

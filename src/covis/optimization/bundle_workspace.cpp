@@ -8,7 +8,7 @@
 namespace covis {
 namespace {
 
-// Above this many free poses the reduced system is kept sparse.
+// With more free poses than this the reduced system is stored sparse.
 constexpr size_t kDensePoses = 64;
 
 }  // namespace
@@ -33,7 +33,7 @@ void BundleAdjuster::Workspace::prepare(const BundleProblem& problem) {
       rows += sorted[k].u_right >= 0 ? 3 : 2;
       ++seen[static_cast<size_t>(sorted[k].pose)];
     }
-    point_moves[p] = rows >= 3;  // fewer leave it undetermined: it stays
+    point_moves[p] = rows >= 3;  // fewer rows leave the point undetermined: it does not move
   }
   free_pose.assign(problem.poses.size(), -1);
   free_index.clear();
@@ -53,7 +53,7 @@ double BundleAdjuster::Workspace::cost(const BundleProblem& problem, const std::
     const BundleObservation& o = sorted[k];
     const Eigen::Vector3d p_c = poses[static_cast<size_t>(o.pose)] * points[static_cast<size_t>(o.point)];
     if (!(p_c.z() > kMinDepth)) {
-      if (used[k]) return std::numeric_limits<double>::infinity();  // a step may not take a point behind a camera
+      if (used[k]) return std::numeric_limits<double>::infinity();  // a step must not move a point behind a camera
       continue;
     }
     const Eigen::Vector3d e = reprojection_residual(p_c, problem.camera, o.u, o.v, o.u_right);

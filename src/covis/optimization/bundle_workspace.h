@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What bundle adjustment works on: one linear step's system and its solution. Inside of bundle_adjustment.h, no
-// interface.
+// The workspace of bundle adjustment: the system of one linear step and its solution. Internal to bundle_adjustment.h.
 //
 // With e = z - h, J_c and J_p the Jacobians of h, and weights W, one Gauss-Newton step solves
 //
@@ -8,8 +7,9 @@
 //   [ W'  V ] [dx_p] = [ b_p ]      W_cp = J_c' W J_p,   b = J' W e;
 //
 // eliminating points: (U - W V^-1 W') dx_c = b_c - W V^-1 b_p, then dx_p = V^-1 (b_p - W' dx_c).
-// The reduced system is kept dense for few poses (local adjustment); above that as the blocks of poses that see a point
-// together (Konolige, "Sparse sparse bundle adjustment", BMVC 2010), so that time and memory follow their number.
+// The reduced system is dense for few poses (local adjustment). For more it holds only the blocks of pose pairs that
+// observe a common point (Konolige, "Sparse sparse bundle adjustment", BMVC 2010), so that time and memory grow with
+// the number of such blocks.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,7 +31,7 @@ struct BundleAdjuster::Workspace {
   // Observations sorted by point; those of point p are [offset[p], offset[p + 1]).
   std::vector<uint32_t> offset;
   std::vector<BundleObservation> sorted;
-  std::vector<int32_t> free_pose;   // for each pose its index among the free ones, or -1
+  std::vector<int32_t> free_pose;   // index among the free poses, or -1, for each pose
   std::vector<int32_t> free_index;  // poses that move
   std::vector<uint8_t> point_moves;
 
@@ -39,8 +39,8 @@ struct BundleAdjuster::Workspace {
   AlignedVector<Vector6d> b_c;
   AlignedVector<Eigen::Matrix3d> V, V_inv;
   AlignedVector<Eigen::Vector3d> b_p;
-  AlignedVector<Matrix6x3d> W;  // for each sorted observation of a free pose; 0 when not used
-  std::vector<uint8_t> used;    // for each sorted observation: it is in front of the camera
+  AlignedVector<Matrix6x3d> W;  // one per sorted observation of a free pose; 0 when not used
+  std::vector<uint8_t> used;    // one per sorted observation: 1 when in front of the camera
 
   Eigen::MatrixXd S;  // lower triangle
   Eigen::VectorXd rhs, step_c;
@@ -49,9 +49,9 @@ struct BundleAdjuster::Workspace {
   std::vector<Eigen::Vector3d> points_try;
   std::vector<std::pair<int32_t, Matrix6x3d>> row;  // W V^-1 of one point
 
-  bool sparse = false;  // many poses: system instead of S
+  bool sparse = false;  // true: many poses, `system` is used instead of S
   BlockSystem<6> system;
-  std::vector<uint32_t> slot;  // block of each pair of observations of a point, in add_sparse's order
+  std::vector<uint32_t> slot;  // block of each pair of observations of a point, in the order of add_sparse
 
   void prepare(const BundleProblem& problem);
   double cost(const BundleProblem& problem, const std::vector<SE3>& poses, const std::vector<Eigen::Vector3d>& points,
@@ -67,7 +67,7 @@ struct BundleAdjuster::Workspace {
   void add_sparse(size_t& next_slot);
   bool solve_reduced();
 
-  // Observation k's pose among the free ones, or -1.
+  // Returns the index of observation k's pose among the free ones, or -1.
   int32_t free_of(uint32_t k) const { return free_pose[static_cast<size_t>(sorted[k].pose)]; }
 };
 

@@ -9,8 +9,8 @@ namespace covis {
 
 FocalEstimate estimate_focal(const BundleProblem& problem, BundleAdjuster& adjuster,
                              const std::atomic<bool>* interrupt) {
-  constexpr double kStep = 0.01;           // of the factor, between the three
-  constexpr double kLeastVariance = 1e-6;  // no keypoint is known better than to a thousandth of its sigma
+  constexpr double kStep = 0.01;           // difference of the factor between the three adjustments
+  constexpr double kLeastVariance = 1e-6;  // no keypoint is more precise than a thousandth of its sigma
   FocalEstimate estimate;
   std::array<double, 3> costs{};
   for (size_t k = 0; k < 3; ++k) {

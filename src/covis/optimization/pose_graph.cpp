@@ -12,8 +12,8 @@
 namespace covis {
 namespace {
 
-// J_l(e)^-1 = ad / (exp(ad) - 1) with ad = ad(e), by its series, sum of B_2k ad^2k / (2k)! with the Bernoulli numbers
-// B: it converges as (r / 2 pi)^2k, r the greatest eigenvalue, and residuals are mostly small.
+// J_l(e)^-1 = ad / (exp(ad) - 1) with ad = ad(e), by its series, the sum of B_2k ad^2k / (2k)! with the Bernoulli
+// numbers B. It converges as (r / 2 pi)^2k, r being the greatest eigenvalue, and residuals are mostly small.
 Matrix7d inverse_left_jacobian(const Vector7d& e) {
   const Eigen::Vector3d rho = e.head<3>(), phi = e.segment<3>(3);
   if (!(phi.squaredNorm() + e(6) * e(6) < 0.25)) return Sim3::left_jacobian(e).partialPivLu().inverse();
@@ -58,7 +58,7 @@ Vector7d pose_graph_residual(const Sim3& S_ji, const Sim3& S_iw, const Sim3& S_j
 
 namespace {
 
-// N: 7, or 6 without scale (the last row of every residual and column of every Jacobian left out).
+// N is 7, or 6 without scale (without the last row of every residual and the last column of every Jacobian).
 template <int N>
 class PoseGraphSolver {
  public:
@@ -73,16 +73,16 @@ class PoseGraphSolver {
   double cost(const std::vector<Sim3>& poses) const;
   void linearise();
   bool solve_step(double lambda);
-  double take_step(double lambda);  // into try_; returns the gain that the linear model promises
+  double take_step(double lambda);  // writes try_; returns the gain predicted by the linear model
 
   int32_t free_of(int32_t pose) const { return free_pose_[static_cast<size_t>(pose)]; }
 
   PoseGraphProblem& problem_;
-  std::vector<int32_t> free_pose_;   // for each pose its number among those that move, or -1
+  std::vector<int32_t> free_pose_;   // number of each pose among those that move, or -1
   std::vector<int32_t> free_index_;  // poses that move, in the order of elimination
-  std::vector<uint32_t> slot_;       // for each edge between poses that move its block in system_
+  std::vector<uint32_t> slot_;       // block in system_ of each edge between poses that move
   BlockSystem<N> system_;
-  AlignedVector<Block> H_;  // diagonal blocks of the normal equations, not yet damped
+  AlignedVector<Block> H_;  // diagonal blocks of the normal equations, before damping
   Eigen::VectorXd b_, step_;
   std::vector<Sim3> try_;
 };

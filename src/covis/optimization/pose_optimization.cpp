@@ -16,12 +16,13 @@ struct PoseSystem {
   int used = 0;
 };
 
-// The residual of observation i, with what its Jacobian shares with it: the measurement model of geometry/measurement.h
-// in the order of operations that is fastest here. Without a point in front of the camera `usable` is false.
+// The residual of observation i, and the terms its Jacobian shares with it: the measurement model of
+// geometry/measurement.h in the order of operations that is fastest here. `usable` is false unless the point is in
+// front of the camera.
 struct Residual {
-  Eigen::Vector3d p;            // the point, camera coordinates
-  double iz = 0, x = 0, y = 0;  // 1 / depth and the point at depth 1
-  Eigen::Vector3d r;            // rows u, v, u_right
+  Eigen::Vector3d p;            // point in camera coordinates
+  double iz = 0, x = 0, y = 0;  // 1 / depth, and the point at depth 1
+  Eigen::Vector3d r;            // residuals of u, v, u_right
   bool stereo = false, usable = false;
 
   Residual(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera, size_t i)
@@ -39,7 +40,7 @@ struct Residual {
   double bound() const { return stereo ? kChi2Stereo : kChi2Mono; }
 };
 
-// Residuals and Jacobians of all observations with use[i] != 0, summed up in order.
+// Sums residuals and Jacobians of all observations with use[i] != 0, in their order.
 template <bool kWithJacobian>
 PoseSystem accumulate(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera,
                       const std::vector<uint8_t>& use, bool robust) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pose of one camera from known points: 6 unknowns, robust, with outlier rounds.
+// Pose of one camera from known points: 6 unknowns, robust, with repeated outlier classification.
 // Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, section III-C ("motion-only BA"); chi-square bounds at 95 %.
 // The cost is  sum rho( |z - h(T_cw p)|^2 * inv_sigma2 )  with 2 rows (u, v), or 3 (u, v, u_right) when u_right >= 0;
 // Huber's rho; xi perturbs on the left: T <- exp(xi) T.
@@ -14,9 +14,9 @@
 
 namespace covis {
 
-// Flat arrays, one entry an observation.
+// Flat arrays, one entry per observation.
 struct PoseObservations {
-  AlignedVector<float> u, v, u_right;  // pixels, undistorted; u_right < 0: none
+  AlignedVector<float> u, v, u_right;  // pixels, undistorted; u_right < 0: no measurement
   AlignedVector<float> inv_sigma2;     // 1 / pixels^2
   AlignedVector<double> px, py, pz;    // world point, metres
 
@@ -27,20 +27,21 @@ struct PoseObservations {
 };
 
 struct PoseOptions {
-  int rounds = 4;       // after each, observations are classified again by chi-square
-  int iterations = 10;  // greatest number in a round
+  int rounds = 4;       // number of rounds; after each, observations are classified again by chi-square
+  int iterations = 10;  // greatest number of iterations in a round
 };
 
 struct PoseResult {
   SE3 T_cw;
-  int inliers = 0;  // observations within their chi-square bound at the end, in front of the camera
+  int inliers = 0;  // number of observations in front of the camera and within their chi-square bound at the end
   double cost = 0;  // robust cost over the inliers
-  Matrix6d information = Matrix6d::Zero();  // of xi (translation first), from the last step; its inverse: covariance
-  bool ok =
-      false;  // false: fewer than 3 usable observations, or a singular or non-finite system; T_cw is the start then
+  // Information of xi (translation first) from the last step; its inverse is the covariance.
+  Matrix6d information = Matrix6d::Zero();
+  // False: fewer than 3 usable observations, or a singular or non-finite system. T_cw is then the initial pose.
+  bool ok = false;
 };
 
-// inlier[i] (resized) tells which observations agree at the end. Allocates nothing once `inlier` has the capacity.
+// inlier[i] (resized) is 1 for the inliers at the end. Allocates nothing once `inlier` has the capacity.
 PoseResult optimize_pose(const SE3& T_cw_start, const PoseObservations& observations, const Pinhole& camera,
                          const PoseOptions& options, std::vector<uint8_t>& inlier);
 

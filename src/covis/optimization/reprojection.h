@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Jacobians of the residual that every problem here is made of: z - h(T_cw p), with h of geometry/measurement.h.
+// The Jacobians of the residual common to all problems here: z - h(T_cw p), with h of geometry/measurement.h.
 // Source: Solà et al., "A micro Lie theory", 2018.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace covis {
 
 using Matrix3x6d = Eigen::Matrix<double, 3, 6>;
 
-// d h / d p_c; row 2 is 0 when not stereo.
+// Returns d h / d p_c; row 2 is 0 when not stereo.
 inline Eigen::Matrix3d projection_jacobian(const Eigen::Vector3d& p_c, const Pinhole& camera, bool stereo) {
   const double iz = 1 / p_c.z(), iz2 = iz * iz;
   Eigen::Matrix3d J;
@@ -24,7 +24,7 @@ inline Eigen::Matrix3d projection_jacobian(const Eigen::Vector3d& p_c, const Pin
   return J;
 }
 
-// d p_c / d xi for T <- exp(xi) T, applied behind a projection Jacobian: J_pi * [I, -hat(p_c)].
+// Applies d p_c / d xi for T <- exp(xi) T after a projection Jacobian: J_pi * [I, -hat(p_c)].
 inline Matrix3x6d pose_jacobian(const Eigen::Matrix3d& J_pi, const Eigen::Vector3d& p_c) {
   Matrix3x6d J;
   J.leftCols<3>() = J_pi;
@@ -32,7 +32,7 @@ inline Matrix3x6d pose_jacobian(const Eigen::Matrix3d& J_pi, const Eigen::Vector
   return J;
 }
 
-// Huber: the cost of a squared error, and the weight its quadratic gets.
+// Huber's rho: the cost of a squared error, and the weight of its quadratic approximation.
 inline double huber(double chi2, double bound, double& weight) {
   if (chi2 <= bound) {
     weight = 1;

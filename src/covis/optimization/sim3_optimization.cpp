@@ -45,7 +45,7 @@ struct Sim3System {
   int used = 0;
 };
 
-// Sums over the matches with use[i] != 0; a bound of 0: no Huber.
+// Sums over the matches with use[i] != 0; a bound of 0 disables Huber's rho.
 Sim3System accumulate(const Sim3& S_12, const View& view, const std::vector<uint8_t>& use, double huber_bound) {
   Sim3System s;
   Eigen::Vector4d e;
@@ -67,11 +67,11 @@ Sim3System accumulate(const Sim3& S_12, const View& view, const std::vector<uint
     s.H.noalias() += J.transpose() * (w.asDiagonal() * J);
     s.b.noalias() += J.transpose() * w.cwiseProduct(e);
   }
-  if (view.fix_scale) s.H(6, 6) = 1;  // its step is 0
+  if (view.fix_scale) s.H(6, 6) = 1;  // makes the step of the scale 0
   return s;
 }
 
-// False: too few matches, or a system without a solution.
+// Returns false for too few matches or a system without a solution.
 bool descend(Sim3& S_12, const View& view, const std::vector<uint8_t>& use, double huber_bound, int iterations) {
   double lambda = 1e-6;
   Sim3System s = accumulate(S_12, view, use, huber_bound);
@@ -83,7 +83,7 @@ bool descend(Sim3& S_12, const View& view, const std::vector<uint8_t>& use, doub
     if (!step.allFinite()) return false;
     const Sim3 candidate = Sim3::exp(step) * S_12;
     const Sim3System next = accumulate(candidate, view, use, huber_bound);
-    // A step may not gain by taking points behind a camera.
+    // A step must not gain by moving points behind a camera.
     if (candidate.all_finite() && next.used >= s.used && next.cost <= s.cost) {
       S_12 = candidate;
       s = next;
@@ -119,7 +119,7 @@ std::optional<Sim3> closed_form(const std::vector<Eigen::Vector3d>& from, const 
 
 std::array<uint32_t, 3> draw_three(Random& random, uint32_t n) {
   std::array<uint32_t, 3> drawn{random.below(n), random.below(n - 1), random.below(n - 2)};
-  // Each number moves up past those taken before it.
+  // Each number skips those drawn before it.
   drawn[1] += drawn[1] >= drawn[0];
   const auto [low, high] = std::minmax(drawn[0], drawn[1]);
   drawn[2] += drawn[2] >= low;
@@ -127,7 +127,7 @@ std::array<uint32_t, 3> draw_three(Random& random, uint32_t n) {
   return drawn;
 }
 
-// How many samples of 3 make it 99 % sure that one has inliers only.
+// Number of samples of 3 after which one is all inliers with a probability of 99 %.
 double samples_needed(double inlier_share) {
   const double good = inlier_share * inlier_share * inlier_share;
   return good >= 1 ? 1 : std::log(0.01) / std::log1p(-good);
@@ -191,7 +191,7 @@ std::optional<Sim3Result> ransac_sim3(std::span<const Sim3Match> matches, const 
     from.push_back(matches[k].p_2);
     to.push_back(matches[k].p_1);
   }
-  consider();  // kept when more agree with it
+  consider();  // replaces the model when it has more inliers
   if (best.inliers < min_inliers) return std::nullopt;
   best.cost = accumulate(best.S_12, view, best.inlier, 0).cost;
   best.ok = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For the tests of optimization: similarities drawn at random.
+// For the tests of optimization: random similarities.
 #pragma once
 
 #include "covis/core/random.h"

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/slam/system.h"
 
-#include <algorithm>
+#include <string>
+#include <utility>
 
 #include "covis/core/log.h"
 #include "covis/core/time.h"
 
 namespace covis {
 namespace {
-
-constexpr size_t kRecords = 1 << 14;  // of frames, room for which is made at once: memory is used only when they come
 
 TrackingSettings tracking_settings(const SystemOptions& o) {
   return {.sensor = o.sensor,
@@ -18,13 +17,6 @@ TrackingSettings tracking_settings(const SystemOptions& o) {
           .mode = o.localize ? TrackingMode::localisation : TrackingMode::mapping,
           .closes_loops = o.loop.close,
           .seed = o.seed};
-}
-
-int index_of(const std::vector<SubmapSummary>& submaps, uint32_t submap) {
-  for (size_t m = 0; m < submaps.size(); ++m) {
-    if (submaps[m].id == submap) return static_cast<int>(m);
-  }
-  return -1;
 }
 
 }  // namespace
@@ -37,13 +29,96 @@ System::System(const Camera& camera, const SystemOptions& options, std::shared_p
       frontend_(camera, options.orb, options.sensor),
       tracker_(map_, tracking_settings(options), vocabulary_),
       mapping_(map_, options, vocabulary_) {
-  records_.reserve(kRecords);
+  // A lost camera is looked for in the map; it begins none.
+  if (options_.localize) tracker_.start_lost();
 }
 
 System::~System() = default;
 
-FeaturesPtr System::extract(const Input& input, bool twice_the_features) {
-  frontend_.set_feature_budget(options_.orb.features * (twice_the_features ? 2 : 1));
+Result<void> System::set_map(Map map, const Camera& made_by) {
+  if (const std::string other = difference(given_, made_by); !other.empty()) {
+    const std::string what = "the map was made by another camera (" + other + ")";
+    if (!options_.localize)
+      return fail(what + ": it can't be continued, for a map has one camera; localise in it only");
+    log(LogLevel::warning, what + ": places of it are looked for with the present one");
+    own_camera_ = given_.pinhole;
+    tracker_.use_camera(*own_camera_);
+  }
+  finish();
+  if (vocabulary_) {
+    for (const KeyFrameId& id : map.key_frames())
+      map.set_words(id, std::make_shared<const Words>(vocabulary_->transform(map.at(id).features->descriptor)));
+  }
+  snapshots_.map_loaded(map.submaps().empty() ? 0 : map.submaps().back().id + 1, own_camera_);
+  *map_.write() = std::move(map);
+  tracker_.start_lost();
+  return {};
+}
+
+FrameReport System::process(const Input& input) {
+  FrameReport report;
+  const Stopwatch total;
+  FeaturesPtr features = extract(input, (tracker_.wants_more_features() ? 2 : 1) * options_.orb.features);
+  report.timing.extract_ms = frontend_.timing().extract_ms;
+  report.timing.depth_ms = frontend_.timing().depth_ms;
+
+  ++processed_;
+  apply_visible_mapping(report);
+
+  const Stopwatch tracking;
+  Tracker::Outcome outcome = tracker_.track(std::move(features), input.frame, input.stamp, mapping_status());
+  report.track = outcome.result;
+  report.timing.track_ms = tracking.ms();
+
+  record(input, outcome);
+  if (outcome.discard_submap) {
+    apply_all_mapping(report);
+    discard(*outcome.discard_submap);
+  }
+  submit(std::move(outcome.request));
+  if (outcome.result.method == TrackMethod::initialised) {  // nothing can be tracked before the map is there
+    apply_all_mapping(report);
+    report_begun_map(report);
+  }
+  explain_missing_map(report.track);
+  report.timing.total_ms = total.ms();
+  return report;
+}
+
+std::optional<SubmapPose> System::locate(const Input& input) {
+  mapping_.wait_idle();
+  Relocaliser relocaliser(map_, options_.tracker, options_.seed, vocabulary_);
+  const int budget = (options_.tracker.local_map.weak_inliers > 0 ? 2 : 1) * options_.orb.features;
+  const auto found = relocaliser.locate(extract(input, budget), input.frame, own_camera_);
+  if (!found) return std::nullopt;
+  return SubmapPose{found->T_cw.inverse(), found->submap};
+}
+
+std::vector<MappingReport> System::finish() {
+  FrameReport report;
+  apply_all_mapping(report);
+  if (tracker_.state() != TrackState::not_initialised) {
+    mapping_.mapper().finish();
+    tracker_.map_moved();
+  }
+  return std::move(report.mapping);
+}
+
+std::vector<PoseOfFrame> System::online_trajectory() const {
+  const auto now = snapshot();
+  return now->submaps.empty() ? std::vector<PoseOfFrame>() : poses_in(now->online, now->submaps.front().id);
+}
+
+System::MapSize System::map_size() const {
+  const auto map = map_.read();
+  return {map->key_frame_count(), map->point_count()};
+}
+
+MapState System::map_state() const { return map_.read()->state(); }
+
+// `features`: the number of keypoints wanted.
+FeaturesPtr System::extract(const Input& input, int features) {
+  frontend_.set_feature_budget(features);
   switch (options_.sensor) {
     case Sensor::monocular:
       return frontend_.monocular(input.image);
@@ -55,219 +130,96 @@ FeaturesPtr System::extract(const Input& input, bool twice_the_features) {
   return nullptr;
 }
 
-Result<void> System::set_map(Map map, const Camera& made_by) {
-  if (const std::string other = difference(given_, made_by); !other.empty()) {
-    const std::string what = "the map was made by another camera (" + other + ")";
-    if (!options_.localize)
-      return fail(what + ": it can't be gone on with, for a map has one camera; localise in it only");
-    log(LogLevel::warning, what + ": places of it are looked for with the present one");
-    own_camera_ = given_.pinhole;
-    tracker_.use_camera(*own_camera_);
-  }
-  finish();
-  if (vocabulary_) {
-    for (const KeyFrameId& id : map.key_frames())
-      map.set_words(id, std::make_shared<const Words>(vocabulary_->transform(map.at(id).features->descriptor)));
-  }
-  *map_.write() = std::move(map);
-  tracker_.start_lost();
-  return {};
-}
-
-std::optional<System::Location> System::locate(const Input& input) {
-  mapping_.wait_idle();
-  Relocaliser relocaliser(map_, options_.tracker, options_.seed, vocabulary_);
-  const auto found =
-      relocaliser.locate(extract(input, options_.tracker.local_map.weak_inliers > 0), input.frame, own_camera_);
-  if (!found) return std::nullopt;
-  return Location{found->T_cw.inverse(), found->submap};
-}
-
-FrameReport System::process(const Input& input) {
-  FrameReport report;
-  const Stopwatch total;
-  FeaturesPtr features = extract(input, tracker_.wants_more_features());
-  report.timing.extract_ms = frontend_.timing().extract_ms;
-  report.timing.depth_ms = frontend_.timing().depth_ms;
-
-  Stopwatch watch;
-  ++processed_;
-  if (options_.realtime) {
-    collect(report, false);
+void System::apply_visible_mapping(FrameReport& report) {
+  if (realtime()) {
+    apply_finished_mapping(report);
   } else if (processed_ >= visible_at_ || tracker_.near_loss()) {
-    collect(report, true);
+    apply_all_mapping(report);
   }
-  report.timing.wait_ms = watch.ms();
-  watch.restart();
-
-  const bool live = options_.realtime || mapping_.pending() == 0;
-  const bool idle = options_.realtime ? mapping_.idle() : mapping_.pending() == 0;
-  const MappingStatus mapping{live ? MappingStatus::Map::live : MappingStatus::Map::hidden,
-                              idle ? MappingLoad::idle : MappingLoad::busy};
-  Tracker::Outcome outcome = tracker_.track(std::move(features), input.frame, input.stamp, mapping);
-  report.track = outcome.result;
-  report.timing.track_ms = watch.ms();
-
-  if (outcome.retract_from) retract(*outcome.retract_from);
-  FrameRecord& fresh = records_.emplace_back();
-  fresh.frame = input.frame;
-  fresh.stamp = input.stamp;
-  if (outcome.discard_submap) {
-    collect(report, true);
-    discard(*outcome.discard_submap);
-  }
-  const bool first = outcome.result.method == TrackMethod::initialised;
-  if (!first && outcome.result.state == TrackState::tracking) {
-    FrameRecord& record = records_.back();
-    record.tracked = record.online = true;
-    record.pose = outcome.result.pose;
-    record.T_wc_online = outcome.result.T_cw.inverse();
-    record.submap_online = outcome.result.submap;
-  }
-  auto* const key_frame = std::get_if<KeyFrameRequest>(&outcome.request);
-  if (key_frame) {
-    // Here, so that frames that make no key frame never allocate.
-    if (2 * records_.size() > records_.capacity()) records_.reserve(2 * records_.capacity());
-    mapping_.submit(std::move(*key_frame));
-  }
-  if (auto* const initial_map = std::get_if<InitialMapRequest>(&outcome.request))
-    mapping_.submit(std::move(*initial_map));
-  if (first) {  // nothing can be tracked before the map is there
-    watch.restart();
-    collect(report, true);
-    report.timing.wait_ms += watch.ms();
-    report.track.state = tracker_.state();
-    if (const FrameRecord& record = records_.back(); record.tracked) {
-      report.track.T_cw = record.T_wc_online.inverse();
-      report.track.pose = record.pose;
-      report.track.submap = record.submap_online;
-      report.track.inliers = report.mapping.back().points_created;
-    } else {
-      report.track.method = TrackMethod::none;
-      report.track.reason = "the initial map did not hold";
-    }
-  } else if (key_frame) {
-    visible_at_ = processed_ + options_.mapping_delay;
-  }
-  report.timing.total_ms = total.ms();
-  return report;
 }
 
-void System::collect(FrameReport& report, bool wait) {
+// Waits for every key frame asked for.
+void System::apply_all_mapping(FrameReport& report) {
+  const Stopwatch watch;
+  while (mapping_.pending() > 0) apply(mapping_.wait(), report);
+  report.timing.wait_ms += watch.ms();
+}
+
+void System::apply_finished_mapping(FrameReport& report) {
   while (mapping_.pending() > 0) {
-    std::optional<MappingReport> made = wait ? mapping_.wait() : mapping_.poll();
-    if (!made) break;
-    take(*made);
-    report.mapping.push_back(std::move(*made));
+    std::optional<MappingReport> made = mapping_.poll();
+    if (!made) return;
+    apply(std::move(*made), report);
   }
 }
 
-void System::take(const MappingReport& report) {
-  tracker_.key_frame_made(report);
-  if (!report.key_frame.valid()) return;
-  // The frames that became key frames hang on themselves from now on.
-  const auto map = map_.read();
-  const auto hang = [&](KeyFrameId id, bool online) {
-    const KeyFrame* key_frame = map->find(id);
-    if (!key_frame) return;
-    const auto record = std::lower_bound(records_.begin(), records_.end(), key_frame->frame,
-                                         [](const FrameRecord& r, int64_t frame) { return r.frame < frame; });
-    if (record == records_.end() || record->frame != key_frame->frame) return;
-    if (!record->tracked && online) {
-      record->online = true;
-      record->T_wc_online = key_frame->T_cw.inverse();
-      record->submap_online = key_frame->submap;
-    }
-    record->tracked = true;
-    record->pose = RelativePose::at(*map, id);
-  };
-  hang(report.key_frame, true);
-  if (report.first.valid()) hang(report.first, false);
+void System::apply(MappingReport made, FrameReport& report) {
+  tracker_.key_frame_made(made);
+  if (made.key_frame.valid()) anchor(made);
+  report.mapping.push_back(std::move(made));
 }
 
-void System::retract(int64_t from) {
-  for (auto record = records_.rbegin(); record != records_.rend() && record->frame >= from; ++record)
-    record->tracked = record->online = false;
+void System::anchor(const KeyFrameMade& made) {
+  const auto map = map_.read();
+  if (const KeyFrame* key_frame = map->find(made.key_frame)) {
+    log_.anchor(key_frame->frame, RelativePose::at(*map, made.key_frame),
+                SubmapPose{key_frame->T_cw.inverse(), key_frame->submap});
+  }
+  if (const KeyFrame* first = map->find(made.first)) log_.anchor(first->frame, RelativePose::at(*map, made.first));
+}
+
+MappingStatus System::mapping_status() const {
+  const bool nothing_pending = mapping_.pending() == 0;
+  const bool idle = realtime() ? mapping_.idle() : nothing_pending;
+  return {realtime() || nothing_pending ? MappingStatus::Map::live : MappingStatus::Map::hidden,
+          idle ? MappingLoad::idle : MappingLoad::busy};
+}
+
+void System::submit(MapRequest request) {
+  if (auto* const key_frame = std::get_if<KeyFrameRequest>(&request)) {
+    log_.make_room();  // here, so that frames that make no key frame never allocate
+    visible_at_ = processed_ + options_.mapping_delay;
+    mapping_.submit(std::move(*key_frame));
+  } else if (auto* const initial_map = std::get_if<InitialMapRequest>(&request)) {
+    mapping_.submit(std::move(*initial_map));
+  }
+}
+
+// The frame that begins a submap gets its pose when mapping has made the submap.
+void System::record(const Input& input, const Tracker::Outcome& outcome) {
+  if (outcome.retract_from) log_.retract(*outcome.retract_from);
+  const TrackResult& result = outcome.result;
+  FrameRecord record{.frame = input.frame, .stamp = input.stamp, .pose = {}, .online = {}};
+  if (result.state == TrackState::tracking && result.method != TrackMethod::initialised) {
+    record.pose = result.pose;
+    record.online = SubmapPose{result.T_cw.inverse(), result.submap};
+  }
+  log_.append(record);
 }
 
 void System::discard(uint32_t submap) {
-  {
-    const auto map = map_.read();
-    for (FrameRecord& record : records_) {
-      const auto resolved = record.pose.resolved(*map);
-      if (resolved && map->at(resolved->key_frame).submap == submap) record.tracked = record.online = false;
-    }
-  }
+  log_.forget(*map_.read(), submap);
   mapping_.mapper().discard(submap);
 }
 
-std::vector<MappingReport> System::finish() {
-  FrameReport report;
-  collect(report, true);
-  if (tracker_.state() != TrackState::not_initialised) {
-    mapping_.mapper().finish();
-    tracker_.map_moved();
-  }
-  return std::move(report.mapping);
-}
-
-// Calls visit(record, T_wc, submap) for each frame that has a pose.
-template <class Visit>
-void System::for_each_pose(const Map& map, Visit&& visit) const {
-  for (const FrameRecord& record : records_) {
-    if (!record.tracked) continue;
-    const auto resolved = record.pose.resolved(map);
-    if (!resolved) continue;
-    const SE3 T_cw = resolved->T_cw(map);
-    visit(record, T_cw.inverse(), map.at(resolved->key_frame).submap);
+void System::report_begun_map(FrameReport& report) const {
+  TrackResult& track = report.track;
+  track.state = tracker_.state();
+  const std::optional<FrameRecord> record = log_.last();
+  if (record->pose) {
+    track.T_cw = record->online->T_wc.inverse();
+    track.pose = *record->pose;
+    track.submap = record->online->submap;
+    track.inliers = report.mapping.back().points_created;
+  } else {
+    track.method = TrackMethod::none;
+    track.reason = "the initial map did not hold";
   }
 }
 
-std::vector<SubmapSummary> System::submaps() const { return submaps(*map_.read()); }
-
-std::vector<SubmapSummary> System::submaps(const Map& map) const {
-  std::vector<SubmapSummary> submaps;
-  for (const Submap& submap : map.submaps())
-    submaps.push_back({submap.id, submap.id < tracker_.kept_submaps(), 0, submap.key_frames, 0});
-  const auto of = [&](uint32_t submap) -> SubmapSummary& { return submaps[static_cast<size_t>(index_of(submaps, submap))]; };
-  map.for_each_point([&](MapPointId, const MapPoint& point) { ++of(map.at(point.reference).submap).points; });
-  for_each_pose(map, [&](const FrameRecord&, const SE3&, uint32_t submap) { ++of(submap).frames; });
-  std::stable_sort(submaps.begin(), submaps.end(), [](const SubmapSummary& a, const SubmapSummary& b) {
-    return a.loaded != b.loaded ? a.loaded : a.frames > b.frames;
-  });
-  return submaps;
-}
-
-std::vector<PoseOfFrame> System::trajectory() const {
-  const auto map = map_.read();
-  const std::vector<SubmapSummary> of = submaps(*map);
-  std::vector<PoseOfFrame> poses;
-  for_each_pose(*map, [&](const FrameRecord& record, const SE3& T_wc, uint32_t submap) {
-    poses.push_back({record.frame, record.stamp, T_wc, index_of(of, submap), submap});
-  });
-  return poses;
-}
-
-std::vector<PoseOfFrame> System::online_trajectory() const {
-  const std::vector<SubmapSummary> of = submaps();
-  std::vector<PoseOfFrame> poses;
-  for (const FrameRecord& record : records_) {
-    if (record.online && index_of(of, record.submap_online) == 0)
-      poses.push_back({record.frame, record.stamp, record.T_wc_online, 0, record.submap_online});
-  }
-  return poses;
-}
-
-std::vector<PoseOfFrame> System::key_frames() const {
-  const auto map = map_.read();
-  const std::vector<SubmapSummary> of = submaps(*map);
-  std::vector<PoseOfFrame> poses;
-  for (const KeyFrameId& id : map->key_frames()) {
-    const KeyFrame& key_frame = map->at(id);
-    const uint32_t submap = key_frame.submap;
-    poses.push_back({key_frame.frame, key_frame.stamp, key_frame.T_cw.inverse(), index_of(of, submap), submap});
-  }
-  return poses;
+void System::explain_missing_map(TrackResult& result) const {
+  if (options_.localize && result.state != TrackState::tracking && map_.read()->submaps().empty())
+    result.reason = "system.localize is set, and there is no map to localise in";
 }
 
 }  // namespace covis

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rules that decide whether a saved map fits a run.
+// Rules that decide whether a saved map can be used in a run.
 //
-// What the map holds is found again by its descriptors, at the same scales and in the same unit of length: sensor and
-// pyramid must be alike. A map that is continued has one camera, to which all of it is adjusted; localisation alone
-// may use another one. The vocabulary may be another: the words of the key frames are computed anew when a map is
-// loaded.
+// The map's features are matched by descriptors at the same scales and in the same unit of length, so sensor and
+// pyramid must agree. A continued map has one camera, to which all of it is adjusted; localisation alone may use
+// another camera. The vocabulary may differ: the words of the key frames are recomputed when a map is loaded.
 #pragma once
 
 #include <filesystem>
@@ -16,10 +15,11 @@ namespace covis::storage {
 
 enum class MapUse { continuation, localization };
 
-// An error says what does not fit, and which setting would. `run` is the header a map of this run would have.
+// The error names the mismatch and the setting that would resolve it. `run` is the header that a map of this run would
+// have.
 Result<void> check_compatible(const MapHeader& saved, const MapHeader& run, MapUse use);
 
-// Loads a map for a run: an error when it does not fit or has no key frames. Errors name the file.
+// Loads a map for a run; fails when it does not fit or has no key frames. Errors name the file.
 Result<SavedMap> load_compatible_map(const std::filesystem::path& file, const MapHeader& run, MapUse use);
 
 }  // namespace covis::storage

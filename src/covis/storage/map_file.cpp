@@ -15,7 +15,7 @@
 namespace covis::storage {
 namespace {
 
-// The sections' ids.
+// Identifiers of the sections.
 constexpr uint32_t kAbout = 1, kKeyFrames = 2, kFeatures = 3, kObservations = 4, kPoints = 5;
 
 constexpr const char* kNotRightLength = "it is damaged: a section has not the length that its contents ask for";
@@ -37,7 +37,7 @@ Counts counts_of(const MapState& map) {
   return c;
 }
 
-// ---- The layout: each function for both directions, Fields being FieldWriter or FieldReader ----
+// ---- The layout: each function serves both directions, with FieldWriter or FieldReader as Fields ----
 
 template <class Fields, class P>
 void pinhole_fields(Fields& fields, P& p) {
@@ -63,9 +63,9 @@ void about_fields(Fields& fields, H& h, C& c) {
   fields(c.observations);
 }
 
-// Of a key frame what does not depend on the features' number.
+// The fixed-size fields of a key frame, independent of its number of features.
 struct FrameRecord {
-  std::array<double, 9> R{};  // by rows
+  std::array<double, 9> R{};  // row-major
   std::array<double, 3> t{};
   Pinhole camera;
   ImageBounds bounds;
@@ -92,8 +92,8 @@ void key_frame_fields(Fields& fields, K& k, R& record) {
   fields.list(k.loop_edges);
 }
 
-// Calls visit(array) for each array of the features, in the order of the file; `image_x` and `image_y` are the raw
-// pixels, which the file always has.
+// Calls visit(array) for each array of the features, in the order of the file. `image_x` and `image_y` are the raw
+// pixels, which the file always contains.
 template <class F, class Pixels, class Visit>
 void for_each_array(F& f, Pixels& image_x, Pixels& image_y, Visit&& visit) {
   for (auto* array : {&f.x, &f.y}) visit(*array);
@@ -121,13 +121,13 @@ std::string problem_of(const MapHeader& h) {
   const std::array<double, 5> figures{p.fx, p.fy, p.cx, p.cy, p.bf};
   if (!std::all_of(figures.begin(), figures.end(), finite) || !(p.fx > 0 && p.fy > 0 && p.bf >= 0) ||
       !std::all_of(h.camera.coefficients.begin(), h.camera.coefficients.end(), finite)) {
-    return "its camera makes no sense";
+    return "its camera is not valid";
   }
   if (h.camera.width < 1 || h.camera.height < 1) return "its camera has no image size";
   const int distortion = static_cast<int>(h.camera.distortion), sensor = static_cast<int>(h.sensor);
   if (distortion < 0 || distortion > static_cast<int>(Distortion::kannala_brandt)) return "its lens is unknown";
   if (sensor < 0 || sensor > static_cast<int>(Sensor::rgbd)) return "its sensor is unknown";
-  if (!valid_pyramid(h.levels, h.factor)) return "its pyramid makes no sense";
+  if (!valid_pyramid(h.levels, h.factor)) return "its pyramid is not valid";
   return {};
 }
 
@@ -186,7 +186,7 @@ Result<About> read_about(SectionFile& file) {
   return about;
 }
 
-// The key frames without features and observations; `records` says the rest of them.
+// Reads the key frames without features and observations; `records` receives their remaining fields.
 Result<std::vector<KeyFrameState>> read_key_frames(SectionFile& file, uint32_t count,
                                                    std::vector<FrameRecord>& records) {
   const auto bytes = file.read(kKeyFrames, "key frames");
@@ -220,7 +220,7 @@ Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& re
     const std::string name = "key frame " + std::to_string(i) + " ";
     if (!valid_pyramid(r.levels, r.factor)) return fail(file.error(name + "has no valid pyramid"));
     if (!pyramid || pyramid->levels != r.levels || pyramid->factor != r.factor) {
-      pyramid = std::make_shared<ScalePyramid>(r.levels, r.factor);  // most often one for all key frames
+      pyramid = std::make_shared<ScalePyramid>(r.levels, r.factor);  // usually one pyramid for all key frames
     }
     const auto f = std::make_shared<Features>();
     AlignedVector<float> image_x, image_y;
@@ -259,15 +259,15 @@ Result<void> read_points(SectionFile& file, uint32_t count, std::vector<MapPoint
   return {};
 }
 
-// The one of all key frames. Early versions could leave key frames of two in a map: the first key frame's serves then,
-// as in any adjustment they made.
+// Returns the camera of all key frames. Early versions could leave key frames of two cameras in a map. The first key
+// frame's camera is used then, as those versions did in every adjustment.
 Pinhole camera_of(const std::vector<FrameRecord>& records, const SectionFile& file) {
   const Pinhole& first = records.front().camera;
   const auto others =
       std::count_if(records.begin(), records.end(), [&](const FrameRecord& r) { return r.camera != first; });
   if (others > 0) {
-    log(LogLevel::warning, file.error("its key frames are of several cameras, " + std::to_string(others) +
-                                      " of others than the first: that one's focal length is taken for all"));
+    log(LogLevel::warning, file.error("its key frames have several cameras, " + std::to_string(others) +
+                                      " of them not the first one's: the first camera is used for all"));
   }
   return first;
 }

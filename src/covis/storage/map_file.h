@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maps saved to one file and loaded again (docs/map-format.md). The loaded map is the saved one in everything that
-// mapping goes on from; handles are new: key frames by rising serial, points in their order, from slot 0. Saving what
-// was loaded gives the same bytes.
+// Maps saved to one file and loaded again (docs/map-format.md). The loaded map equals the saved one in everything that
+// mapping needs to continue. Handles are new: key frames by ascending serial and points in their order, from slot 0.
+// Saving a loaded map gives the same bytes.
 //
-// Errors name the file and what is wrong with it. A damaged, cut off or foreign file is an error, never less of a map.
+// Errors name the file and the defect. A damaged, truncated or foreign file is an error; a map is never loaded in part.
 #pragma once
 
 #include <cstdint>
@@ -18,13 +18,13 @@
 
 namespace covis::storage {
 
-// What the map was made with.
+// Camera and settings with which the map was made.
 struct MapHeader {
   Camera camera;
   Sensor sensor = Sensor::monocular;
-  int levels = 0;          // of the scale pyramid
-  float factor = 0;        // between its levels
-  std::string vocabulary;  // its checksum as text; empty: made without one
+  int levels = 0;          // number of levels of the scale pyramid
+  float factor = 0;        // scale factor between levels
+  std::string vocabulary;  // checksum as text; empty: made without a vocabulary
 };
 
 struct SavedMap {
@@ -37,20 +37,19 @@ struct MapInfo {
   uint16_t major = 0, minor = 0;  // version of the format
   uint64_t file_size = 0;         // bytes
   uint64_t key_frames = 0, points = 0, observations = 0, features = 0;
-  uint64_t submaps = 0;                              // maps that are not joined
-  Eigen::Vector3d extent = Eigen::Vector3d::Zero();  // metres: sides of the box around the key frames' centres
-  double seconds = 0;                                // from the first to the last key frame's stamp
+  uint64_t submaps = 0;                              // number of maps that are not joined
+  Eigen::Vector3d extent = Eigen::Vector3d::Zero();  // sides of the box around the key frames' centres, metres
+  double seconds = 0;                                // time from the first to the last key frame's stamp
 };
 
-// Writes to a temporary name in the same folder, waits for the disk and renames: whatever happens meanwhile, `file` is
-// the old one or the new one, whole. Take the state under the map's lock and save it without. An error too when the map
-// is not sound, for what is written can be read again.
+// Writes to a temporary name in the same folder, waits for the disk and renames: at any moment `file` is either the
+// complete old or the complete new file. Take the state under the map's lock and save it without the lock. Fails for a
+// map that is not sound, because such a file could not be loaded.
 Result<void> save_map(const std::filesystem::path& file, const MapState& map, const MapHeader& header);
 
 Result<SavedMap> load_map(const std::filesystem::path& file);
 
-// Reads what the file says of itself and the key frames' poses, but neither features nor points: quick, and no check of
-// those.
+// Reads the header and the key frames' poses, but neither features nor points. It is fast and does not check those.
 Result<MapInfo> read_map_info(const std::filesystem::path& file);
 
 }  // namespace covis::storage

@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::string_view kMagic = "COVISMAP";
 constexpr size_t kHeaderSize = 32, kEntrySize = 24;
-constexpr int kLevel = 3;  // zstd's own default: descriptors hardly shrink, more effort is lost on them
-constexpr uint64_t kGreatestRatio = 32768;  // zstd makes at most 128 KiB of a block of 4 bytes
+constexpr int kLevel = 3;  // zstd's default: descriptors hardly compress, so a higher level is wasted effort
+constexpr uint64_t kGreatestRatio = 32768;  // zstd expands a block of 4 bytes to at most 128 KiB
 
-// tables[k][b]: the checksum of byte b followed by k zero bytes; eight of them take eight bytes at once.
+// tables[k][b] is the checksum of byte b followed by k zero bytes; with all eight, eight bytes are processed at once.
 using CrcTables = std::array<std::array<uint32_t, 256>, 8>;
 
 constexpr CrcTables make_crc_tables() {
@@ -67,7 +67,7 @@ Result<std::string> pack_sections(std::vector<Section> sections, uint16_t major,
     const uint64_t raw = section.bytes.size();
     auto packed = compress(section.bytes);
     if (!packed) return packed;
-    section.bytes = std::move(*packed);  // the most of a map's memory is given back here, section by section
+    section.bytes = std::move(*packed);  // frees most of a map's memory, section by section
     table(section.id);
     table(crc32(section.bytes));
     table(uint64_t{section.bytes.size()});
@@ -80,7 +80,7 @@ Result<std::string> pack_sections(std::vector<Section> sections, uint16_t major,
   header(minor);
   header(static_cast<uint32_t>(sections.size()));
   header(size);
-  header(uint32_t{0});  // reserved
+  header(uint32_t{0});  // reserved field
   std::string file = header.take();
   const std::string entries = table.take();
   FieldWriter crc;
@@ -172,7 +172,8 @@ Result<std::string> SectionFile::read(uint32_t id, std::string_view name) {
   auto stored = read_stored(*entry, name);
   if (!stored) return stored;
   const std::string problem = error("its section '" + std::string(name) + "' can't be uncompressed");
-  if (entry->raw / kGreatestRatio > entry->stored) return fail(problem);  // don't take memory on its word
+  // No memory is allocated for an implausible size.
+  if (entry->raw / kGreatestRatio > entry->stored) return fail(problem);
   std::string raw(entry->raw, '\0');
   const size_t size = ZSTD_decompress(raw.data(), raw.size(), stored->data(), stored->size());
   if (ZSTD_isError(size) || size != raw.size()) return fail(problem);

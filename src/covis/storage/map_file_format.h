@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The container of a map file: a header, a table, and compressed sections (docs/map-format.md has it byte for byte).
-// What is in the sections is map_file.cpp's matter. Every byte of a file is under a checksum, and nothing read from one
-// is trusted: lengths are held against what is there before memory is taken.
+// The container of a map file: a header, a table, and compressed sections (docs/map-format.md specifies every byte).
+// The contents of the sections are defined in map_file.cpp. Every byte of a file is covered by a checksum, and no value
+// read from a file is trusted: lengths are compared with the bytes present before memory is allocated.
 #pragma once
 
 #include <bit>
@@ -19,15 +19,16 @@
 
 namespace covis::storage {
 
-inline constexpr uint16_t kMapFileMajor = 1;  // files of another one can't be read
-inline constexpr uint16_t kMapFileMinor = 1;  // a newer one moves no field: read, but for what it may newly contain
+inline constexpr uint16_t kMapFileMajor = 1;  // files of another major version cannot be read
+// Newer minor versions move no field and are read, except for added contents.
+inline constexpr uint16_t kMapFileMinor = 1;
 
 static_assert(std::endian::native == std::endian::little, "fields go to the file as they lie in memory");
 
-// The CRC-32 of ISO 3309 (as of PNG and gzip): tells every change within 32 bits in a row, so every changed byte.
+// CRC-32 of ISO 3309 (as in PNG and gzip). It detects every change within 32 consecutive bits, so every changed byte.
 uint32_t crc32(std::string_view bytes, uint32_t crc = 0);
 
-// Fields one after the other, without padding. Writer and Reader have the same calls, so that one function describes a
+// Fields in sequence, without padding. Writer and reader have the same interface, so that one function describes a
 // layout for both directions.
 class FieldWriter {
  public:
@@ -36,12 +37,12 @@ class FieldWriter {
     static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
     bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
-  // `count` values without their number.
+  // Writes `count` values without their number.
   template <class T>
   void array(const T* values, size_t count) {
     bytes_.append(reinterpret_cast<const char*>(values), count * sizeof(T));
   }
-  // The number of values (32 bits) and the values: a std::string or a std::vector.
+  // Writes the number of values (32 bits) and the values of a std::string or a std::vector.
   template <class List>
   void list(const List& values) {
     (*this)(static_cast<uint32_t>(values.size()));
@@ -53,7 +54,7 @@ class FieldWriter {
   std::string bytes_;
 };
 
-// Reads past the end give zeros and nothing; ask whole() at last.
+// Reads past the end leave values unchanged and make ok() false; call whole() at the end.
 class FieldReader {
  public:
   explicit FieldReader(std::string_view bytes) : rest_(bytes) {}
@@ -74,16 +75,16 @@ class FieldReader {
     (*this)(count);
     sized_list(values, count);
   }
-  // A list whose length is known from elsewhere.
+  // Reads a list whose length is stored elsewhere.
   template <class List>
   void sized_list(List& values, size_t count) {
     if (!fits<typename List::value_type>(count)) return;
     values.resize(count);
     array(values.data(), count);
   }
-  // Every read found its bytes so far.
+  // True when no read so far went past the end.
   bool ok() const { return ok_; }
-  // And nothing is left.
+  // True when, in addition, no bytes are left.
   bool whole() const { return ok_ && rest_.empty(); }
 
  private:
@@ -101,21 +102,21 @@ struct Section {
   std::string bytes;
 };
 
-// The bytes of a file of these sections, compressed; the same for the same sections.
+// Returns the bytes of a file with these compressed sections; equal sections give equal bytes.
 Result<std::string> pack_sections(std::vector<Section> sections, uint16_t major = kMapFileMajor,
                                   uint16_t minor = kMapFileMinor);
 
-// A map file open for reading: opening looks at header and table, read() at one section. Errors name the file.
+// An open map file: open() reads header and table, read() a single section. Errors name the file.
 class SectionFile {
  public:
   static Result<SectionFile> open(const std::filesystem::path& file);
-  // The section's bytes, uncompressed. `name` is for messages.
+  // Returns the section's uncompressed bytes. `name` is used in messages.
   Result<std::string> read(uint32_t id, std::string_view name);
-  // Whether the stored bytes of the sections not read so far, unknown ones as well, are as they were written.
+  // Verifies the checksums of the sections not read so far, unknown ones included.
   Result<void> verify_others();
   uint16_t major() const { return major_; }
   uint16_t minor() const { return minor_; }
-  uint64_t size() const { return size_; }  // of the file
+  uint64_t size() const { return size_; }  // size of the file, bytes
   std::string error(std::string_view what) const { return file_.string() + ": " + std::string(what); }
 
  private:

@@ -23,12 +23,12 @@ inline MapHeader test_header() {
   return header;
 }
 
-// Of the key frames: not the one that was given.
+// Camera of the key frames, which differs from the given one.
 inline Pinhole refined_camera() { return {490, 490.98, 320.5, 240.25, 40}; }
 
 inline FeaturesPtr random_features(Random& random, int count) {
   auto f = std::make_shared<Features>(no_features());
-  const bool lens = random.below(2) == 0;  // a camera with distortion
+  const bool lens = random.below(2) == 0;  // true: a camera with distortion
   for (int i = 0; i < count; ++i) {
     const double x = random.uniform(0, 640), y = random.uniform(0, 480), angle = random.uniform(0, 6.28);
     const int level = static_cast<int>(random.below(8));
@@ -48,7 +48,7 @@ inline SE3 random_pose(Random& random) {
   return SE3::exp(xi);
 }
 
-// Slots are used again, handles are stale, serials have gaps: a map as a long run leaves it.
+// Makes a map like that of a long run: slots are reused, handles are stale, serials have gaps.
 inline Map random_map(uint64_t seed, int steps, int features = 30) {
   Random random(seed);
   Map map;
@@ -108,7 +108,7 @@ inline void expect_equal(const Features& a, const Features& b) {
   EXPECT_EQ(a.pyramid->inv_sigma2, b.pyramid->inv_sigma2);
 }
 
-// Equal but for the handles: the k-th key frame by serial and the k-th point by slot correspond.
+// Compares all but the handles: the k-th key frame by serial and the k-th point by slot correspond.
 inline void expect_equal(const Map& a, const Map& b) {
   const auto a_frames = a.key_frames(), b_frames = b.key_frames();
   const auto a_points = a.points(), b_points = b.points();
@@ -116,7 +116,7 @@ inline void expect_equal(const Map& a, const Map& b) {
   ASSERT_EQ(a_points.size(), b_points.size());
   EXPECT_EQ(a.next_serial(), b.next_serial());
   EXPECT_EQ(a.camera(), b.camera());
-  const auto frame = [&](KeyFrameId id) {  // of a, to that of b
+  const auto frame = [&](KeyFrameId id) {  // handle in `a` to handle in `b`
     const auto at = std::find(a_frames.begin(), a_frames.end(), id);
     return at == a_frames.end() ? KeyFrameId{} : b_frames[static_cast<size_t>(at - a_frames.begin())];
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a file may hold that no map would: each case is told, and no map is made of it.
+// Contents that a file may have but no sound map has: each case is reported, and no map is made of it.
 #include <gmock/gmock.h>
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 // Whether a pose is of the place it claims to be. Things of which there are several alike match wherever one of them
 // stands; what stands around them does not. So a place that the camera cannot have walked to has to show what is usually
 // seen from there, and stays tentative for a second: until then no key frame is made of it, and when it proves wrong the
-// frames since then lose their poses. What was measured: docs/notes (places that only look alike).
+// frames since then lose their poses. Measured: docs/notes/005-expected-match-ratio.md.
 //
 //           relocalised, or jumped              here for a second
 //   settled ───────────────────────▶ tentative ──────────────────▶ settled

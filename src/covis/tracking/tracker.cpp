@@ -11,9 +11,9 @@
 namespace covis {
 namespace {
 
-MapStarter::Settings starter_settings(const TrackingSettings& s, bool has_vocabulary) {
+MapStarter::Settings starter_settings(const TrackingSettings& s, const Vocabulary* vocabulary) {
   // Without places recognised, or loops closed, two submaps would never be joined.
-  const bool begins_new_maps = has_vocabulary && s.closes_loops && s.mode == TrackingMode::mapping;
+  const bool begins_new_maps = vocabulary && s.closes_loops && s.mode == TrackingMode::mapping;
   return {s.sensor, s.options.start, s.options.key_frame.min_close_points, begins_new_maps, s.seed};
 }
 
@@ -24,7 +24,7 @@ Tracker::Tracker(const SharedMap& map, const TrackingSettings& settings, std::sh
       settings_(settings),
       search_(settings.options.recovery, Subject::stream),
       key_frames_(settings.sensor, settings.options.key_frame, settings.schedule),
-      starter_(starter_settings(settings, vocabulary != nullptr)),
+      starter_(starter_settings(settings, vocabulary.get())),
       relocaliser_(map, settings.options, settings.seed, std::move(vocabulary)) {}
 
 // ---- One frame ----
@@ -85,7 +85,8 @@ bool Tracker::track_by_motion(TrackResult& result) {
   const Stopwatch watch;
   const FirstPoseOptions& o = settings_.options.first_pose;
   FrameMatcher& matcher = search_.matcher;
-  add_depth_points();
+  if (settings_.sensor != Sensor::monocular)
+    last_.add_depth_points(key_frames_.near_features(*last_.frame.features, search_.camera), search_.camera);
   current_.T_cw = (*T_cl * last_.frame.T_cw).normalized();
   const double window = o.window(settings_.sensor);
   int matches = matcher.match_last_frame(last_.frame, current_, search_.camera, window);
@@ -96,7 +97,7 @@ bool Tracker::track_by_motion(TrackResult& result) {
   if (!ok) {
     result.reason = "too few matches with the last frame";
   } else if (const int on_map = matcher.fit_pose(current_, search_.camera).on_map;
-             (may_dead_reckon() ? current_.matches() : on_map) < o.motion_min_inliers) {
+             (settings_.dead_reckons() ? current_.matches() : on_map) < o.motion_min_inliers) {
     result.reason = "too few matches with the last frame agree on a pose";
     ok = false;
   }
@@ -166,7 +167,7 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
 
 // Localisation only: the last frame's depth carries the pose over a place the map has too little, or nothing, of.
 bool Tracker::dead_reckon(TrackResult& result) {
-  if (!may_dead_reckon() || current_.matches() < settings_.options.local_map.min_inliers) return false;
+  if (!settings_.dead_reckons() || current_.matches() < settings_.options.local_map.min_inliers) return false;
   ++health_.dead_reckoned_frames;
   result.method = TrackMethod::dead_reckoned;
   return true;
@@ -251,18 +252,6 @@ bool Tracker::may_make_key_frame(const TrackResult& result) const {
   return !health_.recovered_lately(current_.stamp) || result.method == TrackMethod::motion_model;
 }
 
-// The last frame's own depth gives points for one frame: the map may have few yet.
-void Tracker::add_depth_points() {
-  if (settings_.sensor == Sensor::monocular) return;
-  TrackedFrame& frame = last_.frame;
-  const SE3 T_wl = frame.T_cw.inverse();
-  for (const uint32_t i : key_frames_.near_features(*frame.features, search_.camera)) {
-    if (frame.on_map(i)) continue;
-    frame.source[i] = PointSource::depth;
-    frame.positions[i] = T_wl * unproject_depth(search_.camera, *frame.features, i);
-  }
-}
-
 // ---- The map as it changes ----
 
 void Tracker::key_frame_made(const KeyFrameMade& made) {
@@ -328,6 +317,16 @@ void Tracker::LastFrame::become(const Map& map, KeyFrameId key_frame) {
   pose = RelativePose::at(map, key_frame);
   submap = map.at(key_frame).submap;
   frame.T_cw = map.at(key_frame).T_cw;
+}
+
+// The frame's own depth gives points for the next frame alone: the map may have few yet.
+void Tracker::LastFrame::add_depth_points(const std::vector<uint32_t>& features, const Pinhole& camera) {
+  const SE3 T_wl = frame.T_cw.inverse();
+  for (const uint32_t i : features) {
+    if (frame.on_map(i)) continue;
+    frame.source[i] = PointSource::depth;
+    frame.positions[i] = T_wl * unproject_depth(camera, *frame.features, i);
+  }
 }
 
 // The last frame became this key frame: what mapping added to it is known of the frame too.

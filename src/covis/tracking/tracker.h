@@ -38,11 +38,14 @@ struct TrackingSettings {
   TrackingMode mode = TrackingMode::mapping;
   bool closes_loops = true;  // submaps can be joined: only then a second one is begun
   int seed = 0;
+
+  bool dead_reckons() const { return mode == TrackingMode::localisation && sensor != Sensor::monocular; }
 };
 
-// What mapping is doing when a frame comes.
+// The state of mapping when a frame comes.
 struct MappingStatus {
-  enum class Map { live, hidden };  // hidden: a result that is not to be seen yet; the copies of the last live frame serve
+  // hidden: there is a result that is not to be seen yet, and the copies of the last live frame serve.
+  enum class Map { live, hidden };
   Map map = Map::live;
   MappingLoad load = MappingLoad::idle;
 };
@@ -91,11 +94,7 @@ class Tracker {
   void begin_submap(Outcome& outcome);
 
   void follow_map(const Map& map);
-  void add_depth_points();
   bool may_make_key_frame(const TrackResult& result) const;
-  bool may_dead_reckon() const {
-    return settings_.mode == TrackingMode::localisation && settings_.sensor != Sensor::monocular;
-  }
 
   // The frame before the current one, and the map as that saw it.
   struct LastFrame {
@@ -107,6 +106,7 @@ class Tracker {
     uint64_t moves = 0;        // Map::moves() when it was
 
     void become(const Map& map, KeyFrameId key_frame);
+    void add_depth_points(const std::vector<uint32_t>& features, const Pinhole& camera);
     void take_points(const Map& map, KeyFrameId key_frame);
     void refresh_points(const Map& map);
   };

@@ -50,7 +50,7 @@ struct KeyFrameOptions {
   int new_close_points = 70;          // untracked close points that make a key frame worth it
   // Tracked share of the reference key frame's points below which a key frame is due (stereo, RGB-D).
   double key_frame_ratio = 0.75;
-  double key_frame_ratio_mono = 0.8;      // the same, monocular (published: 0.9; see docs/results.md)
+  double key_frame_ratio_mono = 0.8;      // the same, monocular (published: 0.9; docs/notes/008-mapping-figures.md)
   double key_frame_all_ratio_mono = 0.5;  // the same of all its points that another key frame observes, monocular
   // Turn away from the reference key frame's view beyond which one is due, share of the wider angle of view (stereo,
   // RGB-D).

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a list of nodes to the bytes of a vocabulary's file.
+// Builds the bytes of a vocabulary file from a list of nodes.
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -10,7 +10,7 @@
 namespace covis {
 namespace {
 
-// Of each node (root first): the nodes below it, in the order of the list.
+// The children of each node (root first), in the order of the list.
 struct Children {
   std::vector<uint32_t> offset, node;
   explicit Children(const std::vector<VocabularyNode>& nodes) : offset(nodes.size() + 2), node(nodes.size()) {
@@ -64,7 +64,7 @@ Result<std::shared_ptr<const Vocabulary>> Vocabulary::build(int branching, int d
   AlignedVector<std::byte>& bytes = vocabulary->memory_;
   bytes.resize(layout.end);
 
-  std::vector<uint32_t> order{0};  // breadth first
+  std::vector<uint32_t> order{0};  // breadth-first order
   order.reserve(count);
   uint32_t word = 0;
   for (uint32_t n = 0; n < count; ++n) {

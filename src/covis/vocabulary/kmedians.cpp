@@ -13,7 +13,7 @@
 namespace covis {
 namespace {
 
-// How many of a cluster's members have each bit set.
+// Counts for each bit how many of a cluster's members have it set.
 class BitCounts {
  public:
   void add(const Descriptor& descriptor) {
@@ -30,7 +30,7 @@ class BitCounts {
     members_ += other.members_;
   }
   uint64_t members() const { return members_; }
-  // The bits more than half of the members have; those exactly half have are taken from `before`.
+  // Returns the bits set in more than half of the members; a bit set in exactly half keeps its value in `before`.
   Descriptor majority(const Descriptor& before) {
     flush();
     Descriptor out;
@@ -42,7 +42,7 @@ class BitCounts {
   }
 
  private:
-  // Bit b of a byte becomes byte b.
+  // Spreads bit b of the index to byte b.
   static constexpr std::array<uint64_t, 256> kSpread = [] {
     std::array<uint64_t, 256> table{};
     for (size_t value = 0; value < 256; ++value) {
@@ -57,8 +57,8 @@ class BitCounts {
     pending_ = 0;
   }
 
-  std::array<uint64_t, 32> lanes_{};  // eight counts of a byte each, up to 255
-  int pending_ = 0;                   // members in lanes_
+  std::array<uint64_t, 32> lanes_{};  // eight counts of one byte each, up to 255
+  int pending_ = 0;                   // number of members counted in lanes_
   uint64_t members_ = 0;
   std::array<uint64_t, 256> counts_{};
 };
@@ -83,8 +83,8 @@ class KMedians {
  private:
   const Descriptor& member(size_t i) const { return descriptors_[members_[i]]; }
 
-  // Each centre is a member drawn with a chance proportional to its distance to the nearest centre so far. Leaves every
-  // member with its nearest centre.
+  // Chooses each centre among the members with a probability proportional to the distance to the nearest centre so far.
+  // Assigns every member to its nearest centre.
   void seed(int k, Random& random) {
     std::vector<uint16_t> nearest(members_.size(), 257);
     size_t next = static_cast<size_t>(random.uniform() * static_cast<double>(members_.size()));
@@ -111,7 +111,7 @@ class KMedians {
     }
   }
 
-  // Whether a centre moved.
+  // Returns true when a centre moved.
   bool move_centres() {
     const size_t k = clusters_.centres.size();
     std::vector<BitCounts> all(k);
@@ -132,7 +132,7 @@ class KMedians {
     return moved;
   }
 
-  // Whether a member changed its cluster.
+  // Returns true when a member changed its cluster.
   bool assign() {
     std::atomic<bool> changed = false;
     const auto k = static_cast<int>(clusters_.centres.size());
@@ -149,7 +149,7 @@ class KMedians {
     return changed;
   }
 
-  // Numbers the clusters that have members anew, in their order. Of two equal centres the second has none.
+  // Renumbers the clusters that have members, in their order. Of two equal centres the second has no members.
   void drop_empty() {
     std::vector<int> number(clusters_.centres.size(), 0);
     for (const uint8_t c : clusters_.of) number[c] = 1;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // k-medians of descriptors under the Hamming distance, which is the squared Euclidean distance of bits: seeding of
 // Arthur and Vassilvitskii, "k-means++: The Advantages of Careful Seeding", SODA 2007, section 2.2; the median of a
-// cluster is its bitwise majority. All sums are of whole numbers, so that the result is the same however the work is
-// shared out.
+// cluster is its bitwise majority. All sums are exact integers, so the result does not depend on how the work is
+// divided.
 #pragma once
 
 #include <cstdint>
@@ -16,16 +16,16 @@
 
 namespace covis {
 
-// Does work on [begin, end) ranges that together are [0, n), in any order, some of them at the same time.
+// Runs work on ranges [begin, end) that together cover [0, n), in any order and possibly in parallel.
 using ForRanges = std::function<void(size_t n, const std::function<void(size_t begin, size_t end)>& work)>;
 
 struct Clusters {
-  AlignedVector<Descriptor> centres;  // distinct; at most k; none has lost all its members
-  std::vector<uint8_t> of;            // the cluster of each member: the nearest centre, the first on a tie
+  AlignedVector<Descriptor> centres;  // at most k distinct centres; each has members
+  std::vector<uint8_t> of;            // cluster of each member: the nearest centre, the first on a tie
 };
 
 // The members are descriptors[members[i]]; k from 2 to 256. Ends when no member changes its cluster or after
-// `iterations` rounds. A bit that half of a cluster's members have set stays as it was.
+// `iterations` rounds. A bit that is set in half of a cluster's members keeps its value.
 Clusters k_medians(std::span<const Descriptor> descriptors, std::span<const uint32_t> members, int k, int iterations,
                    Random& random, const ForRanges& for_ranges);
 

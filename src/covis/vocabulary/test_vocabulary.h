@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the vocabulary's tests share: made-up images and a trained vocabulary.
+// Shared by the vocabulary's tests: synthetic images and a trained vocabulary.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ inline Descriptor random_descriptor(Random& random) {
   return {{random.next(), random.next(), random.next(), random.next()}};
 }
 
-// A descriptor with some bits of another turned.
+// Returns the descriptor with some random bits flipped.
 inline Descriptor near(const Descriptor& centre, int turned, Random& random) {
   Descriptor descriptor = centre;
   for (int i = 0; i < turned; ++i) {
@@ -30,7 +30,7 @@ inline Descriptor near(const Descriptor& centre, int turned, Random& random) {
   return descriptor;
 }
 
-// Images of descriptors around some centres: there is something to cluster.
+// Makes images of descriptors around common centres, so that they can be clustered.
 struct MadeImages {
   std::vector<Descriptor> descriptors;
   std::vector<uint64_t> offsets{0};
@@ -61,5 +61,30 @@ inline std::shared_ptr<const Vocabulary> train_made(const MadeImages& images, in
   EXPECT_TRUE(vocabulary) << vocabulary.error().message;
   return *vocabulary;
 }
+
+// A trained vocabulary in a file, and its bytes to be changed.
+class VocabularyFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    vocabulary_ = train_made(images_, 4, 3);
+    ASSERT_TRUE(vocabulary_->save(folder_ / "good"));
+    bytes_ = read_file(folder_ / "good");
+  }
+  // What loading these bytes says; "loaded" if it does.
+  std::string load(const std::string& bytes) {
+    write_file(folder_ / "bad", bytes);
+    const auto loaded = Vocabulary::load(folder_ / "bad");
+    if (!loaded) return loaded.error().message;
+    for (size_t i = 0; i < 5; ++i) EXPECT_LE((*loaded)->transform(images_.image(i)).words.size(), (*loaded)->words());
+    damage_seen_ = !(*loaded)->verify();
+    return "loaded";
+  }
+
+  const TemporaryFolder folder_;
+  MadeImages images_{21, 12, 60, 40};
+  std::shared_ptr<const Vocabulary> vocabulary_;
+  std::string bytes_;
+  bool damage_seen_ = false;
+};
 
 }  // namespace covis

@@ -17,12 +17,12 @@
 namespace covis {
 namespace {
 
-// The descriptor, its place in the order of members and in the copy made to sort them, its cluster and distance.
+// Memory per descriptor: the descriptor, its entries in members_ and moved_, its cluster and distance.
 constexpr uint64_t kBytesPerDescriptor = sizeof(Descriptor) + 4 + 4 + 1 + 2;
-constexpr size_t kShared = 1 << 16;  // nodes of more members than this are worked on by all threads together …
+constexpr size_t kShared = 1 << 16;  // nodes with more members than this are processed by all threads together …
 constexpr size_t kRange = 1 << 13;   // … in ranges of this size
 
-// Calls work(i) for i in [0, count) on some threads; each takes the next i that is left.
+// Calls work(i) for i in [0, count) on several threads; each takes the next i that is left.
 void run_parallel(int threads, size_t count, const std::function<void(size_t)>& work) {
   std::atomic<size_t> next = 0;
   const auto loop = [&] {
@@ -34,12 +34,12 @@ void run_parallel(int threads, size_t count, const std::function<void(size_t)>& 
   for (std::thread& thread : others) thread.join();
 }
 
-// A node to be split: members_[begin, end) fell to it.
+// A node to be split; its members are members_[begin, end).
 struct Split {
-  uint32_t node;  // its number; 0 is the root
+  uint32_t node;  // number of the node; 0 is the root
   size_t begin, end;
-  AlignedVector<Descriptor> centres = {};  // found by splitting it
-  std::vector<size_t> ends = {};           // where the members of each end
+  AlignedVector<Descriptor> centres = {};  // centres of its clusters, set by splitting
+  std::vector<size_t> ends = {};           // end of each cluster's members
 };
 
 class Trainer {
@@ -81,7 +81,7 @@ class Trainer {
       }
     }
     run_parallel(options_.threads, small.size(), [&](size_t s) { split(level[small[s]], l, small[s], alone); });
-    done_ = before + members_.size();  // those of words found above this level as well
+    done_ = before + members_.size();  // includes the words found above this level
   }
 
   void split(Split& node, int l, size_t index, const ForRanges& for_ranges) {
@@ -89,7 +89,7 @@ class Trainer {
     const std::span<uint32_t> members = std::span(members_).subspan(node.begin, node.end - node.begin);
     Random random(hash_seed(static_cast<uint64_t>(options_.seed), static_cast<uint64_t>(l), index));
     Clusters clusters = k_medians(descriptors_, members, options_.branching, options_.iterations, random, for_ranges);
-    // The members of each cluster together, in their order.
+    // Groups the members by cluster, in their order.
     node.ends.assign(clusters.centres.size(), 0);
     for (const uint8_t c : clusters.of) ++node.ends[c];
     std::exclusive_scan(node.ends.begin(), node.ends.end(), node.ends.begin(), node.begin);
@@ -107,11 +107,11 @@ class Trainer {
     if (!progress_(std::min(1.0, static_cast<double>(done_) / all))) stopped_ = true;
   }
 
-  // Puts the children into the list, breadth first; returns those to be split.
+  // Appends the children to the list, breadth first; returns those to be split.
   std::vector<Split> add_children(std::vector<Split>& level, bool last) {
     std::vector<Split> next;
     for (Split& split : level) {
-      if (split.centres.size() < 2) {  // all members are the same: it is a word
+      if (split.centres.size() < 2) {  // all members are equal: the node is a word
         if (split.node > 0) nodes_[split.node - 1].weight = idf(split.begin, split.end);
         continue;
       }
@@ -128,7 +128,7 @@ class Trainer {
     return next;
   }
 
-  // Members rise, and so do their images.
+  // Members are in ascending order, and so are their images.
   float idf(size_t begin, size_t end) const {
     size_t images = 0;
     uint64_t image_end = 0;
@@ -144,11 +144,11 @@ class Trainer {
   std::span<const uint64_t> offsets_;
   TrainOptions options_;
   const TrainProgress& progress_;
-  std::vector<uint32_t> members_;  // descriptors, those of a node together, rising
+  std::vector<uint32_t> members_;  // descriptor indices, grouped by node, ascending within a node
   std::vector<uint32_t> moved_;
   std::vector<VocabularyNode> nodes_;
   std::mutex mutex_;
-  size_t done_ = 0;  // descriptors, counted once a level
+  size_t done_ = 0;  // number of descriptors processed, counted once per level
   std::atomic<bool> stopped_ = false;
 };
 
@@ -167,7 +167,7 @@ Fields fields(TrainOptions& options) {
 
 TrainingSet::TrainingSet(int memory_mb, int seed)
     : seed_(static_cast<uint64_t>(seed)), capacity_((static_cast<uint64_t>(memory_mb) << 20) / kBytesPerDescriptor) {
-  descriptors_.reserve(capacity_);  // growing would need twice as much
+  descriptors_.reserve(capacity_);  // growing later would need twice the memory
 }
 
 bool TrainingSet::keeps(const Descriptor& descriptor, uint64_t image) const {

@@ -18,26 +18,27 @@
 namespace covis {
 
 struct TrainOptions {
-  int branching = 10;    // children of a node
-  int depth = 5;         // levels below the root: at most branching^depth words
-  int seed = 0;          // of all that is drawn
-  int threads = 0;       // 0: one a core
-  int memory_mb = 4096;  // for descriptors and the work on them; more are sampled
-  int iterations = 25;   // most rounds of k-medians in a node
+  int branching = 10;    // children per node
+  int depth = 5;         // levels below the root; there are at most branching^depth words
+  int seed = 0;          // seed of all random numbers
+  int threads = 0;       // number of threads; 0: one per core
+  int memory_mb = 4096;  // memory for descriptors and the work on them, MiB; more descriptors are sampled
+  int iterations = 25;   // greatest number of k-medians rounds in a node
 };
 Fields fields(TrainOptions& options);
 
-// The descriptors of many images within a given memory. When there are more than fit, a fixed part of each image's is
-// kept: those whose hash is below a limit, which is halved as often as needed.
+// The descriptors of many images within a given memory. When they do not fit, a fixed share of each image's descriptors
+// is kept: those whose hash is below a limit that is halved as often as needed.
 class TrainingSet {
  public:
   TrainingSet(int memory_mb, int seed);
   void add_image(std::span<const Descriptor> descriptors);
 
   std::span<const Descriptor> descriptors() const { return descriptors_; }
-  std::span<const uint64_t> offsets() const { return offsets_; }  // image i's are [offsets[i], offsets[i + 1])
+  // Image i has the descriptors [offsets[i], offsets[i + 1]).
+  std::span<const uint64_t> offsets() const { return offsets_; }
   uint64_t images() const { return offsets_.size() - 1; }
-  uint64_t seen() const { return seen_; }  // descriptors given
+  uint64_t seen() const { return seen_; }  // number of descriptors added
 
  private:
   bool keeps(const Descriptor& descriptor, uint64_t image) const;
@@ -49,11 +50,12 @@ class TrainingSet {
   std::vector<uint64_t> offsets_{0};
 };
 
-// Told how much of the work is done (0 to 1), from any of the threads, one at a time; false stops the training.
+// Called with the share of the work done (0 to 1), from any thread, one call at a time; returning false stops the
+// training.
 using TrainProgress = std::function<bool(double done)>;
 
-// A word's weight is ln(N / n), n of the N images having it. Errors: options out of range, too few or too many
-// descriptors, offsets that do not fit them, stopped.
+// The weight of a word is ln(N / n), n being the number of the N images that contain it. Errors: options out of range,
+// too few or too many descriptors, offsets that do not match them, training stopped.
 Result<std::shared_ptr<const Vocabulary>> train_vocabulary(std::span<const Descriptor> descriptors,
                                                            std::span<const uint64_t> image_offsets,
                                                            const TrainOptions& options,

@@ -22,7 +22,7 @@ std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// An array that lies in a file's bytes.
+// Views an array inside a file's bytes.
 template <class T>
 std::span<const T> array_at(std::span<const std::byte> bytes, uint64_t offset, size_t count) {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -56,7 +56,7 @@ Result<void> check_header(const VocabularyHeader& header, uint64_t bytes) {
 }  // namespace
 
 double word_score(const std::vector<WordWeight>& a, const std::vector<WordWeight>& b) {
-  // Both sum to 1, so that 1 - |a - b|_1 / 2 is the sum of the lesser weights of the words they share.
+  // Both sum to 1, so 1 - |a - b|_1 / 2 is the sum of the smaller weights of the common words.
   double score = 0;
   for (size_t i = 0, j = 0; i < a.size() && j < b.size();) {
     if (a[i].word < b[j].word) {
@@ -109,7 +109,7 @@ Result<void> Vocabulary::open(std::span<const std::byte> bytes) {
   return check_nodes();
 }
 
-// What descend() and transform() rely on; a damaged descriptor or weight can only make a poorer word.
+// Checks all that descend() and transform() rely on. Damaged descriptors or weights can only make the words worse.
 Result<void> Vocabulary::check_nodes() const {
   const uint32_t count = nodes();
   bool good =
@@ -119,7 +119,7 @@ Result<void> Vocabulary::check_nodes() const {
     good &= first > n && last >= first && last <= count && last - first <= static_cast<uint32_t>(branching_);
     good &= nodes_[n + 1].word == nodes_[n].word + (first == last ? 1 : 0);
   }
-  uint32_t begin = 0, end = 1;  // the nodes of a level
+  uint32_t begin = 0, end = 1;  // range of the nodes of a level
   for (int level = 0; good && level < depth_ && begin < end; ++level) {
     begin = std::exchange(end, nodes_[end].child);
   }
@@ -169,7 +169,7 @@ Words Vocabulary::transform(std::span<const Descriptor> descriptors) const {
   std::sort(words.begin(), words.end());
   Words out;
   double sum = 0;
-  for (size_t i = 0; i < words.size();) {  // tf-idf; the number of features goes out with the norm
+  for (size_t i = 0; i < words.size();) {  // tf-idf; the normalisation cancels the number of features
     size_t end = i + 1;
     while (end < words.size() && words[end] == words[i]) ++end;
     const float weight = static_cast<float>(end - i) * weights_[words[i]];
@@ -178,12 +178,12 @@ Words Vocabulary::transform(std::span<const Descriptor> descriptors) const {
     i = end;
   }
   for (WordWeight& word : out.words) word.weight = static_cast<float>(word.weight / sum);
-  out.words.shrink_to_fit();  // most are kept
+  out.words.shrink_to_fit();  // most of these vectors are kept
   return out;
 }
 
 DirectIndex Vocabulary::direct_index(std::span<const Descriptor> descriptors) const {
-  std::vector<uint64_t> keys(descriptors.size());  // high half: the node, low half: the feature
+  std::vector<uint64_t> keys(descriptors.size());  // high half: node, low half: feature
   for (size_t i = 0; i < descriptors.size(); ++i) keys[i] = (uint64_t{descend(descriptors[i]).direct_node} << 32) | i;
   std::sort(keys.begin(), keys.end());
   DirectIndex index;

@@ -13,7 +13,7 @@ static_assert(std::endian::native == std::endian::little, "vocabulary files are 
 
 namespace {
 
-// Chains of mixed words, four side by side: they do not wait for each other.
+// Hashes with four interleaved chains of mixed words, which have no dependencies between them.
 uint64_t hash_bytes(uint64_t seed, std::span<const std::byte> bytes) {
   uint64_t lanes[4] = {mix64(seed), mix64(seed + 1), mix64(seed + 2), mix64(seed + 3)};
   size_t lane = 0, at = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The binary file of a vocabulary: a header, then flat arrays that are used where they lie (docs/vocabulary.md has the
+// The binary file of a vocabulary: a header, then flat arrays that are used in place (docs/vocabulary.md describes the
 // layout). Little-endian.
 #pragma once
 
@@ -18,24 +18,24 @@ struct VocabularyHeader {
   uint32_t version;
   uint32_t branching;
   uint32_t depth;
-  uint32_t nodes;  // with the root
+  uint32_t nodes;  // number of nodes, including the root
   uint32_t words;
   uint32_t reserved;         // 0
-  uint64_t bytes;            // of the whole file
-  uint64_t checksum;         // of the content: vocabulary_checksum()
+  uint64_t bytes;            // size of the whole file
+  uint64_t checksum;         // checksum of the content: vocabulary_checksum()
   uint64_t reserved_too;     // 0
-  uint64_t header_checksum;  // of the bytes before it
+  uint64_t header_checksum;  // checksum of the bytes before it
 };
 static_assert(sizeof(VocabularyHeader) == 64);
 
-// Where the arrays begin, from the numbers of nodes and words.
+// Offsets of the arrays, computed from the numbers of nodes and words.
 struct VocabularyLayout {
-  uint64_t descriptors, nodes, weights, end;  // bytes from the file's start
+  uint64_t descriptors, nodes, weights, end;  // bytes from the start of the file
   VocabularyLayout(uint64_t node_count, uint64_t word_count);
 };
 
 uint64_t header_checksum(const VocabularyHeader& header);
-// Of the sizes in the header and all that follows it.
+// Checksum of the sizes in the header and of all bytes after the header.
 uint64_t vocabulary_checksum(const VocabularyHeader& header, std::span<const std::byte> content);
 
 }  // namespace covis

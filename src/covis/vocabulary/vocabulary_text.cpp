@@ -9,7 +9,7 @@
 namespace covis {
 namespace {
 
-// The next line, without the blanks at its end; the text goes on behind it.
+// Returns the next line without trailing blanks and removes it from the text.
 std::string_view take_line(std::string_view& text) {
   const size_t end = text.find('\n');
   std::string_view line = text.substr(0, end);
@@ -18,7 +18,7 @@ std::string_view take_line(std::string_view& text) {
   return line;
 }
 
-// The next number of a line.
+// Returns the next number of a line.
 template <class T>
 bool take(std::string_view& line, T& value) {
   while (!line.empty() && (line.front() == ' ' || line.front() == '\t')) line.remove_prefix(1);
@@ -46,7 +46,7 @@ void put(std::string& out, T value, char end) {
   out.push_back(end);
 }
 
-// Nodes that have children.
+// Marks the nodes that have children.
 std::vector<bool> find_parents(const std::vector<VocabularyNode>& nodes) {
   std::vector<bool> has(nodes.size() + 1);
   for (const VocabularyNode& node : nodes) has[node.parent] = true;

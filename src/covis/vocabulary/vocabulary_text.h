@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The field's text format of vocabularies of 256-bit descriptors. First line: `k L scoring weighting`, 0 0 for the L1
-// score and tf-idf weights, the only ones used here. Then a line a node: the parent's number, 1 for a word or 0, the
-// descriptor's 32 bytes, the weight. Nodes count from 1 in the order of lines, a parent before its children; 0 is the
-// root, which has no line.
+// The field's text format for vocabularies of 256-bit descriptors. First line: `k L scoring weighting`, 0 0 for the L1
+// score and tf-idf weights, the only supported ones. Then one line per node: the parent's number, 1 for a word or 0,
+// the descriptor's 32 bytes, the weight. Nodes are numbered from 1 in the order of lines, parents before children; 0 is
+// the root, which has no line.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ struct VocabularyText {
   std::vector<VocabularyNode> nodes;
 };
 
-// Errors name the line. A node without children is a word whatever its flag says; a word with children is an error.
+// Errors name the line. A node without children is a word whatever its flag; a word with children is an error.
 Result<VocabularyText> parse_vocabulary_text(std::string_view text);
 std::string write_vocabulary_text(const VocabularyText& text);
 

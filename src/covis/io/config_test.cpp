@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Camera files and settings.
-#include "covis/io/camera_file.h"
 #include "covis/io/config.h"
+
 #include "covis/io/test_recordings.h"
 
 namespace covis::io {
@@ -27,26 +26,6 @@ TEST_F(Settings, SettingsRoundTripAndComplain) {
   write("s.yaml", "a.count: 99\n");
   EXPECT_THAT(load_settings(folder / "s.yaml", fields).error().message,
               AllOf(HasSubstr("s.yaml:1"), HasSubstr("'99'"), HasSubstr("from 1 to 10")));
-}
-
-TEST_F(Settings, CamerasRoundTrip) {
-  CameraFile file;
-  file.camera.width = 640;
-  file.camera.height = 480;
-  file.camera.pinhole = {500.5, 501, 320, 240, 0};
-  file.camera.distortion = Distortion::kannala_brandt;
-  file.camera.coefficients = {0.1, 0.01, 0.001, 0.0001, 0};
-  file.baseline = 0.11;
-  file.fps = 30;
-  write("c.yaml", camera_text(file));
-  const auto loaded = load_camera(folder / "c.yaml");
-  ASSERT_TRUE(loaded) << loaded.error().message;
-  EXPECT_EQ(loaded->camera.pinhole.fx, 500.5);
-  EXPECT_EQ(loaded->camera.coefficients, file.camera.coefficients);
-  EXPECT_NEAR(loaded->camera.pinhole.baseline(), 0.11, 1e-12);
-  for (const auto& entry : fs::directory_iterator(fs::path(COVIS_SOURCE_DIR) / "cameras")) {
-    EXPECT_TRUE(load_camera(entry.path())) << entry.path();
-  }
 }
 
 TEST_F(Settings, EveryKindOfValueIsChecked) {
@@ -84,26 +63,6 @@ TEST_F(Settings, EveryKindOfValueIsChecked) {
   EXPECT_THAT(error("- count\n"), HasSubstr("must be a map"));
   EXPECT_THAT(error("count: {\n"), AllOf(HasSubstr("s.yaml:"), HasSubstr("not YAML")));
   EXPECT_EQ(error(""), "");
-}
-
-TEST_F(Settings, CameraFilesThatContradictThemselves) {
-  const auto error = [&](const std::string& more) {
-    camera_yaml(more);
-    const auto loaded = load_camera(folder / "camera.yaml");
-    return loaded ? "" : loaded.error().message;
-  };
-  EXPECT_THAT(error("fx: 60\n"), AllOf(HasSubstr("camera.yaml:7"), HasSubstr("twice")));
-  EXPECT_THAT(error("baseline: 0.1\nbf: 5\n"), HasSubstr("not both"));
-  EXPECT_THAT(error("model: fisheye\n"), AllOf(HasSubstr("'fisheye'"), HasSubstr("kannala_brandt")));
-  EXPECT_THAT(error("model: brown_conrady\n"), HasSubstr("'distortion' is missing"));
-  EXPECT_THAT(error("distortion: [0.1, 0, 0, 0]\n"), HasSubstr("model is pinhole"));
-  EXPECT_THAT(error("model: kannala_brandt\ndistortion: [0.1, 0, 0, 0, 0]\n"), HasSubstr("must be a list"));
-  EXPECT_THAT(error("model: brown_conrady\ndistortion: [0.1, 0, .inf, 0]\n"),
-              AllOf(HasSubstr("camera.yaml:8"), HasSubstr("'.inf'")));
-  EXPECT_EQ(error("bf: 5\n"), "");
-  EXPECT_NEAR(load_camera(folder / "camera.yaml")->baseline, 0.1, 1e-12);
-  write("camera.yaml", "- 1\n");
-  EXPECT_THAT(load_camera(folder / "camera.yaml").error().message, HasSubstr("must be a map"));
 }
 
 }  // namespace

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/features/extractor.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+#include <vector>
+
+#include "covis/core/random.h"
+#include "covis/features/fast.h"
+#include "covis/features/orb.h"
+#include "covis/features/pyramid.h"
+#include "covis/features/test_images.h"
+
+namespace covis {
+namespace {
+
+TEST(Extractor, TheWantedNumberIsReached) {
+  for (const auto& [width, height] : {std::pair{640, 480}, std::pair{1241, 376}, std::pair{320, 240}}) {
+    const ImageU8 image = texture(width, height, 7);
+    for (const int wanted : {300, 1000, 2000}) {
+      OrbOptions options;
+      options.features = wanted;
+      OrbExtractor extractor(options);
+      const KeyPoints& found = extractor.extract(image.view());
+      size_t corners = 0;
+      FastDetector detector;
+      std::vector<Corner> all;
+      for (int l = 0; l < 8; ++l) {
+        detector.detect(extractor.level(l), kEdgeBorder, 30, 20, 7, all);
+        corners += all.size();
+      }
+      EXPECT_GE(found.size() + 8, std::min<size_t>(static_cast<size_t>(wanted), corners)) << width << " " << wanted;
+      EXPECT_LE(found.size(), static_cast<size_t>(wanted) + 3 * 8);
+    }
+  }
+}
+
+// Whole numbers and IEEE arithmetic alone lead to the places, so their hash is the same everywhere; angles and
+// descriptors follow from them by the mathematics library's arc tangent, sine and cosine. A change of this value
+// changes every trajectory.
+TEST(Extractor, PlacesAreThoseOfEver) {
+  uint64_t hash = 14695981039346656037u;  // FNV-1a
+  const auto add = [&](uint64_t value) { hash = (hash ^ value) * 1099511628211u; };
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    Random random(seed);
+    ImageU8 image(400 + 37 * static_cast<int>(seed), 300), blurred;
+    std::fill(image.row(0), image.row(299) + image.stride(), uint8_t{128});
+    for (int k = 0; k < 400; ++k) {
+      const auto w = 3 + random.below(40), h = 3 + random.below(40), x = random.below(360), y = random.below(250);
+      const auto grey = static_cast<uint8_t>(random.below(256));
+      for (uint32_t row = y; row < y + h; ++row) std::fill_n(image.row(static_cast<int>(row)) + x, w, grey);
+    }
+    GaussianBlur().apply(image.view(), blurred);
+    OrbExtractor extractor{OrbOptions{}};
+    const KeyPoints& k = extractor.extract(blurred.view());
+    for (size_t i = 0; i < k.size(); ++i) {
+      add(std::bit_cast<uint32_t>(k.x[i]));
+      add(std::bit_cast<uint32_t>(k.y[i]));
+      add(k.level[i]);
+    }
+    add(k.size());
+  }
+  EXPECT_EQ(hash, 13400720980037767191u);
+}
+
+}  // namespace
+}  // namespace covis

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/io/files.h"
+#include "covis/io/test_recordings.h"
+
+namespace covis::io {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+TEST_F(Sequences, ReadsEurocAndRectifies) {
+  euroc();
+  auto opened = open();
+  ASSERT_TRUE(opened) << opened.error().message;
+  Sequence& s = **opened;
+  EXPECT_EQ(s.kind(), SequenceKind::euroc);
+  EXPECT_EQ(s.sensor(), Sensor::stereo);
+  EXPECT_NEAR(s.camera().pinhole.baseline(), 0.1, 1e-9);
+  EXPECT_EQ(s.camera().distortion, Distortion::none);
+  const auto frame = s.next();
+  ASSERT_TRUE(frame && *frame);
+  EXPECT_EQ((*frame)->stamp, 1403715273262142976);
+  EXPECT_EQ((*frame)->image(32, 24), 50);
+  EXPECT_EQ((*frame)->right(32, 24), 51);
+  // The truth is of the body at (1, 2, 3): the camera is 0.5 m along x from it, turned by a quarter about z.
+  const auto truth = load_truth(s);
+  ASSERT_TRUE(truth);
+  EXPECT_TRUE(truth->front().T_wc.t().isApprox(Eigen::Vector3d(1.5, 2, 3), 1e-9));
+  EXPECT_TRUE((truth->front().T_wc.R() * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d::UnitY(), 1e-9));
+  auto mono = open({.sensor = Sensor::monocular});
+  ASSERT_TRUE(mono);
+  EXPECT_EQ((*mono)->camera().distortion, Distortion::brown_conrady);
+  EXPECT_EQ((*mono)->camera().pinhole.bf, 0);
+  euroc("equidistant");
+  EXPECT_EQ((*open({.sensor = Sensor::monocular}))->camera().distortion, Distortion::kannala_brandt);
+}
+
+TEST_F(Sequences, PassesOverWhatACopyOfEurocLeavesOut) {
+  euroc();
+  fs::remove(folder / "mav0/cam0/data/1403715273262142976.png");
+  auto opened = open();
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ((*opened)->size(), 1);
+  EXPECT_THAT((*opened)->notes(), testing::ElementsAre(HasSubstr("1 of 2 images")));
+  euroc();
+  write("mav0/cam1/data.csv", "1403715273262142976,1403715273262142976.png\n");
+  EXPECT_THAT((*open())->notes(), testing::ElementsAre(HasSubstr("no right image")));
+  euroc();
+  for (const char* cam : {"cam0", "cam1"}) fs::remove(folder / "mav0" / cam / "data.csv");
+  EXPECT_EQ((*open())->size(), 2);
+}
+
+TEST_F(Sequences, ReadsEurocImagesThatAreRectifiedAlready) {
+  euroc();
+  camera_yaml("baseline: 0.2\n");
+  auto opened = open({.camera_file = folder / "camera.yaml"});
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_NEAR((*opened)->camera().pinhole.baseline(), 0.2, 1e-12);
+  EXPECT_EQ((*(*opened)->next())->right(0, 0), 51) << "taken as it is, without the black border of a rectified image";
+}
+
+TEST_F(BadInput, Euroc) {
+  euroc();
+  fs::remove(folder / "mav0/cam1/data/1403715273312143104.png");
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("cam1/data/1403715273312143104.png"), HasSubstr("missing")));
+  fs::remove_all(folder / "mav0/cam0/data");
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("cam0"), HasSubstr("none of the images")));
+  euroc();
+  write("mav0/cam0/data.csv", "2,b.png\n1,a.png\n");
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("data.csv:2"), HasSubstr("must rise")));
+  euroc("omnidirectional");
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("sensor.yaml"), HasSubstr("omnidirectional"), HasSubstr("equidistant")));
+  euroc();
+  const std::string right = *read_text(folder / "mav0/cam1/sensor.yaml");
+  write("mav0/cam1/sensor.yaml", *read_text(folder / "mav0/cam0/sensor.yaml"));
+  EXPECT_THAT(open_error(), HasSubstr("to the right of the left one"));
+  write("mav0/cam1/sensor.yaml", "T_BS: {data: [1, 2, x]}\n");
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("cam1/sensor.yaml:1"), HasSubstr("'x'")));
+  fs::remove_all(folder / "mav0/cam1");
+  EXPECT_THAT(open_error({.sensor = Sensor::stereo}), AllOf(HasSubstr("cam1"), HasSubstr("--sensor mono")));
+  fs::remove(folder / "mav0/cam0/sensor.yaml");
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("sensor.yaml"), HasSubstr("--camera")));
+}
+
+}  // namespace
+}  // namespace covis::io

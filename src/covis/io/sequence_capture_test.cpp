@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <opencv2/videoio.hpp>
+
+#include "covis/io/test_recordings.h"
+
+namespace covis::io {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+TEST_F(Sequences, ReadsAVideo) {
+  camera_yaml();
+  cv::VideoWriter writer((folder / "video.avi").string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25,
+                         {kWidth, kHeight});
+  ASSERT_TRUE(writer.isOpened());
+  for (int i = 0; i < 5; ++i) writer.write(cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(40 * i)));
+  writer.release();
+  auto opened = open_sequence((folder / "video.avi").string(), {.camera_file = folder / "camera.yaml"});
+  ASSERT_TRUE(opened) << opened.error().message;
+  int frames = 0;
+  for (auto frame = (*opened)->next(); frame && *frame; frame = (*opened)->next()) {
+    EXPECT_NEAR((*frame)->image(20, 20), 40 * frames, 4);
+    EXPECT_EQ((*frame)->stamp, frames * 40'000'000);
+    ++frames;
+  }
+  EXPECT_EQ(frames, 5);
+}
+
+TEST_F(Sequences, TakesAPartOfAVideo) {
+  camera_yaml("fps: 10\n");
+  cv::VideoWriter writer((folder / "video.avi").string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25,
+                         {kWidth, kHeight});
+  for (int i = 0; i < 9; ++i) writer.write(cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(20 * i)));
+  writer.release();
+  auto opened = open_sequence((folder / "video.avi").string(),
+                              {.camera_file = folder / "camera.yaml", .first = 1, .count = 2, .stride = 3});
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ((*opened)->size(), 2);
+  for (const int i : {1, 4}) {
+    const auto frame = (*opened)->next();
+    ASSERT_TRUE(frame && *frame);
+    EXPECT_EQ((*frame)->index, i);
+    EXPECT_EQ((*frame)->stamp, i * 100'000'000);
+    EXPECT_NEAR((*frame)->image(20, 20), 20 * i, 4);
+  }
+  EXPECT_FALSE((*opened)->next()->has_value());
+}
+
+TEST_F(BadInput, VideosAndCameras) {
+  camera_yaml();
+  const SequenceOptions options{.camera_file = folder / "camera.yaml"};
+  write("video.mp4", "hello");
+  const auto error = [](const std::string& path, const SequenceOptions& o) {
+    const auto opened = open_sequence(path, o);
+    return opened ? "" : opened.error().message;
+  };
+  const std::string video = (folder / "video.mp4").string();
+  EXPECT_THAT(error(video, options), AllOf(HasSubstr("video.mp4"), HasSubstr("not a video")));
+  EXPECT_THAT(error(video, {}), AllOf(HasSubstr("video.mp4"), HasSubstr("--camera")));
+  EXPECT_THAT(error(video, {.sensor = Sensor::stereo}), HasSubstr("--sensor mono only"));
+  EXPECT_THAT(error("987", options), HasSubstr("the camera can't be opened"));
+  EXPECT_THAT(error("webcam", {.kind = SequenceKind::camera, .camera_file = options.camera_file}),
+              HasSubstr("named by its number"));
+}
+
+}  // namespace
+}  // namespace covis::io

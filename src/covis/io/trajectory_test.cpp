@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/io/trajectory.h"
+
+#include "covis/io/files.h"
+#include "covis/io/test_recordings.h"
+
+namespace covis::io {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class Trajectories : public RecordingTest {};
+
+TEST_F(Trajectories, FullDiskIsAnErrorOfATrajectory) {
+  fs::create_symlink("/dev/full", folder / "full");
+  Trajectory one(1);
+  EXPECT_THAT(write_trajectory(folder / "full", one, TrajectoryFormat::tum).error().message,
+              HasSubstr("No space left"));
+}
+
+TEST_F(Trajectories, TrajectoriesRoundTripExactly) {
+  Trajectory trajectory;
+  for (int i = 0; i < 5; ++i) {
+    Vector6d xi;
+    xi << 1 * i, 2, 3, 0.1 * i, 0.2, 0.3;
+    trajectory.push_back({1403715273262142976 + i * 1001, SE3::exp(xi)});
+  }
+  for (const TrajectoryFormat format : {TrajectoryFormat::tum, TrajectoryFormat::euroc, TrajectoryFormat::kitti}) {
+    ASSERT_TRUE(write_trajectory(folder / "t.txt", trajectory, format));
+    const auto read = read_trajectory(folder / "t.txt");
+    ASSERT_TRUE(read) << read.error().message;
+    ASSERT_EQ(read->size(), 5u);
+    for (size_t i = 0; i < 5; ++i) {
+      if (format != TrajectoryFormat::kitti) {
+        EXPECT_EQ((*read)[i].stamp, trajectory[i].stamp);
+      }
+      EXPECT_LT(((*read)[i].T_wc.t() - trajectory[i].T_wc.t()).norm(), 1e-7);
+      EXPECT_LT(((*read)[i].T_wc.R() - trajectory[i].T_wc.R()).norm(), 1e-7);
+    }
+  }
+  // Whole numbers of EuRoC rows are nanoseconds, however few; stamps with a comma may be seconds all the same.
+  ASSERT_TRUE(write_trajectory(folder / "t.csv", {{33'333'333, SE3()}}, TrajectoryFormat::euroc));
+  EXPECT_EQ(read_trajectory(folder / "t.csv")->front().stamp, 33'333'333);
+  write("t.csv", "0.5,0,0,0,1,0,0,0\n");
+  EXPECT_EQ(read_trajectory(folder / "t.csv")->front().stamp, 500'000'000);
+  write("bad.txt", "# t\n1 2 3\n");
+  EXPECT_THAT(read_trajectory(folder / "bad.txt").error().message, HasSubstr("bad.txt:2"));
+  write("bad.txt", "1 0 0 0 0 0 0 nan\n");
+  EXPECT_FALSE(read_trajectory(folder / "bad.txt"));
+  write("bad.txt", "1 0 0 0 0 0 0 7\n");
+  EXPECT_THAT(read_trajectory(folder / "bad.txt").error().message, HasSubstr("rotation"));
+}
+
+TEST_F(Trajectories, EachMapHasAFileAndThoseOfAnEarlierRunGo) {
+  const Trajectory one{{1, SE3()}}, two{{1, SE3()}, {2, SE3()}};
+  ASSERT_TRUE(write_trajectories(folder / "t.txt", {two, one, one}, TrajectoryFormat::tum));
+  EXPECT_EQ(read_trajectory(folder / "t.txt")->size(), 2u);
+  EXPECT_EQ(read_trajectory(folder / "t_map2.txt")->size(), 1u);
+  write("t_map7.txt", "not ours: a gap lies before it");
+  ASSERT_TRUE(write_trajectories(folder / "t.txt", {one}, TrajectoryFormat::tum));
+  EXPECT_EQ(read_trajectory(folder / "t.txt")->size(), 1u);
+  EXPECT_FALSE(fs::exists(folder / "t_map1.txt"));
+  EXPECT_FALSE(fs::exists(folder / "t_map2.txt"));
+  EXPECT_TRUE(fs::exists(folder / "t_map7.txt"));
+}
+
+}  // namespace
+}  // namespace covis::io

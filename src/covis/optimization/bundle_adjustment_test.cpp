@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/optimization/bundle_adjustment.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "covis/optimization/test_ceres.h"
+
+namespace covis {
+namespace {
+
+TEST(BundleAdjustment, EndsWhereCeresEnds) {
+  BundleAdjuster adjuster;
+  for (const Rows rows : {Rows::mono, Rows::stereo, Rows::mixed}) {
+    for (const bool robust : {true, false}) {
+      World world = make_world(7, 10, 200, rows, robust ? 0.1 : 0);
+      const double theirs = ceres_cost(world.problem, robust);
+      const BundleSummary summary =
+          adjuster.solve(world.problem, {.iterations = 100, .robust = robust, .relative_cost_change = 1e-12});
+      EXPECT_TRUE(summary.ok);
+      EXPECT_NEAR(summary.final_cost, theirs, 1e-6 * theirs) << static_cast<int>(rows) << robust;
+      EXPECT_LT(summary.final_cost, summary.initial_cost);
+    }
+  }
+}
+
+TEST(BundleAdjustment, ClassifiesOutliers) {
+  World world = make_world(9, 8, 200, Rows::stereo, 0.1);
+  BundleAdjuster().solve(world.problem, {.iterations = 30});
+  const int inactive = classify_observations(world.problem);
+  const auto all = static_cast<double>(world.problem.observations.size());
+  EXPECT_GT(inactive, 0.08 * all);
+  EXPECT_LT(inactive, 0.25 * all);
+}
+
+TEST(BundleAdjustment, InterruptionLeavesAValidState) {
+  World world = make_world(10, 10, 300, Rows::mixed, 0);
+  const World before = world;
+  const std::atomic<bool> stop{true};
+  const BundleSummary summary = BundleAdjuster().solve(world.problem, {.iterations = 50, .interrupt = &stop});
+  EXPECT_TRUE(summary.interrupted);
+  EXPECT_LE(summary.final_cost, summary.initial_cost);
+  for (const SE3& pose : world.problem.poses) EXPECT_TRUE(pose.all_finite());
+}
+
+TEST(BundleAdjustment, DegenerateProblemsEndWell) {
+  BundleAdjuster adjuster;
+  BundleProblem empty;
+  empty.camera = kCamera;
+  EXPECT_FALSE(adjuster.solve(empty, {}).ok);
+  World world = make_world(11, 6, 60, Rows::mono, 0);
+  for (auto& fixed : world.problem.fixed) fixed = 0;  // nothing holds it
+  world.problem.poses.push_back(SE3());               // a pose nobody observes from
+  world.problem.fixed.push_back(0);
+  world.problem.points.emplace_back(0, 0, 6);  // a point seen once
+  BundleObservation once;
+  once.point = static_cast<int32_t>(world.problem.points.size()) - 1;
+  once.u = 320;
+  once.v = 240;
+  world.problem.observations.push_back(once);
+  const BundleSummary summary = adjuster.solve(world.problem, {.iterations = 30});
+  EXPECT_LT(summary.final_cost, summary.initial_cost);
+  for (const SE3& pose : world.problem.poses) EXPECT_TRUE(pose.all_finite());
+  for (const auto& point : world.problem.points) EXPECT_TRUE(point.allFinite());
+}
+
+TEST(BundleAdjustment, TwoRunsGiveTheSameBits) {
+  World a = make_world(12, 12, 300, Rows::mixed, 0.05), b = a;
+  BundleAdjuster adjuster;
+  adjuster.solve(a.problem, {.iterations = 8});
+  adjuster.solve(b.problem, {.iterations = 8});
+  for (size_t c = 0; c < a.problem.poses.size(); ++c) {
+    EXPECT_EQ(a.problem.poses[c].t(), b.problem.poses[c].t());
+    EXPECT_EQ(a.problem.poses[c].R(), b.problem.poses[c].R());
+  }
+  EXPECT_EQ(a.problem.points, b.problem.points);
+}
+
+}  // namespace
+}  // namespace covis

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/slam/snapshot.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace covis {
+namespace {
+
+SubmapSummary& summary_of(uint32_t submap, Snapshot& snapshot) { return snapshot.submaps[*snapshot.index_of(submap)]; }
+
+void add_submaps(const Map& map, uint32_t loaded_end, Snapshot& snapshot) {
+  for (const Submap& submap : map.submaps())
+    snapshot.submaps.push_back({submap.id, submap.id < loaded_end, 0, submap.key_frames, 0});
+}
+
+void add_key_frames(const Map& map, Snapshot& snapshot) {
+  snapshot.key_frames.reserve(map.key_frame_count());
+  for (const KeyFrameId& id : map.key_frames()) {
+    const KeyFrame& from = map.at(id);
+    Snapshot::KeyFrame& key_frame = snapshot.key_frames.emplace_back();
+    key_frame.T_wc = from.T_cw.inverse();
+    key_frame.submap = from.submap;
+    key_frame.frame = from.frame;
+    key_frame.stamp = from.stamp;
+    key_frame.id = id;
+    key_frame.parent = from.parent;
+  }
+}
+
+void add_points(const Map& map, Snapshot& snapshot) {
+  snapshot.points.reserve(map.point_count());
+  map.for_each_point([&](MapPointId id, const MapPoint& point) {
+    const uint32_t submap = map.at(point.reference).submap;
+    snapshot.points.push_back({id, point.position_w, submap});
+    ++summary_of(submap, snapshot).points;
+  });
+}
+
+void add_frames(const Map& map, const std::vector<FrameRecord>& records, Snapshot& snapshot) {
+  const auto pose_of = [](const FrameRecord& record, const SubmapPose& pose) {
+    return PoseOfFrame{pose, record.frame, record.stamp};
+  };
+  snapshot.trajectory.reserve(records.size());
+  snapshot.online.reserve(records.size());
+  for (const FrameRecord& record : records) {
+    if (record.online) snapshot.online.push_back(pose_of(record, *record.online));
+    const auto resolved = record.pose ? record.pose->resolved(map) : std::nullopt;
+    if (!resolved) continue;
+    const uint32_t submap = map.at(resolved->key_frame).submap;
+    snapshot.trajectory.push_back(pose_of(record, {resolved->T_cw(map).inverse(), submap}));
+    ++summary_of(submap, snapshot).frames;
+  }
+}
+
+void sort_submaps(Snapshot& snapshot) {
+  std::stable_sort(snapshot.submaps.begin(), snapshot.submaps.end(), [](const auto& a, const auto& b) {
+    return a.loaded != b.loaded ? a.loaded : a.frames > b.frames;
+  });
+}
+
+}  // namespace
+
+std::optional<size_t> Snapshot::index_of(uint32_t submap) const {
+  const auto found =
+      std::find_if(submaps.begin(), submaps.end(), [&](const SubmapSummary& s) { return s.id == submap; });
+  if (found == submaps.end()) return std::nullopt;
+  return static_cast<size_t>(found - submaps.begin());
+}
+
+std::vector<PoseOfFrame> poses_in(const std::vector<PoseOfFrame>& poses, std::optional<uint32_t> submap) {
+  std::vector<PoseOfFrame> inside;
+  std::copy_if(poses.begin(), poses.end(), std::back_inserter(inside),
+               [&](const PoseOfFrame& pose) { return submap && pose.submap == *submap; });
+  return inside;
+}
+
+void SnapshotSource::map_loaded(uint32_t loaded_end, const std::optional<Pinhole>& frames_camera) {
+  const std::lock_guard lock(mutex_);
+  latest_.reset();
+  loaded_end_ = loaded_end;
+  frames_camera_ = frames_camera;
+}
+
+std::shared_ptr<const Snapshot> SnapshotSource::get() const {
+  const std::lock_guard lock(mutex_);
+  // Neither count falls, so the sum is the same only when both are. Both are read before what they count: a change in
+  // between makes the snapshot newer than its revision, and the next one is made anew.
+  const uint64_t revision = map_.revision() + log_.revision();
+  if (latest_ && latest_->revision == revision) return latest_;
+  auto snapshot = std::make_shared<Snapshot>();
+  snapshot->revision = revision;
+  const std::vector<FrameRecord> records = log_.records();
+  {
+    const auto map = map_.read();
+    snapshot->camera = frames_camera_.value_or(map->camera());
+    snapshot->refused_non_finite = map->refused_non_finite();
+    add_submaps(*map, loaded_end_, *snapshot);
+    add_key_frames(*map, *snapshot);
+    add_points(*map, *snapshot);
+    add_frames(*map, records, *snapshot);
+  }
+  sort_submaps(*snapshot);
+  latest_ = snapshot;
+  return latest_;
+}
+
+}  // namespace covis

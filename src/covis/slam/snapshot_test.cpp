@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/slam/snapshot.h"
+
+#include <gtest/gtest.h>
+
+#include <type_traits>
+
+#include "covis/map/test_map.h"
+
+namespace covis {
+namespace {
+
+static_assert(std::is_same_v<decltype(std::declval<const SnapshotSource&>().get()), std::shared_ptr<const Snapshot>>,
+              "a snapshot can't be changed by those who hold it");
+
+// Submap 0 with two key frames and five points, submap 1 with one key frame and none.
+class SnapshotTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    MapFixture made;
+    a = made.frame(0);
+    b = made.frame(1);
+    made.link(a, b, 5, 0);
+    c = made.map.begin_submap(20, 200, pose_at(2), made.features(400, false));
+    *shared.write() = std::move(made.map);
+  }
+  void append(int64_t frame, KeyFrameId reference) {
+    const uint32_t submap = shared.read()->at(reference).submap;
+    log.append({.frame = frame,
+                .stamp = 10 * frame,
+                .pose = RelativePose{reference, 1, pose_at(0.5)},
+                .online = SubmapPose{pose_at(7).inverse(), submap}});
+  }
+
+  KeyFrameId a, b, c;
+  SharedMap shared;
+  TrajectoryLog log;
+  SnapshotSource source{shared, log};
+};
+
+TEST_F(SnapshotTest, HasWhatMapAndLogHave) {
+  append(3, b);
+  log.append({.frame = 4, .stamp = 40, .pose = {}, .online = {}});
+  const auto snapshot = source.get();
+  ASSERT_EQ(snapshot->key_frames.size(), 3u);
+  EXPECT_EQ(snapshot->key_frames[1].id, b);
+  EXPECT_EQ(snapshot->key_frames[1].parent, a);
+  EXPECT_FALSE(snapshot->key_frames[0].parent.valid());
+  EXPECT_EQ(snapshot->key_frames[1].frame, 10);
+  EXPECT_NEAR(snapshot->key_frames[1].T_wc.t().x(), 1, 1e-12);
+  EXPECT_EQ(snapshot->key_frames[2].submap, 1u);
+  EXPECT_EQ(snapshot->key_frames[2].stamp, 200);
+  ASSERT_EQ(snapshot->points.size(), 5u);
+  EXPECT_EQ(snapshot->points[4].position_w, Eigen::Vector3d(0, 0, 5));
+  ASSERT_EQ(snapshot->trajectory.size(), 1u) << "frames without a pose are left out";
+  EXPECT_EQ(snapshot->trajectory[0].frame, 3);
+  EXPECT_EQ(snapshot->trajectory[0].stamp, 30);
+  EXPECT_NEAR(snapshot->trajectory[0].T_wc.t().x(), 1.5, 1e-12);
+  ASSERT_EQ(snapshot->online.size(), 1u);
+  EXPECT_NEAR(snapshot->online[0].T_wc.t().x(), 7, 1e-12);
+  EXPECT_EQ(snapshot->camera, shared.read()->camera());
+}
+
+TEST_F(SnapshotTest, SubmapsComeLoadedOnesFirstThenByFramesThenByAge) {
+  const auto ids = [&] {
+    std::vector<uint32_t> list;
+    for (const SubmapSummary& submap : source.get()->submaps) list.push_back(submap.id);
+    return list;
+  };
+  EXPECT_EQ(ids(), (std::vector<uint32_t>{0, 1})) << "the older one first";
+  append(3, c);
+  EXPECT_EQ(ids(), (std::vector<uint32_t>{1, 0})) << "the one with more frames first";
+  EXPECT_EQ(source.get()->index_of(0), 1u);
+  EXPECT_EQ(source.get()->index_of(2), std::nullopt);
+  source.map_loaded(1, {});
+  EXPECT_EQ(ids(), (std::vector<uint32_t>{0, 1})) << "the loaded one first";
+  const auto snapshot = source.get();
+  EXPECT_TRUE(snapshot->submaps[0].loaded);
+  EXPECT_EQ(snapshot->submaps[0].key_frames, 2u);
+  EXPECT_EQ(snapshot->submaps[0].points, 5u);
+  EXPECT_EQ(snapshot->submaps[0].frames, 0u);
+  EXPECT_EQ(snapshot->submaps[1].frames, 1u);
+  EXPECT_EQ(poses_in(snapshot->trajectory, 1u).size(), 1u);
+  EXPECT_TRUE(poses_in(snapshot->trajectory, 0u).empty());
+}
+
+TEST_F(SnapshotTest, IsMadeAnewWhenSomethingChangedOnly) {
+  const auto first = source.get();
+  (void)shared.read();
+  EXPECT_EQ(source.get(), first);
+  append(3, a);
+  const auto longer = source.get();
+  EXPECT_NE(longer, first);
+  EXPECT_GT(longer->revision, first->revision);
+  shared.write()->set_pose(b, pose_at(4));
+  const auto moved = source.get();
+  EXPECT_NEAR(moved->key_frames[1].T_wc.t().x(), 4, 1e-12);
+  EXPECT_EQ(source.get(), moved);
+  EXPECT_NEAR(longer->key_frames[1].T_wc.t().x(), 1, 1e-12) << "who holds an older one keeps it as it was";
+  EXPECT_TRUE(first->trajectory.empty());
+}
+
+TEST_F(SnapshotTest, FramesOfAnErasedSubmapAreLeftOut) {
+  append(3, c);
+  shared.write()->erase_submap(1);
+  const auto snapshot = source.get();
+  EXPECT_TRUE(snapshot->trajectory.empty());
+  EXPECT_EQ(snapshot->submaps.size(), 1u);
+}
+
+TEST_F(SnapshotTest, TheCameraIsThatOfTheFrames) {
+  const Pinhole other{400, 400, 320, 240, 0};
+  source.map_loaded(2, other);
+  EXPECT_EQ(source.get()->camera, other);
+}
+
+}  // namespace
+}  // namespace covis

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/slam/trajectory_log.h"
+
+#include <algorithm>
+
+namespace covis {
+namespace {
+
+constexpr size_t kFrames = 1 << 14;  // room made at first; pages of it are used only when frames come
+
+void take_back(FrameRecord& record) {
+  record.pose.reset();
+  record.online.reset();
+}
+
+}  // namespace
+
+TrajectoryLog::TrajectoryLog() { records_.reserve(kFrames); }
+
+void TrajectoryLog::append(const FrameRecord& record) {
+  const std::lock_guard lock(mutex_);
+  ++revision_;
+  records_.push_back(record);
+}
+
+void TrajectoryLog::make_room() {
+  const std::lock_guard lock(mutex_);
+  if (2 * records_.size() > records_.capacity()) records_.reserve(2 * records_.capacity());
+}
+
+void TrajectoryLog::anchor(int64_t frame, const RelativePose& pose, const std::optional<SubmapPose>& online) {
+  const std::lock_guard lock(mutex_);
+  const auto record = std::lower_bound(records_.begin(), records_.end(), frame,
+                                       [](const FrameRecord& r, int64_t wanted) { return r.frame < wanted; });
+  if (record == records_.end() || record->frame != frame) return;
+  ++revision_;
+  if (!record->pose && online) record->online = online;
+  record->pose = pose;
+}
+
+void TrajectoryLog::retract(int64_t from) {
+  const std::lock_guard lock(mutex_);
+  ++revision_;
+  for (auto record = records_.rbegin(); record != records_.rend() && record->frame >= from; ++record)
+    take_back(*record);
+}
+
+void TrajectoryLog::forget(const Map& map, uint32_t submap) {
+  const std::lock_guard lock(mutex_);
+  ++revision_;
+  for (FrameRecord& record : records_) {
+    if (!record.pose) continue;
+    const auto resolved = record.pose->resolved(map);
+    if (resolved && map.at(resolved->key_frame).submap == submap) take_back(record);
+  }
+}
+
+std::optional<FrameRecord> TrajectoryLog::last() const {
+  const std::lock_guard lock(mutex_);
+  return records_.empty() ? std::nullopt : std::optional(records_.back());
+}
+
+std::vector<FrameRecord> TrajectoryLog::records() const {
+  const std::lock_guard lock(mutex_);
+  return records_;
+}
+
+uint64_t TrajectoryLog::revision() const {
+  const std::lock_guard lock(mutex_);
+  return revision_;
+}
+
+}  // namespace covis

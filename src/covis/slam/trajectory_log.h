@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// The books of every frame: the pose it got when it was tracked, and the same pose relative to a key frame, which
+// carries every later correction (algorithms.md §6). The tracking thread writes; any thread may read.
+//
+// Each call holds the log's own lock while it copies or changes plain values; poses are worked out by the reader, from
+// its copy and the map. Who needs the map's guard too takes it first.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "covis/core/time.h"
+#include "covis/map/relative_pose.h"
+
+namespace covis {
+
+// A camera in the world of a submap: the camera of the submap's first key frame.
+struct SubmapPose {
+  SE3 T_wc;
+  uint32_t submap = 0;  // Submap::id
+};
+
+struct FrameRecord {
+  int64_t frame = 0;
+  Timestamp stamp = 0;
+  std::optional<RelativePose> pose;  // with every correction; nothing: the frame has no pose in the map
+  // The pose as it was when the frame was tracked; nothing: there was none. (The first view of a monocular submap gets
+  // its pose later.)
+  std::optional<SubmapPose> online;
+};
+
+class TrajectoryLog {
+ public:
+  TrajectoryLog();
+
+  // Frames rise.
+  void append(const FrameRecord& record);
+  // Makes room for as many frames again when half of it is used up. Appending allocates nothing as long as this is
+  // called now and then.
+  void make_room();
+  // A frame that became a key frame is its own reference from now on: `pose` is relative to itself. A frame that had no
+  // pose until then gets `online` as the one it was tracked with.
+  void anchor(int64_t frame, const RelativePose& pose, const std::optional<SubmapPose>& online = {});
+  // Takes back the poses of this frame and all later ones: the place proved wrong.
+  void retract(int64_t from);
+  // Takes back the poses of all frames that are in this submap of the map. Call before the submap is erased.
+  void forget(const Map& map, uint32_t submap);
+
+  std::optional<FrameRecord> last() const;
+  std::vector<FrameRecord> records() const;
+  // Rises with every change.
+  uint64_t revision() const;
+
+ private:
+  mutable std::mutex mutex_;  // guards what follows
+  std::vector<FrameRecord> records_;
+  uint64_t revision_ = 0;
+};
+
+}  // namespace covis
