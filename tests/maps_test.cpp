@@ -73,7 +73,7 @@ struct Walked {
 
  private:
   void count(const std::vector<MappingReport>& reports) {
-    for (const MappingReport& report : reports) merges += report.loop.merged;
+    for (const MappingReport& report : reports) merges += report.loop.outcome == LoopOutcome::joined;
   }
 
   int done_ = 0;  // steps

@@ -162,9 +162,9 @@ void expect_loop_closed_while_saved(Recording recording, const std::filesystem::
   Saver saver(system, file, header_of(recording, options));
   int loops = 0;
   for (int i = 0; i < recording.size(); ++i) {
-    for (const MappingReport& m : system.process(recording.frame(i)).mapping) loops += m.loop.loop.valid();
+    for (const MappingReport& m : system.process(recording.frame(i)).mapping) loops += m.loop.changed_map();
   }
-  for (const MappingReport& m : system.finish()) loops += m.loop.loop.valid();
+  for (const MappingReport& m : system.finish()) loops += m.loop.changed_map();
   EXPECT_GE(saver.stop(), 5);
   EXPECT_GE(loops, 1);
   const auto saved = storage::load_map(file);
@@ -201,13 +201,13 @@ TEST_P(Places, ALoopIsClosedLong) {
     for (int i = 0; i < recording.size(); ++i) {
       const FrameReport report = system.process(recording.frame(i));
       for (const MappingReport& m : report.mapping) {
-        loops += m.loop.loop.valid();
-        if (m.loop.loop.valid() || m.loop.full_ba_ms > 0) {
+        loops += m.loop.changed_map();
+        if (m.loop.changed_map() || m.full_adjustment_ms > 0) {
           ASSERT_EQ(system.map().read()->check(), "");
         }
       }
     }
-    for (const MappingReport& m : system.finish()) loops += m.loop.loop.valid();
+    for (const MappingReport& m : system.finish()) loops += m.loop.changed_map();
     ASSERT_EQ(system.map().read()->check(), "");
     const double e = error(system.trajectory(), recording.synth, with_scale);
     if (run == 2) {

@@ -10,22 +10,22 @@ namespace {
 using nlohmann::json;
 
 json to_json(const MappingReport& m) {
-  return {{"points_created", m.points_created},
-          {"points_fused", m.points_fused},
-          {"points_culled", m.points_culled},
-          {"key_frames_culled", m.key_frames_culled},
-          {"ba_key_frames", m.ba_key_frames},
-          {"ba_points", m.ba_points},
-          {"ba_observations", m.ba_observations},
-          {"ba_interrupted", m.ba_interrupted},
+  return {{"points_created", m.counts.points_created},
+          {"points_fused", m.counts.points_fused},
+          {"points_culled", m.counts.points_culled},
+          {"key_frames_culled", m.counts.key_frames_culled},
+          {"ba_key_frames", m.adjustment.key_frames},
+          {"ba_points", m.adjustment.points},
+          {"ba_observations", m.adjustment.observations},
+          {"ba_interrupted", m.adjustment.interrupted},
           {"loop_candidates", m.loop.candidates},
-          {"loop_matches", m.loop.matches},
-          {"loop_inliers", m.loop.inliers},
-          {"loop_found_again", m.loop.found_again},
-          {"loop_closed", m.loop.loop.valid() && !m.loop.merged},
-          {"maps_joined", m.loop.merged},
-          {"loop_query_ms", m.loop.query_ms},
-          {"loop_verify_ms", m.loop.verify_ms},
+          {"loop_matches", m.loop.evidence.matches},
+          {"loop_inliers", m.loop.evidence.inliers},
+          {"loop_found_again", m.loop.evidence.found_again},
+          {"loop_closed", m.loop.outcome == LoopOutcome::closed},
+          {"maps_joined", m.loop.outcome == LoopOutcome::joined},
+          {"loop_query_ms", m.loop.ms.query},
+          {"loop_verify_ms", m.loop.ms.verify},
           {"loop_ms", m.loop_ms},
           {"total_ms", m.total_ms}};
 }
@@ -34,24 +34,24 @@ json to_json(const MappingReport& m) {
 json to_json(const LoopSummary& loop) {
   const LoopReport& report = loop.report;
   return {{"frame", loop.frame},
-          {"matches", report.matches},
-          {"inliers", report.inliers},
-          {"found_again", report.found_again},
+          {"matches", report.evidence.matches},
+          {"inliers", report.evidence.inliers},
+          {"found_again", report.evidence.found_again},
           {"fused", report.fused},
-          {"scale", report.scale},
-          {"query_ms", report.query_ms},
-          {"verify_ms", report.verify_ms},
-          {"correct_ms", report.correct_ms}};
+          {"scale", report.drift.scale},
+          {"query_ms", report.ms.query},
+          {"verify_ms", report.ms.verify},
+          {"correct_ms", report.ms.correct}};
 }
 
 json loops_json(const std::vector<LoopSummary>& loops) {
   json list = json::array();
   for (const LoopSummary& loop : loops) {
     list.emplace_back(to_json(loop))
-        .update({{"path_m", loop.report.path},
-                 {"correction_m", loop.report.correction},
-                 {"rotation_deg", loop.report.rotation_deg},
-                 {"pose_graph_ms", loop.report.pose_graph_ms},
+        .update({{"path_m", loop.report.drift.path},
+                 {"correction_m", loop.report.drift.distance},
+                 {"rotation_deg", loop.report.drift.rotation_deg},
+                 {"pose_graph_ms", loop.report.ms.pose_graph},
                  {"full_ba_ms", loop.full_ba_ms}});
   }
   return list;
@@ -60,7 +60,7 @@ json loops_json(const std::vector<LoopSummary>& loops) {
 json merges_json(const std::vector<LoopSummary>& merges) {
   json list = json::array();
   for (const LoopSummary& merge : merges)
-    list.emplace_back(to_json(merge))["key_frames_moved"] = merge.report.merged_key_frames;
+    list.emplace_back(to_json(merge))["key_frames_moved"] = merge.report.joined_key_frames;
   return list;
 }
 

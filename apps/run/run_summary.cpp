@@ -60,29 +60,27 @@ FrameTimes times_of(const RunRecord& run) {
   times.frame = spread(done, [](const FrameStats& f) { return f.timing.total_ms; });
   times.cpu = spread(done, [](const FrameStats& f) { return f.cpu_ms; });
   for (const Stage& stage : kStages) times.stages.emplace_back(stage.name, spread(done, stage.ms));
-  const auto mapping = [&](const char* name, double MappingReport::*ms) {
-    times.mapping.emplace_back(name, spread(run.mapping, [&](const MappingReport& m) { return m.*ms; }));
-  };
-  mapping("insert", &MappingReport::insert_ms);
-  mapping("cull_points", &MappingReport::cull_points_ms);
-  mapping("create", &MappingReport::create_ms);
-  mapping("fuse", &MappingReport::fuse_ms);
-  mapping("local_ba", &MappingReport::ba_ms);
-  mapping("cull_key_frames", &MappingReport::cull_key_frames_ms);
-  mapping("loop", &MappingReport::loop_ms);
-  mapping("total", &MappingReport::total_ms);
+  const auto mapping = [&](const char* name, auto ms) { times.mapping.emplace_back(name, spread(run.mapping, ms)); };
+  mapping("insert", [](const MappingReport& m) { return m.ms.insert; });
+  mapping("cull_points", [](const MappingReport& m) { return m.ms.cull_points; });
+  mapping("create", [](const MappingReport& m) { return m.ms.create; });
+  mapping("fuse", [](const MappingReport& m) { return m.ms.fuse; });
+  mapping("local_ba", [](const MappingReport& m) { return m.ms.adjust; });
+  mapping("cull_key_frames", [](const MappingReport& m) { return m.ms.cull_key_frames; });
+  mapping("loop", [](const MappingReport& m) { return m.loop_ms; });
+  mapping("total", [](const MappingReport& m) { return m.total_ms; });
   return times;
 }
 
 void collect_loops(const std::vector<MappingReport>& mapping, RunSummary& summary) {
   for (size_t k = 0; k < mapping.size(); ++k) {
     const LoopReport& loop = mapping[k].loop;
-    if (loop.merged) summary.merges.push_back({mapping[k].frame, loop});
-    if (!loop.loop.valid() || loop.merged) continue;
+    if (loop.outcome == LoopOutcome::joined) summary.merges.push_back({mapping[k].frame, loop});
+    if (loop.outcome != LoopOutcome::closed) continue;
     // Its full bundle adjustment came some key frames later, unless another loop or the end was first.
     double full_ba_ms = 0;
-    for (size_t later = k + 1; later < mapping.size() && !mapping[later].loop.loop.valid(); ++later)
-      full_ba_ms += mapping[later].loop.full_ba_ms;
+    for (size_t later = k + 1; later < mapping.size() && !mapping[later].loop.changed_map(); ++later)
+      full_ba_ms += mapping[later].full_adjustment_ms;
     summary.loops.push_back({mapping[k].frame, loop, full_ba_ms});
   }
 }
@@ -114,8 +112,10 @@ std::optional<Accuracy> accuracy_of(const Snapshot& snapshot, const Trajectory& 
 }  // namespace
 
 MainSubmap main_submap(const Snapshot& snapshot) {
-  MainSubmap main{of_main_submap(snapshot.trajectory, snapshot), of_main_submap(snapshot.online, snapshot),
-                  of_main_submap(snapshot.key_frames, snapshot), {}};
+  MainSubmap main{of_main_submap(snapshot.trajectory, snapshot),
+                  of_main_submap(snapshot.online, snapshot),
+                  of_main_submap(snapshot.key_frames, snapshot),
+                  {}};
   for (const Snapshot::Point& point : snapshot.points) {
     if (snapshot.index_of(point.submap) == 0) main.points.push_back(point.position_w);
   }

@@ -67,13 +67,11 @@ TEST(RunSummary, ALoopHasTheAdjustmentThatFollowedIt) {
   RunRecord run = made_record();
   run.mapping.resize(6);
   for (size_t k = 0; k < run.mapping.size(); ++k) run.mapping[k].frame = static_cast<int64_t>(k);
-  const KeyFrameId some{2, 1};
-  run.mapping[1].loop.loop = some;
-  run.mapping[2].loop.full_ba_ms = 20;
-  run.mapping[3].loop.loop = some;  // the next loop: no adjustment of its own before the end
-  run.mapping[4].loop.loop = some;
-  run.mapping[4].loop.merged = true;
-  run.mapping[5].loop.full_ba_ms = 7;  // after the maps were joined
+  run.mapping[1].loop.outcome = LoopOutcome::closed;
+  run.mapping[2].full_adjustment_ms = 20;
+  run.mapping[3].loop.outcome = LoopOutcome::closed;  // the next loop: no adjustment of its own before the end
+  run.mapping[4].loop.outcome = LoopOutcome::joined;
+  run.mapping[5].full_adjustment_ms = 7;  // after the maps were joined
   const RunSummary summary = summarise(run, made_results(), nullptr, 0);
   ASSERT_EQ(summary.loops.size(), 2u);
   EXPECT_EQ(summary.loops[0].frame, 1);

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -123,9 +124,10 @@ struct SceneMap {
   std::vector<KeyFrameId> frames;       // as they were added
   std::vector<PointScene::View> views;  // of each
   std::vector<MapPointId> handles;      // for each point of the scene the map's point, or an invalid handle
+  size_t memory = ~size_t{0};           // key frames after which a point that was not seen again is taken for a new one
 
   explicit SceneMap(const PointScene& of, Sensor by = Sensor::rgbd)
-      : scene(of), sensor(by), shared(of.camera), handles(of.points.size()) {}
+      : scene(of), sensor(by), shared(of.camera), handles(of.points.size()), seen_(of.points.size()) {}
 
   // A view from a true pose as a key frame that the map takes to be at `T_cw`. Observes the scene's points the map has,
   // and adds the others at the places where this view, by its pose in the map, puts them.
@@ -134,16 +136,20 @@ struct SceneMap {
     views.push_back(scene.view(T_cw_true, sensor, k));
     const auto map = shared.write();
     const auto frame = static_cast<int64_t>(k);
-    const KeyFrameId id = map->add_key_frame(frame, frame, T_cw, views.back().features);
+    const KeyFrameId id = submap_ ? map->add_key_frame(frame, frame, T_cw, views.back().features, *submap_)
+                                  : map->begin_submap(frame, frame, T_cw, views.back().features);
+    submap_ = map->at(id).submap;
     const SE3 T_map_world = T_cw.inverse() * T_cw_true;
     for (uint32_t f = 0; f < views.back().point.size(); ++f) {
       const size_t p = views.back().point[f];
-      if (map->find(handles[p])) {
+      handles[p] = map->forwarded(handles[p]);
+      if (handles[p].valid() && k - seen_[p] <= memory) {
         map->add_observation(handles[p], id, f);
       } else {
         handles[p] = map->add_point(T_map_world * scene.points[p].position_w, id, f);
       }
       map->refresh_point(handles[p]);
+      seen_[p] = k;
     }
     map->set_words(id, scene.words(views.back()));
     map->attach_to_tree(id);
@@ -158,6 +164,11 @@ struct SceneMap {
 
   // Forgets which of the map's points are which: points seen from now on are new ones, as after coming back unrecognised.
   void forget_points() { handles.assign(scene.points.size(), {}); }
+  // The next key frame begins a submap of its own, with points of its own.
+  void begin_submap() {
+    submap_.reset();
+    forget_points();
+  }
 
   // The request that makes view `i` of the path a key frame, relative to one of the map, with every point matched that
   // the map has; features with depth and without a point make new ones.
@@ -181,6 +192,49 @@ struct SceneMap {
     }
     return r;
   }
+
+ private:
+  std::optional<uint32_t> submap_;  // that key frames are added to
+  std::vector<size_t> seen_;        // for each point of the scene the key frame that saw it last
 };
+
+// For maps that others make of a scene, whose key frames are views of its path (KeyFrame::frame is the index): for each
+// feature of a view the map's point that `from` observes there, if any. Every `keep`-th alone.
+inline std::vector<MapPointId> points_matched(const Map& map, const PointScene& scene, Sensor sensor, KeyFrameId from,
+                                              const PointScene::View& view, int keep = 1) {
+  const KeyFrame& key_frame = map.at(from);
+  const auto i = static_cast<size_t>(key_frame.frame);
+  const PointScene::View then = scene.view(scene.T_cw(i), sensor, i);
+  std::vector<MapPointId> handle(scene.points.size());
+  int n = 0;
+  for (size_t f = 0; f < then.point.size(); ++f) {
+    if (key_frame.points[f].valid() && n++ % keep == 0) handle[then.point[f]] = key_frame.points[f];
+  }
+  std::vector<MapPointId> matched;
+  for (const size_t p : view.point) matched.push_back(handle[p]);
+  return matched;
+}
+
+// The request for view `i` of the path: beside a key frame, with the points it observes, or as the first of a submap, with
+// a new point for each feature with depth.
+inline KeyFrameRequest scene_request(const PointScene& scene, const SharedMap& shared, Sensor sensor, size_t i,
+                                     KeyFrameId from = {}, int keep = 1) {
+  const PointScene::View view = scene.view(scene.T_cw(i), sensor, i);
+  KeyFrameRequest r;
+  r.frame = r.stamp = static_cast<int64_t>(i);
+  r.features = view.features;
+  r.pose.T_cr = scene.T_cw(i);
+  r.points.resize(view.point.size());
+  if (from.valid()) {
+    const auto map = shared.read();
+    r.points = points_matched(*map, scene, sensor, from, view, keep);
+    r.pose = RelativePose::of(*map, scene.T_cw(i), from);
+    return r;
+  }
+  for (uint32_t f = 0; f < view.point.size(); ++f) {
+    if (view.features->has_depth(static_cast<int>(f))) r.new_points.push_back(f);
+  }
+  return r;
+}
 
 }  // namespace covis

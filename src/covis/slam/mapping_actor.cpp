@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/slam/mapping_actor.h"
 
+#include <utility>
+
 #include "covis/core/threads.h"
 
 namespace covis {
 
-MappingActor::MappingActor(SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
-    : mapper_(map, options, std::move(vocabulary)), interruptible_(options.realtime), thread_([this] { run(); }) {}
+MappingActor::MappingActor(SharedMap& map, const BackendOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
+    : backend_(map, options, std::move(vocabulary)),
+      interruptible_(options.schedule == Schedule::realtime),
+      thread_([this] { run(); }) {}
 
 MappingActor::~MappingActor() {
   inbox_.close();
@@ -14,11 +18,30 @@ MappingActor::~MappingActor() {
   thread_.join();
 }
 
-void MappingActor::submit(Request request) {
-  ++pending_;
+void MappingActor::push(BackendRequest request) {
   // Interrupting would make the result depend on timing: in real time only.
   if (++waiting_ > 1 && interruptible_) interrupt_ = true;
   inbox_.push(std::move(request));
+}
+
+void MappingActor::submit(KeyFrameRequest request) {
+  ++pending_;
+  push(std::move(request));
+}
+
+void MappingActor::submit(InitialMapRequest request) {
+  ++pending_;
+  push(std::move(request));
+}
+
+void MappingActor::discard(uint32_t submap) {
+  push(DiscardSubmap{submap});
+  wait_idle();
+}
+
+void MappingActor::finish() {
+  push(FinishAdjustment{});
+  wait_idle();
 }
 
 MappingReport MappingActor::wait() {
@@ -35,20 +58,23 @@ void MappingActor::wait_idle() const {
   for (int waiting = waiting_.load(); waiting > 0; waiting = waiting_.load()) waiting_.wait(waiting);
 }
 
+std::optional<MappingReport> MappingActor::work_on(const BackendRequest& request) {
+  if (const auto* key_frame = std::get_if<KeyFrameRequest>(&request)) return backend_.process(*key_frame, &interrupt_);
+  if (const auto* initial = std::get_if<InitialMapRequest>(&request)) return backend_.initialise(*initial);
+  if (const auto* discarded = std::get_if<DiscardSubmap>(&request)) backend_.discard(discarded->submap);
+  if (std::holds_alternative<FinishAdjustment>(request)) backend_.finish();
+  return std::nullopt;
+}
+
 void MappingActor::run() {
   lower_thread_priority();
-  while (std::optional<Request> request = inbox_.pop()) {
+  while (std::optional<BackendRequest> request = inbox_.pop()) {
     interrupt_ = interruptible_ && waiting_ > 1;
-    MappingReport report;
-    if (const auto* key_frame = std::get_if<KeyFrameRequest>(&*request)) {
-      report = mapper_.process(*key_frame, &interrupt_);
-    } else {
-      report = mapper_.initialise(std::get<InitialMapRequest>(*request));
-    }
+    std::optional<MappingReport> report = work_on(*request);
     request.reset();
     --waiting_;
     waiting_.notify_all();
-    outbox_.push(std::move(report));
+    if (report) outbox_.push(std::move(*report));
   }
 }
 

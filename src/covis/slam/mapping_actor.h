@@ -1,27 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// The mapper's thread: takes requests from an inbox, one after the other, and gives reports back in the same order
+// The back end's thread: takes requests from an inbox, one after the other, and gives reports back in the same order
 // (architecture.md, decision 5).
 #pragma once
 
 #include <atomic>
+#include <memory>
 #include <optional>
 #include <thread>
-#include <variant>
 
 #include "covis/core/blocking_queue.h"
-#include "covis/slam/mapper.h"
+#include "covis/slam/backend.h"
 
 namespace covis {
 
 class MappingActor {
  public:
-  MappingActor(SharedMap& map, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary = nullptr);
-  // Works off what is in the inbox, then ends.
+  MappingActor(SharedMap& map, const BackendOptions& options, std::shared_ptr<const Vocabulary> vocabulary = nullptr);
+  // Works off the inbox, then ends.
   ~MappingActor();
 
-  using Request = std::variant<KeyFrameRequest, InitialMapRequest>;
-  // Waits when the inbox is full.
-  void submit(Request request);
+  // Each is answered by a report. Waits when the inbox is full.
+  void submit(KeyFrameRequest request);
+  void submit(InitialMapRequest request);
+  // Waits until all requests are worked off, and the submap is erased.
+  void discard(uint32_t submap);
+  // Waits until all requests are worked off, and the job in the background has ended and its result is applied.
+  void finish();
+
   // The next report; waits for it. Call only when pending() > 0.
   MappingReport wait();
   // The next report if it is there.
@@ -33,17 +38,16 @@ class MappingActor {
   // Waits for that; reports stay where they are.
   void wait_idle() const;
 
-  // Only while nothing is pending.
-  Mapper& mapper() { return mapper_; }
-
  private:
+  void push(BackendRequest request);
+  std::optional<MappingReport> work_on(const BackendRequest& request);
   void run();
 
   static constexpr size_t kInbox = 3;
 
-  Mapper mapper_;
+  Backend backend_;
   const bool interruptible_;
-  BlockingQueue<Request> inbox_{kInbox};
+  BlockingQueue<BackendRequest> inbox_{kInbox};
   BlockingQueue<MappingReport> outbox_{kInbox + 2};  // room for all that can be pending
   std::atomic<int> waiting_{0};                      // submitted and not finished
   std::atomic<bool> interrupt_{false};               // another request waits

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "covis/slam/test_frames.h"
+#include "covis/map/test_point_scene.h"
 
 namespace covis {
 namespace {
@@ -13,32 +13,16 @@ namespace {
 class MappingActorTest : public testing::Test {
  protected:
   MappingActorTest() {
+    SystemOptions options;
     options.sensor = Sensor::rgbd;
-    actor = std::make_unique<MappingActor>(shared, options);
+    actor = std::make_unique<MappingActor>(shared, BackendOptions(options));
   }
 
-  KeyFrameRequest first() {
-    KeyFrameRequest r;
-    r.features = frames.features(0);
-    r.points.resize(static_cast<size_t>(r.features->size()));
-    r.new_points = features_with_depth(*r.features);
-    return r;
-  }
-  KeyFrameRequest next(int i, KeyFrameId from) {
-    KeyFrameRequest r;
-    r.frame = i;
-    r.stamp = frames.stamp(i);
-    r.features = frames.features(i);
-    const auto map = shared.read();
-    r.points = points_seen(*map, from, *r.features, frames.T_cw(i));
-    r.pose.key_frame = from;
-    r.pose.T_cr = frames.T_cw(i) * map->at(from).T_cw.inverse();
-    return r;
-  }
+  KeyFrameRequest first() { return scene_request(scene, shared, Sensor::rgbd, 0); }
+  KeyFrameRequest next(size_t i, KeyFrameId from) { return scene_request(scene, shared, Sensor::rgbd, i, from); }
 
-  TestFrames& frames = TestFrames::of(Sensor::rgbd);
-  SystemOptions options;
-  SharedMap shared{frames.camera()};
+  const PointScene scene = PointScene::wall(1200);
+  SharedMap shared{scene.camera};
   std::unique_ptr<MappingActor> actor;
 };
 
@@ -61,9 +45,9 @@ TEST_F(MappingActorTest, ReportsComeInTheOrderOfTheirRequests) {
   const KeyFrameId root = actor->wait().key_frame;
   ASSERT_TRUE(root.valid());
   EXPECT_EQ(actor->pending(), 0);
-  for (const int i : {3, 6, 9}) actor->submit(next(i, root));
+  for (const size_t i : {3u, 6u, 9u}) actor->submit(next(i, root));
   EXPECT_EQ(actor->pending(), 3);
-  for (const int i : {3, 6, 9}) EXPECT_EQ(actor->wait().frame, i);
+  for (const int64_t i : {3, 6, 9}) EXPECT_EQ(actor->wait().frame, i);
   EXPECT_EQ(actor->pending(), 0);
   EXPECT_TRUE(actor->idle());
   EXPECT_EQ(shared.read()->check(), "");
@@ -81,7 +65,7 @@ TEST_F(MappingActorTest, PollTakesAReportOnceItIsThere) {
 TEST_F(MappingActorTest, EndsWithWorkInItsInbox) {
   actor->submit(first());
   const KeyFrameId root = actor->wait().key_frame;
-  for (const int i : {3, 6, 9}) actor->submit(next(i, root));
+  for (const size_t i : {3u, 6u, 9u}) actor->submit(next(i, root));
   actor.reset();
   EXPECT_EQ(shared.read()->key_frame_count(), 4u) << "what was submitted is worked off";
   EXPECT_EQ(shared.read()->check(), "");
@@ -90,12 +74,31 @@ TEST_F(MappingActorTest, EndsWithWorkInItsInbox) {
 TEST_F(MappingActorTest, AReaderBesideItSeesWholeMaps) {
   actor->submit(first());
   const KeyFrameId root = actor->wait().key_frame;
-  for (const int i : {3, 6, 9}) actor->submit(next(i, root));
+  for (const size_t i : {3u, 6u, 9u}) actor->submit(next(i, root));
   while (actor->pending() > 0) {
     EXPECT_EQ(shared.read()->check(), "");
     actor->poll();
   }
   EXPECT_EQ(shared.read()->key_frame_count(), 4u);
+}
+
+TEST_F(MappingActorTest, ASubmapIsDiscardedAfterTheRequestsBeforeIt) {
+  actor->submit(first());
+  actor->discard(0);
+  EXPECT_TRUE(actor->idle());
+  EXPECT_EQ(shared.read()->key_frame_count(), 0u) << "the key frame was made, and then erased with its submap";
+  EXPECT_EQ(actor->pending(), 1) << "the message itself is not answered";
+  EXPECT_TRUE(actor->wait().key_frame.valid());
+}
+
+TEST_F(MappingActorTest, FinishingWaitsForTheRequestsBeforeIt) {
+  actor->submit(first());
+  const KeyFrameId root = actor->wait().key_frame;
+  for (const size_t i : {3u, 6u, 9u}) actor->submit(next(i, root));
+  actor->finish();
+  EXPECT_TRUE(actor->idle());
+  EXPECT_EQ(shared.read()->key_frame_count(), 4u);
+  EXPECT_EQ(actor->pending(), 3);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ System::System(const Camera& camera, const SystemOptions& options, std::shared_p
       map_(camera.pinhole),
       frontend_(camera, options.orb, options.sensor),
       tracker_(map_, tracking_settings(options), vocabulary_),
-      mapping_(map_, options, vocabulary_) {
+      mapping_(map_, BackendOptions(options), vocabulary_) {
   // A lost camera is looked for in the map; it begins none.
   if (options_.localize) tracker_.start_lost();
 }
@@ -98,7 +98,7 @@ std::vector<MappingReport> System::finish() {
   FrameReport report;
   apply_all_mapping(report);
   if (tracker_.state() != TrackState::not_initialised) {
-    mapping_.mapper().finish();
+    mapping_.finish();
     tracker_.map_moved();
   }
   return std::move(report.mapping);
@@ -199,7 +199,7 @@ void System::record(const Input& input, const Tracker::Outcome& outcome) {
 
 void System::discard(uint32_t submap) {
   log_.forget(*map_.read(), submap);
-  mapping_.mapper().discard(submap);
+  mapping_.discard(submap);
 }
 
 void System::report_begun_map(FrameReport& report) const {
@@ -210,7 +210,7 @@ void System::report_begun_map(FrameReport& report) const {
     track.T_cw = record->online->T_wc.inverse();
     track.pose = *record->pose;
     track.submap = record->online->submap;
-    track.inliers = report.mapping.back().points_created;
+    track.inliers = report.mapping.back().counts.points_created;
   } else {
     track.method = TrackMethod::none;
     track.reason = "the initial map did not hold";

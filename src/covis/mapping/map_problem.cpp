@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "covis/slam/map_problem.h"
+#include "covis/mapping/map_problem.h"
 
 #include <algorithm>
 #include <utility>
@@ -44,19 +44,19 @@ void MapProblem::gather(const Map& map, const std::vector<KeyFrameId>& frames, s
   }
 }
 
-void MapProblem::commit(Map& map) const {
+void MapProblem::commit(MapEdit& map) const {
   for (size_t k = 0; k < key_frames.size(); ++k) {
-    if (!problem.fixed[k]) map.set_pose(key_frames[k], problem.poses[k].normalized());
+    if (!problem.fixed[k]) map.map().set_pose(key_frames[k], problem.poses[k].normalized());
   }
   for (size_t p = 0; p < points.size(); ++p) map.set_position(points[p], problem.points[p]);
+  erase_outliers(map);
+}
+
+void MapProblem::erase_outliers(MapEdit& map) const {
   for (const BundleObservation& observation : problem.observations) {
-    if (!observation.active) {
-      map.erase_observation(points[static_cast<size_t>(observation.point)],
-                            key_frames[static_cast<size_t>(observation.pose)]);
-    }
-  }
-  for (const MapPointId& id : points) {
-    if (map.find(id)) map.refresh_point_geometry(id);
+    if (observation.active) continue;
+    map.erase_observation(points[static_cast<size_t>(observation.point)],
+                          key_frames[static_cast<size_t>(observation.pose)]);
   }
 }
 

@@ -1,26 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// A p of the map as a bundle adjustment problem, and its way back.
+// A piece of the map as a bundle adjustment problem, and its way back.
 #pragma once
 
 #include <cstddef>
 #include <vector>
 
-#include "covis/map/map.h"
+#include "covis/map/map_edit.h"
 #include "covis/optimization/bundle_adjustment.h"
 
 namespace covis {
 
-// A bundle problem, and which thing of the map each entry is.
+// A bundle problem, and the key frame or point of the map that each entry stands for.
 struct MapProblem {
   BundleProblem problem;
   std::vector<KeyFrameId> key_frames;  // for each pose
   std::vector<MapPointId> points;      // for each point
 
-  // Of the points that the first `moving` of `frames` see: all observations from any of `frames`. Key frames from the
-  // `moving`th on, and roots, stay fixed.
+  // Takes the points that the first `moving` of `frames` see, with all observations from any of `frames`. Key frames from
+  // the `moving`th on, and roots, stay fixed.
   void gather(const Map& map, const std::vector<KeyFrameId>& frames, size_t moving);
   // Writes the result to what still exists; observations found to be outliers go.
-  void commit(Map& map) const;
+  void commit(MapEdit& map) const;
+  // Only these.
+  void erase_outliers(MapEdit& map) const;
 };
 
 }  // namespace covis

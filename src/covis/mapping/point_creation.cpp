@@ -1,27 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// Creating points by triangulation with the neighbours (ORB-SLAM, VI-C; ORB-SLAM2, III-C).
+#include "covis/mapping/point_creation.h"
+
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "covis/geometry/triangulation.h"
-#include "covis/map/key_frame_view.h"
+#include "covis/map/map_edit.h"
 #include "covis/matching/epipolar_match.h"
-#include "covis/slam/mapper.h"
 #include "covis/matching/point_geometry.h"
 
 namespace covis {
 namespace {
 
-// A key frame as point creation needs it.
-struct View : KeyFrameView {
+struct View {
+  const SE3& T_cw;
   SE3 T_wc;
-  std::vector<uint8_t> is_free;  // features without a point
-  double median_depth;           // of its points
+  FeaturesPtr features;
+  std::vector<uint8_t> is_free;  // for each feature 1 while it has no point
 
-  View(const Map& map, KeyFrameId key_frame)
-      : KeyFrameView(map, key_frame),
-        T_wc(T_cw.inverse()),
-        is_free(features_without_point(points)),
-        median_depth(covis::median_depth(*this)) {}
+  explicit View(const KeyFrameView& view)
+      : T_cw(view.T_cw),
+        T_wc(view.T_cw.inverse()),
+        features(view.features),
+        is_free(features_without_point(view.points)) {}
 };
 
 // Cosine of the angle under which the two eyes of a stereo camera see a feature with depth.
@@ -61,53 +63,57 @@ bool holds(const Eigen::Vector3d& p_w, const Pinhole& camera, const View& a, uin
   return by_distance < by_level * tolerance && by_distance * tolerance > by_level;
 }
 
+// Too near each other for a triangulation: less than the stereo baseline, or than a share of the scene's depth.
+bool too_near(const Pinhole& camera, Sensor sensor, const View& a, const View& b, const KeyFrameView& neighbour) {
+  constexpr double kMinBaselineShare = 0.01;  // of the neighbour's median depth, monocular
+  const double baseline = (a.T_wc.t() - b.T_wc.t()).norm();
+  return baseline <
+         (sensor == Sensor::monocular ? kMinBaselineShare * median_depth(neighbour) : camera.baseline());
+}
+
 }  // namespace
 
-int Mapper::create_points(KeyFrameId current) {
-  constexpr double kMinBaselineShare = 0.01;  // of the median depth, monocular
-  struct NewPoint {
-    Eigen::Vector3d position_w;
-    KeyFrameId neighbour;
-    uint32_t feature, neighbour_feature;
-  };
-  std::vector<View> neighbours;
-  std::vector<View> self;
-  Pinhole camera;
-  {
-    const auto map = map_.read();
-    camera = map->camera();
-    self.emplace_back(*map, current);
-    const int count = monocular() ? options_.mapper.create_neighbours_mono : options_.mapper.create_neighbours;
-    for (const Neighbour& neighbour : map->best_neighbours(current, count))
-      neighbours.emplace_back(*map, neighbour.key_frame);
-  }
-
-  View& a = self.front();
-  std::vector<NewPoint> made;
-  for (View& b : neighbours) {
-    const double baseline = (a.T_wc.t() - b.T_wc.t()).norm();
-    if (monocular() ? baseline < kMinBaselineShare * b.median_depth : baseline < camera.baseline()) continue;
+std::vector<TriangulatedPoint> triangulate_points(const Pinhole& camera, Sensor sensor, const KeyFrameView& current,
+                                                  const std::vector<KeyFrameView>& neighbours) {
+  std::vector<TriangulatedPoint> made;
+  View a(current);
+  for (const KeyFrameView& neighbour : neighbours) {
+    const View b(neighbour);
+    if (too_near(camera, sensor, a, b, neighbour)) continue;
     const SE3 T_ba = b.T_cw * a.T_wc;
     for (const FeatureMatch& m : match_epipolar(camera, *a.features, a.is_free, *b.features, b.is_free, T_ba, {})) {
       const auto ia = static_cast<uint32_t>(m.a), ib = static_cast<uint32_t>(m.b);
       const auto p_w = place(camera, a, ia, b, ib);
       if (!p_w || !holds(*p_w, camera, a, ia, b, ib)) continue;
-      made.push_back({*p_w, b.id, ia, ib});
+      made.push_back({*p_w, neighbour.id, ia, ib});
       a.is_free[ia] = 0;
-      b.is_free[ib] = 0;
     }
   }
+  return made;
+}
 
-  const auto map = map_.write();
+int create_points(SharedMap& shared, KeyFrameId current, Sensor sensor, const MapperOptions& options,
+                  RecentPoints& recent) {
+  Pinhole camera;
+  KeyFrameView self;
+  std::vector<KeyFrameView> neighbours;
+  {
+    const auto map = shared.read();
+    camera = map->camera();
+    self.copy(*map, current);
+    for (const Neighbour& neighbour : map->best_neighbours(current, options.neighbours(sensor)))
+      neighbours.emplace_back(*map, neighbour.key_frame);
+  }
+  const std::vector<TriangulatedPoint> made = triangulate_points(camera, sensor, self, neighbours);
+  MapEdit map(shared);
   const uint32_t serial = map->at(current).serial;
   int created = 0;
-  for (const NewPoint& point : made) {
+  for (const TriangulatedPoint& point : made) {
     if (!map->find(point.neighbour)) continue;
-    const MapPointId id = map->add_point(point.position_w, current, point.feature);
+    const MapPointId id = map.add_point(point.position_w, current, point.feature);
     if (!id.valid()) continue;
-    map->add_observation(id, point.neighbour, point.neighbour_feature);
-    map->refresh_point(id);
-    recent_.push_back({id, serial});
+    map.add_observation(id, point.neighbour, point.neighbour_feature);
+    recent.add(id, serial);
     ++created;
   }
   return created;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "covis/features/frontend.h"
-#include "covis/slam/mapper.h"
+#include "covis/map/map.h"
 #include "synth/synth.h"
 
 namespace covis {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The focal length adjusted beside other work on a monocular map.
-#include "covis/slam/focal_refinement.h"
+#include "covis/loops/focal_refinement.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "covis/core/random.h"
-#include "covis/slam/global_adjuster.h"
 
 namespace covis {
 namespace {
@@ -67,13 +66,13 @@ void drive(SharedMap& shared, double claimed) {
 
 constexpr double kTruth = 500;  // pixels
 
-GlobalAdjuster::Outcome refine(SharedMap& map, double given_fx) {
-  GlobalAdjuster adjuster;
-  adjuster.start(map, map.read()->root(), FocalSchedule::kIterations, given_fx);
-  EXPECT_TRUE(adjuster.running());
-  const GlobalAdjuster::Outcome outcome = adjuster.commit(map);
-  EXPECT_FALSE(adjuster.running());
-  EXPECT_TRUE(outcome.focal);
+BackgroundAdjustment::Outcome refine(SharedMap& map, double given_fx) {
+  BackgroundAdjustment background;
+  background.start(FocalRefinement::of(*map.read(), map.read()->root(), given_fx), 1);
+  EXPECT_TRUE(background.running());
+  const BackgroundAdjustment::Outcome outcome = background.apply(map);
+  EXPECT_FALSE(background.running());
+  EXPECT_EQ(outcome.kind, AdjustmentKind::focal);
   EXPECT_EQ(map.read()->check(), "");
   return outcome;
 }
@@ -100,7 +99,7 @@ TEST(FocalRefinement, GivesTheMapTheCameraItTells) {
     const double before = std::abs(map.read()->camera().fx - kTruth);
     ASSERT_GT(before, 7);
     const uint64_t moves = map.read()->moves();
-    EXPECT_TRUE(refine(map, claimed * kTruth).taken_over);
+    EXPECT_TRUE(refine(map, claimed * kTruth).applied);
     const auto m = map.read();
     EXPECT_LT(std::abs(m->camera().fx - kTruth), 1.5) << "the error was " << before << " pixels";
     EXPECT_EQ(m->camera().fy, m->camera().fx);
@@ -116,7 +115,7 @@ TEST(FocalRefinement, LeavesARightOneAndTheMap) {
   const uint64_t moves = map.read()->moves();
   std::vector<SE3> before;
   for (const KeyFrameId& id : map.read()->key_frames()) before.push_back(map.read()->at(id).T_cw);
-  EXPECT_FALSE(refine(map, kTruth).taken_over);
+  EXPECT_FALSE(refine(map, kTruth).applied);
   const auto m = map.read();
   EXPECT_EQ(m->camera().fx, kTruth);
   EXPECT_EQ(m->moves(), moves);
@@ -129,25 +128,25 @@ TEST(FocalRefinement, AGreatErrorIsMendedToo) {
   for (const double claimed : {0.96, 1.035, 1.045}) {
     SharedMap map;
     drive(map, claimed);
-    EXPECT_TRUE(refine(map, claimed * kTruth).taken_over);
+    EXPECT_TRUE(refine(map, claimed * kTruth).applied);
     EXPECT_NEAR(map.read()->camera().fx, kTruth, 2.5) << claimed;
   }
 }
 
-// What the map tells is more than 5 % from the one given, however near the present one is.
+// The map tells one more than 5 % from the one given, however near the present one is.
 TEST(FocalRefinement, KeepsNearTheGivenOne) {
   SharedMap map;
   drive(map, 1.02);
-  EXPECT_FALSE(refine(map, 1.06 * kTruth).taken_over);
+  EXPECT_FALSE(refine(map, 1.06 * kTruth).applied);
   EXPECT_EQ(map.read()->camera().fx, 1.02 * kTruth);
 }
 
-TEST(FocalRefinement, IsLeftWhereAnotherPartWasBegunOrThePartIsGone) {
+TEST(FocalRefinement, IsLeftWhereAnotherSubmapWasBegunOrTheSubmapIsGone) {
   for (const bool gone : {false, true}) {
     SharedMap map;
     drive(map, 1.02);
-    GlobalAdjuster adjuster;
-    adjuster.start(map, map.read()->root(), FocalSchedule::kIterations, 1.02 * kTruth);
+    BackgroundAdjustment background;
+    background.start(FocalRefinement::of(*map.read(), map.read()->root(), 1.02 * kTruth), 1);
     uint64_t moves = 0;
     {
       const auto m = map.write();
@@ -158,7 +157,7 @@ TEST(FocalRefinement, IsLeftWhereAnotherPartWasBegunOrThePartIsGone) {
       }
       moves = m->moves();
     }
-    EXPECT_FALSE(adjuster.commit(map).taken_over);
+    EXPECT_FALSE(background.apply(map).applied);
     EXPECT_EQ(map.read()->camera().fx, 1.02 * kTruth);
     EXPECT_EQ(map.read()->moves(), moves);
   }

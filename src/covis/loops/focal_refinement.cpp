@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "covis/slam/focal_refinement.h"
+#include "covis/loops/focal_refinement.h"
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
+#include "covis/core/log.h"
+#include "covis/loops/submap_adjustment.h"
 #include "covis/optimization/focal_estimation.h"
 
 namespace covis {
 
-// Not while there are several submaps, which all would have to follow.
+// Not asked while there are several submaps, which all would have to follow.
 std::optional<int> FocalSchedule::ask(const Map& map) {
   if (map.next_serial() < next_ || map.key_frame_count() > kLargest || map.submaps().size() != 1) return std::nullopt;
   next_ = map.next_serial() + std::max(kLeastStep, map.next_serial() / kStepShare);
@@ -50,6 +53,30 @@ bool refine_focal(BundleProblem& problem, BundleAdjuster& adjuster, double given
   int steps = 0;
   while (steps < kSteps && step(problem, adjuster, given_fx, interrupt)) ++steps;
   return steps > 0;
+}
+
+std::unique_ptr<FocalRefinement> FocalRefinement::of(const Map& map, KeyFrameId key_frame, double given_fx) {
+  std::optional<MapProblem> submap = copy_submap(map, key_frame);
+  if (!submap) return nullptr;
+  return std::unique_ptr<FocalRefinement>(new FocalRefinement(std::move(*submap), given_fx));
+}
+
+bool FocalRefinement::run(const std::atomic<bool>& interrupt) {
+  constexpr int kIterations = 20;  // before the focal length is asked for
+  BundleAdjuster adjuster;
+  BundleProblem& problem = submap_.problem;
+  const bool solved = adjuster.solve(problem, {.iterations = kIterations, .interrupt = &interrupt}).ok;
+  classify_observations(problem);
+  return solved && refine_focal(problem, adjuster, given_fx_, &interrupt);
+}
+
+bool FocalRefinement::apply(MapEdit& map) const {
+  if (map->submaps().size() != 1 || !apply_submap(submap_, map)) return false;
+  const Pinhole& camera = submap_.problem.camera;
+  map.map().set_camera(camera);
+  log(LogLevel::info, "focal length refined: " + std::to_string(camera.fx) + " pixels instead of " +
+                          std::to_string(given_fx_));
+  return true;
 }
 
 }  // namespace covis

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/loops/background_adjustment.h"
+
+#include <utility>
+
+#include "covis/core/time.h"
+
+namespace covis {
+
+void BackgroundAdjustment::start(std::unique_ptr<AdjustmentJob> job, int key_frames) {
+  abandon();
+  if (!job) return;
+  job_ = std::move(job);
+  key_frames_left_ = key_frames;
+  interrupt_ = done_ = false;
+  thread_ = std::thread([this] {
+    const Stopwatch watch;
+    solved_ = job_->run(interrupt_);
+    ms_ = watch.ms();
+    done_ = true;
+  });
+}
+
+BackgroundAdjustment::Outcome BackgroundAdjustment::apply(SharedMap& shared) {
+  thread_.join();
+  const std::unique_ptr<AdjustmentJob> job = std::move(job_);
+  Outcome outcome{.kind = job->kind(), .solved = solved_, .ms = ms_};
+  if (!solved_) return outcome;
+  MapEdit map(shared);
+  outcome.applied = job->apply(map);
+  return outcome;
+}
+
+void BackgroundAdjustment::abandon() {
+  if (!job_) return;
+  interrupt_ = true;
+  thread_.join();
+  job_.reset();
+}
+
+}  // namespace covis

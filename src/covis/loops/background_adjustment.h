@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Adjustments of a whole submap on a thread of their own, on a copy, beside mapping. The mapping thread starts a job,
+// applies its result some key frames later, or gives it up when a loop comes.
+// Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, section III-D.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include "covis/map/map_edit.h"
+
+namespace covis {
+
+enum class AdjustmentKind { full, focal };
+
+// A copy of what is to be adjusted, made under a read guard of the map.
+class AdjustmentJob {
+ public:
+  virtual ~AdjustmentJob() = default;
+  virtual AdjustmentKind kind() const = 0;
+  // On the job's thread, without the map; ends soon when `interrupt` becomes true. False: there is no result to apply.
+  virtual bool run(const std::atomic<bool>& interrupt) = 0;
+  // On the mapping thread. False: the map has changed so that the result does not fit, and was left alone.
+  virtual bool apply(MapEdit& map) const = 0;
+};
+
+class BackgroundAdjustment {
+ public:
+  ~BackgroundAdjustment() { abandon(); }
+
+  // Gives up the job there is and begins this one (null: none), whose result is due after so many key frames.
+  void start(std::unique_ptr<AdjustmentJob> job, int key_frames);
+  bool running() const { return job_ != nullptr; }  // or its result waits
+  // Another key frame was mapped.
+  void count_key_frame() { --key_frames_left_; }
+  // The result may be applied, for a schedule that does not depend on time.
+  bool due() const { return key_frames_left_ <= 0; }
+  // The result is there: apply() will not wait.
+  bool ready() const { return done_.load(); }
+
+  struct Outcome {
+    AdjustmentKind kind = AdjustmentKind::full;
+    bool solved = false;   // there was a result
+    bool applied = false;  // the map was changed
+    double ms = 0;         // that the job ran
+  };
+  // Waits for the result and writes it to the map. Only while running().
+  Outcome apply(SharedMap& map);
+  // Interrupts and forgets the job.
+  void abandon();
+
+ private:
+  std::unique_ptr<AdjustmentJob> job_;  // of the thread until it is joined
+  int key_frames_left_ = 0;
+  bool solved_ = false;
+  double ms_ = 0;
+  std::atomic<bool> interrupt_{false}, done_{false};
+  std::thread thread_;
+};
+
+}  // namespace covis

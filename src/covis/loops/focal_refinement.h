@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// The focal length of a monocular or RGB-D map: when the map is asked for it, and which answer is believed. A camera that
+// turns and moves tells its focal length; a wrong one makes a monocular scale drift at every turn, and motion by depth
+// too long or too short. Measured figures: docs/results.md, "The focal length".
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "covis/loops/background_adjustment.h"
+#include "covis/mapping/map_problem.h"
+
+namespace covis {
+
+// The map is asked for it again as it grows, until it is large.
+class FocalSchedule {
+ public:
+  // When the map is to be asked now: the number of key frames after which the answer is applied.
+  std::optional<int> ask(const Map& map);
+  // The map is begun anew.
+  void restart(const Map& map) { next_ = map.next_serial() + kFirst; }
+
+ private:
+  static constexpr uint32_t kFirst = 20;                     // serial of the key frame at which it is first asked for
+  static constexpr uint32_t kLeastStep = 5, kStepShare = 4;  // key frames to the next time: a share of those made
+  static constexpr int kLeastAge = 2, kAgeShare = 25;        // key frames it is given: more in a larger map
+  static constexpr size_t kLargest = 100;                    // key frames of a map
+
+  uint32_t next_ = kFirst;
+};
+
+// Moves an adjusted problem to its best focal length, in a few steps of at most 2 % as an estimate is good only near:
+// each when it is known well, surely another one, within bounds of the given one, and the cost really falls. False: the
+// problem stays as it was.
+bool refine_focal(BundleProblem& problem, BundleAdjuster& adjuster, double given_fx,
+                  const std::atomic<bool>* interrupt = nullptr);
+
+// Bundle adjustment of a submap with the focal length. Its result is applied to a map of one submap alone, and to its
+// camera, as the other submaps would have to follow.
+class FocalRefinement : public AdjustmentJob {
+ public:
+  // Null when there is nothing to adjust. `given_fx`: the focal length the camera came with, pixels.
+  static std::unique_ptr<FocalRefinement> of(const Map& map, KeyFrameId key_frame, double given_fx);
+
+  AdjustmentKind kind() const override { return AdjustmentKind::focal; }
+  bool run(const std::atomic<bool>& interrupt) override;
+  bool apply(MapEdit& map) const override;
+
+ private:
+  FocalRefinement(MapProblem submap, double given_fx) : submap_(std::move(submap)), given_fx_(given_fx) {}
+
+  MapProblem submap_;
+  const double given_fx_;
+};
+
+}  // namespace covis

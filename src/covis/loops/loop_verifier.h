@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tells a place seen again from one that only looks alike. Works on copies, without the map.
+//
+// A false loop is worse than a missed one. A candidate, whose words are alike (loop_detector.h), is taken only when
+//   1. at least 20 points of both places match by descriptor,
+//   2. RANSAC finds a similarity that at least 20 of them agree with, and its refinement keeps 20,
+//   3. the old place's points, projected by it, are found again: 40 at least, and a share of all that are in view; most
+//      of them not points the key frame has anyway,
+//   4. the neighbours of the key frame, moved along, find the old place's points too,
+//   5. the correction is one that drift can explain: a share of the path travelled since. What looks alike but is
+//      another place (the same poster on two walls, two equal rooms) fails here.
+// A place in another submap joins the two submaps. Their relation is unknown, so that no drift could explain it: tests 3
+// and 4 ask for more instead, and the old place's views must find the new one's points as well.
+//
+// Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VII-B; verification at once by several covisible
+// key frames: Campos et al., "ORB-SLAM3", T-RO 2021, section VI (merging of maps, too).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "covis/geometry/sim3.h"
+#include "covis/loops/loop_options.h"
+#include "covis/loops/loop_report.h"
+#include "covis/map/key_frame_view.h"
+#include "covis/matching/projection_match.h"
+#include "covis/optimization/sim3_optimization.h"
+
+namespace covis {
+
+// A key frame and those around it, copied out of the map.
+struct LoopPlace {
+  KeyFrameId key_frame;
+  SE3 T_cw;
+  std::vector<KeyFrameId> group;  // the key frame first
+  PointSet points;                // those the group observes, in the order of handles
+
+  LoopPlace() = default;
+  LoopPlace(const Map& map, KeyFrameId id);
+};
+
+enum class LoopRelation { same_submap, other_submap };
+
+// Everything that verification reads of the map.
+struct LoopCandidate {
+  Pinhole camera;
+  KeyFrameView current;
+  LoopPlace place;
+  LoopRelation relation = LoopRelation::same_submap;  // of the place to the current key frame
+  std::vector<KeyFrameView> members;                  // the first of the place's group
+  std::vector<KeyFrameView> neighbours;               // the current key frame's best
+  std::optional<LoopPlace> here;                      // around the current key frame; other_submap alone
+  double path = 0;                                    // travelled since the place, in the map's unit; same_submap alone
+
+  // Both key frames must live.
+  LoopCandidate(const Map& map, KeyFrameId current, KeyFrameId place);
+};
+
+// A candidate that was accepted.
+struct Loop {
+  LoopPlace place;
+  LoopRelation relation = LoopRelation::same_submap;
+  Sim3 S_cw;                                             // the current key frame as the old place's map would have it
+  std::vector<std::pair<uint32_t, MapPointId>> matches;  // feature of the current key frame, point of the place
+};
+
+struct LoopVerdict {
+  LoopRefusal refusal = LoopRefusal::none;
+  LoopEvidence evidence;
+  std::optional<LoopDrift> drift;  // when it came so far
+  std::optional<Loop> loop;        // when it was accepted
+};
+
+class LoopVerifier {
+ public:
+  LoopVerifier(Sensor sensor, const LoopOptions& options, int seed) : sensor_(sensor), options_(options), seed_(seed) {}
+
+  LoopVerdict verify(const LoopCandidate& candidate);
+
+ private:
+  // The place's points that were found in a view at a pose.
+  struct Projection {
+    int in_view = 0;
+    std::vector<PointMatch> matches;
+  };
+
+  std::optional<Sim3> similarity(const std::vector<Sim3Match>& matches, const LoopCandidate& candidate,
+                                 LoopEvidence& evidence) const;
+  // Finds the place's points in the current view, refining its pose; nothing when they are too few.
+  std::optional<Projection> find_again(const LoopCandidate& candidate, SE3& T_cw);
+  Projection project(const LoopPlace& place, const Pinhole& camera, const KeyFrameView& view, const SE3& T_cw,
+                     double window);
+  bool enough_for_neighbour(const Projection& projection) const;
+  bool neighbours_agree(const LoopCandidate& candidate, const Sim3& S_cw);
+  bool seen_from_there(const LoopCandidate& candidate, const Sim3& S_cw);
+  bool drift_explains(const LoopDrift& drift) const;
+
+  bool monocular() const { return sensor_ == Sensor::monocular; }
+
+  const Sensor sensor_;
+  const LoopOptions options_;
+  const int seed_;
+  ProjectionMatcher matcher_;
+};
+
+// A place seen again whose correction would move its points by no more than two pixels: the camera looked away for a
+// moment. Its points are to be fused, but there is no drift to take out.
+bool nothing_to_correct(const Loop& loop, const LoopDrift& drift, const Pinhole& camera);
+
+}  // namespace covis

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/loops/submap_adjustment.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace covis {
+namespace {
+
+// Poses of key frames by slot.
+struct Poses {
+  std::vector<SE3> before, after;
+  std::vector<uint8_t> adjusted;  // the pose was part of the problem
+
+  Poses(const Map& map, const MapProblem& problem) {
+    map.for_each_key_frame([&](KeyFrameId id, const KeyFrame& key_frame) {
+      before.resize(id.slot + size_t{1});
+      before[id.slot] = key_frame.T_cw;
+    });
+    after = before;
+    adjusted.resize(before.size(), 0);
+    for (size_t k = 0; k < problem.key_frames.size(); ++k) {
+      const KeyFrameId id = problem.key_frames[k];
+      if (!map.find(id)) continue;
+      after[id.slot] = problem.problem.poses[k].normalized();
+      adjusted[id.slot] = 1;
+    }
+  }
+};
+
+// The key frames of a submap from its root down. Those that are newer than the copy keep their places beside their
+// parents.
+std::vector<KeyFrameId> carry_down(const Map& map, KeyFrameId root, Poses& poses) {
+  std::vector<KeyFrameId> open{root};
+  for (size_t k = 0; k < open.size(); ++k) {
+    const KeyFrame& key_frame = map.at(open[k]);
+    if (!poses.adjusted[open[k].slot] && key_frame.parent.valid()) {
+      const uint32_t parent = key_frame.parent.slot;
+      poses.after[open[k].slot] =
+          (key_frame.T_cw * poses.before[parent].inverse() * poses.after[parent]).normalized();
+    }
+    open.insert(open.end(), key_frame.children.begin(), key_frame.children.end());
+  }
+  return open;
+}
+
+}  // namespace
+
+std::optional<MapProblem> copy_submap(const Map& map, KeyFrameId key_frame) {
+  const std::vector<KeyFrameId> frames = map.key_frames(map.at(key_frame).submap);
+  if (frames.size() < 2) return std::nullopt;
+  MapProblem problem;
+  problem.gather(map, frames, frames.size());
+  return problem;
+}
+
+bool apply_submap(const MapProblem& adjusted, MapEdit& map) {
+  const auto& frames = adjusted.key_frames;
+  const auto alive = std::find_if(frames.begin(), frames.end(), [&](KeyFrameId id) { return map->find(id); });
+  if (alive == frames.end()) return false;
+  map.map().count_move();
+  const Submap submap = *map->submap(map->at(*alive).submap);
+  Poses poses(*map, adjusted);
+  const std::vector<KeyFrameId> moved = carry_down(*map, submap.root, poses);
+  std::vector<std::pair<MapPointId, Eigen::Vector3d>> places;
+  map->for_each_point([&](MapPointId id, const MapPoint& point) {
+    if (map->at(point.reference).submap != submap.id) return;
+    const auto at = std::lower_bound(adjusted.points.begin(), adjusted.points.end(), id);
+    if (at != adjusted.points.end() && *at == id) {
+      places.emplace_back(id, adjusted.problem.points[static_cast<size_t>(at - adjusted.points.begin())]);
+    } else {
+      const uint32_t reference = point.reference.slot;
+      places.emplace_back(id, poses.after[reference].inverse() * (poses.before[reference] * point.position_w));
+    }
+  });
+  for (const KeyFrameId& id : moved) map.map().set_pose(id, poses.after[id.slot]);
+  for (const auto& [id, position] : places) map.set_position(id, position);
+  adjusted.erase_outliers(map);
+  return true;
+}
+
+std::unique_ptr<FullAdjustment> FullAdjustment::of(const Map& map, KeyFrameId key_frame, int iterations) {
+  std::optional<MapProblem> submap = copy_submap(map, key_frame);
+  if (!submap) return nullptr;
+  return std::unique_ptr<FullAdjustment>(new FullAdjustment(std::move(*submap), iterations));
+}
+
+bool FullAdjustment::run(const std::atomic<bool>& interrupt) {
+  BundleAdjuster adjuster;
+  const bool solved = adjuster.solve(submap_.problem, {.iterations = iterations_, .interrupt = &interrupt}).ok;
+  classify_observations(submap_.problem);
+  return solved;
+}
+
+}  // namespace covis

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Changes of the map's points that leave everything derived from their observations right: when the edit ends, every
+// point it touched and that lives gets its normal, its range of distances and its descriptor anew. A point that was only
+// moved, or lost an observation, keeps its descriptor.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "covis/map/shared_map.h"
+
+namespace covis {
+
+class MapEdit {
+ public:
+  // Holds the write guard until it ends.
+  explicit MapEdit(SharedMap& shared) : guard_(shared.write()), map_(**guard_) {}
+  // For a map that the caller may write to anyway.
+  explicit MapEdit(Map& map) : map_(map) {}
+  ~MapEdit();
+  MapEdit(const MapEdit&) = delete;
+  MapEdit& operator=(const MapEdit&) = delete;
+
+  const Map* operator->() const { return &map_; }
+  const Map& operator*() const { return map_; }
+  // The map itself, for changes of anything but its points.
+  Map& map() { return map_; }
+
+  // As those of Map.
+  MapPointId add_point(const Eigen::Vector3d& position_w, KeyFrameId reference, uint32_t feature);
+  bool add_observation(MapPointId point, KeyFrameId key_frame, uint32_t feature);
+  bool erase_observation(MapPointId point, KeyFrameId key_frame);
+  bool replace_point(MapPointId old, MapPointId by);
+  bool set_position(MapPointId id, const Eigen::Vector3d& position_w);
+  // All points that a key frame observes were touched outside this edit (PointFuser).
+  void touch_points_of(KeyFrameId key_frame);
+
+ private:
+  std::optional<SharedMap::WriteGuard> guard_;
+  Map& map_;
+  std::vector<MapPointId> touched_;  // everything derived is made anew
+  std::vector<MapPointId> moved_;    // normal and range alone
+};
+
+}  // namespace covis

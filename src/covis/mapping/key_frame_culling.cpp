@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/mapping/key_frame_culling.h"
+
+namespace covis {
+namespace {
+
+struct Redundancy {
+  int points = 0, redundant = 0;
+};
+
+bool seen_by_others(const Map& map, KeyFrameId id, const MapPoint& point, int level) {
+  constexpr int kObservers = 3;  // others that must see a point for it to be redundant
+  if (static_cast<int>(point.observations.size()) <= kObservers) return false;
+  int others = 0;
+  for (const Observation& observation : point.observations) {
+    if (observation.key_frame == id) continue;
+    const int other = map.at(observation.key_frame).features->level[observation.feature];
+    if (other <= level + 1 && ++others >= kObservers) return true;
+  }
+  return false;
+}
+
+Redundancy count_redundant(const Map& map, KeyFrameId id, Sensor sensor, double close_depth) {
+  const double close = close_depth * map.camera().baseline();
+  const KeyFrame& key_frame = map.at(id);
+  const Features& features = *key_frame.features;
+  Redundancy counts;
+  for (size_t i = 0; i < key_frame.points.size(); ++i) {
+    if (!key_frame.points[i].valid()) continue;
+    if (sensor != Sensor::monocular && !(features.depth[i] > 0 && features.depth[i] <= close)) continue;
+    ++counts.points;
+    counts.redundant += seen_by_others(map, id, map.at(key_frame.points[i]), features.level[i]);
+  }
+  return counts;
+}
+
+}  // namespace
+
+double redundancy(const Map& map, KeyFrameId id, Sensor sensor, double close_depth) {
+  const Redundancy counts = count_redundant(map, id, sensor, close_depth);
+  return counts.points > 0 ? static_cast<double>(counts.redundant) / counts.points : 0;
+}
+
+int cull_key_frames(SharedMap& shared, KeyFrameId current, Sensor sensor, double max_redundancy, double close_depth) {
+  const std::vector<Neighbour> neighbours = shared.read()->neighbours(current);
+  int culled = 0;
+  for (const Neighbour& neighbour : neighbours) {
+    const KeyFrameId id = neighbour.key_frame;
+    {
+      const auto map = shared.read();
+      if (map->is_root(id)) continue;
+      const Redundancy counts = count_redundant(*map, id, sensor, close_depth);
+      if (counts.points == 0 || !(counts.redundant > max_redundancy * counts.points)) continue;
+    }
+    culled += shared.write()->erase_key_frame(id);
+  }
+  return culled;
+}
+
+}  // namespace covis

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Erases key frames that show nothing others do not show as well.
+// Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VI-E; close points alone: Mur-Artal and Tardós,
+// "ORB-SLAM2", T-RO 2017, III-C.
+#pragma once
+
+#include "covis/core/sensor.h"
+#include "covis/map/shared_map.h"
+
+namespace covis {
+
+// The share of a key frame's points that at least three other key frames observe at the same or a finer scale; with a
+// depth sensor of its points up to `close_depth` baselines alone. 0 without points.
+double redundancy(const Map& map, KeyFrameId id, Sensor sensor, double close_depth);
+
+// Erases the key frames beside `current` whose redundancy exceeds `max_redundancy`, one after the other, as each one's
+// points count for the next. Roots stay. Returns the number erased.
+int cull_key_frames(SharedMap& map, KeyFrameId current, Sensor sensor, double max_redundancy, double close_depth);
+
+}  // namespace covis

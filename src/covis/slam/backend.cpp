@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/slam/backend.h"
+
+#include <optional>
+#include <utility>
+
+#include "covis/core/log.h"
+#include "covis/core/time.h"
+#include "covis/loops/submap_adjustment.h"
+
+namespace covis {
+
+BackendOptions::BackendOptions(const SystemOptions& options)
+    : sensor(options.sensor),
+      mapper(options.mapper),
+      loop(options.loop),
+      close_depth_baselines(options.tracker.key_frame.close_depth_baselines),
+      seed(options.seed),
+      schedule(options.schedule()) {}
+
+Backend::Backend(SharedMap& map, const BackendOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
+    : map_(map),
+      options_(options),
+      mapper_(map, options.sensor, options.mapper, options.close_depth_baselines, std::move(vocabulary)),
+      closer_(map, options.sensor, options.loop, options.seed),
+      given_fx_(map.read()->camera().fx) {}
+
+MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic<bool>* interrupt) {
+  const Stopwatch total;
+  MappingReport report{mapper_.process(request, interrupt), {}};
+  if (!report.key_frame.valid()) return report;
+  const Stopwatch watch;
+  apply_adjustment(report);
+  close_loop(report);
+  refine_focal(report.key_frame);
+  report.loop_ms = watch.ms();
+  report.total_ms = total.ms();
+  return report;
+}
+
+MappingReport Backend::initialise(const InitialMapRequest& request) { return {mapper_.initialise(request), {}}; }
+
+// A fixed number of key frames after its start, so that the result does not depend on how fast the machine is; in real
+// time as soon as it is there.
+void Backend::apply_adjustment(MappingReport& report) {
+  if (!background_.running()) return;
+  background_.count_key_frame();
+  if (options_.schedule == Schedule::realtime ? !background_.ready() : !background_.due()) return;
+  const BackgroundAdjustment::Outcome outcome = background_.apply(map_);
+  if (outcome.kind != AdjustmentKind::full) return;
+  report.full_adjustment_ms = outcome.ms;
+  if (!outcome.solved)
+    log(LogLevel::warning, "the full bundle adjustment after a loop failed; the map stays as it was");
+}
+
+// A loop makes the job in the background out of date.
+void Backend::close_loop(MappingReport& report) {
+  if (!options_.loop.close) return;
+  report.loop = closer_.process(report.key_frame);
+  if (!report.loop.changed_map()) return;
+  background_.abandon();
+  if (options_.loop.ba_iterations == 0) return;
+  background_.start(FullAdjustment::of(*map_.read(), report.key_frame, options_.loop.ba_iterations),
+                    options_.loop.ba_key_frames);
+}
+
+void Backend::refine_focal(KeyFrameId current) {
+  // Stereo's baseline times focal length would have to follow.
+  if (options_.sensor == Sensor::stereo || !options_.mapper.refine_focal || background_.running()) return;
+  const auto map = map_.read();
+  if (const std::optional<int> key_frames = focal_.ask(*map))
+    background_.start(FocalRefinement::of(*map, current, given_fx_), *key_frames);
+}
+
+void Backend::finish() {
+  if (background_.running()) background_.apply(map_);
+}
+
+void Backend::discard(uint32_t submap) {
+  const auto map = map_.write();
+  map->erase_submap(submap);
+  if (!map->submaps().empty()) return;
+  closer_.reset();
+  focal_.restart(*map);
+}
+
+}  // namespace covis

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// The back end: conducts mapping, loop closing and the adjustments in the background for each key frame. Synchronous, and
+// the map's only writer; its thread is in mapping_actor.h.
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include "covis/loops/background_adjustment.h"
+#include "covis/loops/focal_refinement.h"
+#include "covis/loops/loop_closer.h"
+#include "covis/loops/loop_options.h"
+#include "covis/map/shared_map.h"
+#include "covis/mapping/mapper.h"
+#include "covis/slam/messages.h"
+#include "covis/slam/options.h"
+#include "covis/core/schedule.h"
+
+namespace covis {
+
+// The slices of the settings that the back end reads.
+struct BackendOptions {
+  Sensor sensor = Sensor::monocular;
+  MapperOptions mapper;
+  LoopOptions loop;
+  double close_depth_baselines = 0;  // TrackerOptions::key_frame.close_depth_baselines
+  int seed = 0;                      // of the random choices
+  Schedule schedule = Schedule::deterministic;
+
+  explicit BackendOptions(const SystemOptions& options);
+};
+
+class Backend {
+ public:
+  // The map has the camera it was given. Without a vocabulary (null) places are not recognised.
+  Backend(SharedMap& map, const BackendOptions& options, std::shared_ptr<const Vocabulary> vocabulary = nullptr);
+
+  // Maps the key frame, applies the background's result when it is due, looks for a loop, and asks for the focal length
+  // when it is time. `interrupt` (may be null) becomes true when another waits.
+  MappingReport process(const KeyFrameRequest& request, const std::atomic<bool>* interrupt);
+  MappingReport initialise(const InitialMapRequest& request);
+  void discard(uint32_t submap);
+  // Waits for the job in the background and applies its result.
+  void finish();
+
+ private:
+  void apply_adjustment(MappingReport& report);
+  void close_loop(MappingReport& report);
+  void refine_focal(KeyFrameId current);
+
+  SharedMap& map_;
+  const BackendOptions options_;
+  Mapper mapper_;
+  LoopCloser closer_;
+  BackgroundAdjustment background_;
+  FocalSchedule focal_;
+  const double given_fx_;  // the focal length the camera came with, pixels
+};
+
+}  // namespace covis
