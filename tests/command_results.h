@@ -69,6 +69,5 @@ inline int expect_results(const fs::path& out) {
   return frames;
 }
 
-volatile std::sig_atomic_t own_signals = 0;
 
 }  // namespace covis

@@ -9,6 +9,8 @@ namespace {
 
 using testing::HasSubstr;
 
+volatile std::sig_atomic_t own_signals = 0;
+
 // With a signal that nobody else minds: it would come to this process and all of its group.
 TEST(Process, ASignalAfterItsEndReachesNobody) {
   const auto before = std::signal(SIGWINCH, [](int) { own_signals = own_signals + 1; });

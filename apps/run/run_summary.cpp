@@ -112,8 +112,10 @@ std::optional<Accuracy> accuracy_of(const Snapshot& snapshot, const Trajectory& 
 }  // namespace
 
 MainSubmap main_submap(const Snapshot& snapshot) {
-  MainSubmap main{of_main_submap(snapshot.trajectory, snapshot), of_main_submap(snapshot.online, snapshot),
-                  of_main_submap(snapshot.key_frames, snapshot), {}};
+  MainSubmap main{of_main_submap(snapshot.trajectory, snapshot),
+                  of_main_submap(snapshot.online, snapshot),
+                  of_main_submap(snapshot.key_frames, snapshot),
+                  {}};
   for (const Snapshot::Point& point : snapshot.points) {
     if (snapshot.index_of(point.submap) == 0) main.points.push_back(point.position_w);
   }

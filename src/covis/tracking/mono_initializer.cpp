@@ -63,7 +63,7 @@ std::optional<InitialMapRequest> MonoInitializer::offer(const Pinhole& camera, c
   TwoViewOptions options;
   options.min_parallax_deg = o.init_min_parallax;
   options.min_points = o.init_min_points;
-  options.seed = hash_seed(static_cast<uint64_t>(seed_), 1, static_cast<uint64_t>(frame));
+  options.seed = hash_seed(static_cast<uint64_t>(seed_), RandomStage::mono_initializer, static_cast<uint64_t>(frame));
   const TwoViewResult motion = reconstruct_two_views(pairs, camera, options);
   if (motion.status != TwoViewStatus::ok) {
     reason_ = name(motion.status);
@@ -88,8 +88,8 @@ int MonoInitializer::match_reference(const Features& features) {
     const auto k = static_cast<size_t>(i);
     const int level = first.level[k];
     if (level > options_.init_levels) continue;
-    queries_.push_back({last_x_[k], last_y_[k], -1.0f, static_cast<float>(options_.init_window), level - 1,
-                        level + 1, &first.descriptor[k]});
+    queries_.push_back({last_x_[k], last_y_[k], -1.0f, static_cast<float>(options_.init_window), level - 1, level + 1,
+                        &first.descriptor[k]});
     query_feature_.push_back(i);
   }
   matcher_.match(features, queries_, {}, {.max_distance = kHammingLow, .ratio = kRatio}, match_);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "covis/core/random.h"
 #include "covis/geometry/pnp.h"
 
 namespace covis {
@@ -49,9 +50,9 @@ bool Relocaliser::find(TrackedFrame& frame, PoseSearch& search, const SharedMap*
 }
 
 std::vector<KeyFrameId> Relocaliser::candidates(const Map& map, const Features& features, KeyFrameId near) {
-  constexpr size_t kAlike = 8;                               // by words
-  constexpr int kNeighbours = 3;                             // of the last reference
-  constexpr int kInTurn = 2, kInTurnWithoutWords = 5;        // of all key frames
+  constexpr size_t kAlike = 8;                         // by words
+  constexpr int kNeighbours = 3;                       // of the last reference
+  constexpr int kInTurn = 2, kInTurnWithoutWords = 5;  // of all key frames
   std::vector<KeyFrameId> places;
   const auto add = [&](KeyFrameId id) {
     if (std::find(places.begin(), places.end(), id) == places.end()) places.push_back(id);
@@ -84,7 +85,9 @@ bool Relocaliser::find_first_pose(const KeyFrameView& view, TrackedFrame& frame,
     problem.add(frame.positions[i], search.camera.unproject(f.x[i], f.y[i]), f.pyramid->sigma2[f.level[i]]);
     feature.push_back(i);
   }
-  const auto pose = ransac_pnp(problem, search.camera, static_cast<uint64_t>(seed_) + static_cast<uint64_t>(frame.index));
+  const uint64_t seed =
+      hash_seed(static_cast<uint64_t>(seed_), RandomStage::relocalisation, static_cast<uint64_t>(frame.index));
+  const auto pose = ransac_pnp(problem, search.camera, seed);
   if (!pose) return false;
   frame.T_cw = pose->T_cw;
   for (size_t k = 0; k < feature.size(); ++k) {
@@ -100,7 +103,8 @@ bool Relocaliser::find_at(const KeyFrameView& view, TrackedFrame& frame, PoseSea
   // Twice: the second search starts from a better pose, and so in narrower windows.
   for (const double factor : {5.0, 2.0}) {
     if (live) search.update_local_map(*live, frame, view.id, o.local_key_frames);
-    const MatchGate gate = MatchGate::local_map(o.local_window * factor, o.local_window_frontal * factor, o.local_ratio);
+    const MatchGate gate =
+        MatchGate::local_map(o.local_window * factor, o.local_window_frontal * factor, o.local_ratio);
     figures.local_in_view = search.matcher.match_local_map(search.local_map, frame, search.camera, gate);
     figures.local_points = search.local_map.size();
     figures.inliers = search.matcher.fit_pose(frame, search.camera).on_map;

@@ -7,42 +7,48 @@
 #include <filesystem>
 #include <memory>
 #include <utility>
+#include <variant>
 
-#include "covis/slam/backend.h"
-#include "covis/slam/test_frames.h"
-#include "covis/slam/tracker.h"
+#include "covis/mapping/mapper.h"
+#include "covis/tracking/test_frames.h"
+#include "covis/tracking/tracker.h"
 
 namespace covis {
 
-// The one that comes along.
+// The key frame that is asked for after a frame; null when none is.
+inline const KeyFrameRequest* key_frame_of(const Tracker::Outcome& outcome) {
+  return std::get_if<KeyFrameRequest>(&outcome.request);
+}
+
+// The vocabulary of this repository.
 inline std::shared_ptr<const Vocabulary> vocabulary() {
   return Vocabulary::load(std::filesystem::path(COVIS_SOURCE_DIR) / "vocabulary/default.covis-voc").value();
 }
 
 class TrackerTest : public testing::Test {
  protected:
-  explicit TrackerTest(const SystemOptions& wanted = options_of(Sensor::rgbd),
-                       std::shared_ptr<const Vocabulary> vocabulary = nullptr)
+  explicit TrackerTest(const TrackingSettings& wanted = settings_of(Sensor::rgbd),
+                       const std::shared_ptr<const Vocabulary>& vocabulary = nullptr)
       : frames(TestFrames::of(wanted.sensor)),
-        options(wanted),
-        tracker(shared, options, vocabulary),
-        mapper(shared, BackendOptions(options), vocabulary) {}
+        settings(wanted),
+        tracker(shared, settings, vocabulary),
+        mapper(shared, settings.sensor, {}, settings.options.key_frame.close_depth_baselines, vocabulary) {}
 
-  static SystemOptions options_of(Sensor sensor) {
-    SystemOptions options;
-    options.sensor = sensor;
-    return options;
+  static TrackingSettings settings_of(Sensor sensor) {
+    TrackingSettings settings;
+    settings.sensor = sensor;
+    return settings;
   }
-  // What the tracker asks for is left to the test.
+  // The tracker's requests are left to the test.
   Tracker::Outcome track_alone(FeaturesPtr features, int i) {
-    Tracker::Outcome outcome = tracker.track(std::move(features), i, frames.stamp(i), true, true);
-    EXPECT_FALSE(outcome.key_frame && outcome.initial_map);
-    return outcome;
+    return tracker.track(std::move(features), i, frames.stamp(i), {});
   }
   void do_mapping(const Tracker::Outcome& outcome) {
-    if (outcome.key_frame) tracker.key_frame_made(mapper.process(*outcome.key_frame, nullptr));
-    if (outcome.initial_map) tracker.key_frame_made(mapper.initialise(*outcome.initial_map));
-    if (outcome.discard_submap) mapper.discard(*outcome.discard_submap);
+    if (const KeyFrameRequest* key_frame = key_frame_of(outcome))
+      tracker.key_frame_made(mapper.process(*key_frame, nullptr));
+    if (const auto* initial_map = std::get_if<InitialMapRequest>(&outcome.request))
+      tracker.key_frame_made(mapper.initialise(*initial_map));
+    if (outcome.discard_submap) shared.write()->erase_submap(*outcome.discard_submap);
   }
   TrackResult track(FeaturesPtr features, int i) {
     const Tracker::Outcome outcome = track_alone(std::move(features), i);
@@ -55,14 +61,14 @@ class TrackerTest : public testing::Test {
 
   TestFrames& frames;
   SharedMap shared{frames.camera()};
-  SystemOptions options;
+  TrackingSettings settings;
   Tracker tracker;
-  Backend mapper;
+  Mapper mapper;
 };
 
 class MonocularTrackerTest : public TrackerTest {
  protected:
-  MonocularTrackerTest() : TrackerTest(options_of(Sensor::monocular)) {}
+  MonocularTrackerTest() : TrackerTest(settings_of(Sensor::monocular)) {}
 };
 
 }  // namespace covis

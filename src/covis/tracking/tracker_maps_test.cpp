@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "covis/slam/test_tracker.h"
+#include "covis/tracking/test_tracker.h"
 
 namespace covis {
 namespace {
@@ -13,11 +13,11 @@ class SeveralMapsTest : public TrackerTest {
  protected:
   SeveralMapsTest() : TrackerTest(many_key_frames(), vocabulary()) {}
 
-  static SystemOptions many_key_frames() {
-    SystemOptions options = options_of(Sensor::rgbd);
-    options.tracker.key_frame.min_close_points = 500;  // to be content with: rarely reached
-    options.tracker.key_frame.new_close_points = 0;
-    return options;
+  static TrackingSettings many_key_frames() {
+    TrackingSettings settings = settings_of(Sensor::rgbd);
+    settings.options.key_frame.min_close_points = 500;  // to be content with: rarely reached
+    settings.options.key_frame.new_close_points = 0;
+    return settings;
   }
 
   // The same frame in another place: seen from the same poses, and like none of the desk's.
@@ -31,7 +31,7 @@ class SeveralMapsTest : public TrackerTest {
   // Tracks until the camera has been lost for long; returns the next frame.
   int lose_for_long(int i) {
     const Timestamp since = frames.stamp(i);
-    for (; frames.stamp(i) - since < from_seconds(options.tracker.start.new_map_after); ++i) {
+    for (; frames.stamp(i) - since < from_seconds(settings.options.start.new_map_after); ++i) {
       EXPECT_EQ(track_blank(i).state, TrackState::lost);
     }
     return i;
@@ -46,10 +46,10 @@ class NoMotionModelTest : public TrackerTest {
  protected:
   NoMotionModelTest() : TrackerTest(without_motion_model()) {}
 
-  static SystemOptions without_motion_model() {
-    SystemOptions options = options_of(Sensor::rgbd);
-    options.tracker.first_pose.motion_min_matches = 100000;
-    return options;
+  static TrackingSettings without_motion_model() {
+    TrackingSettings settings = settings_of(Sensor::rgbd);
+    settings.options.first_pose.motion_min_matches = 100000;
+    return settings;
   }
 };
 
@@ -75,8 +75,8 @@ TEST_F(SeveralMapsTest, ANewMapThatDoesNotHoldLeavesTheOldOneInUse) {
   for (int i = 0; i < 4; ++i) track(i);
   int i = lose_for_long(4);
   const Tracker::Outcome begun = track_alone(elsewhere(0), i);
-  ASSERT_TRUE(begun.key_frame);
-  MappingReport older;  // may come first
+  ASSERT_TRUE(key_frame_of(begun));
+  KeyFrameMade older;  // may come first
   older.key_frame = shared.read()->root();
   tracker.key_frame_made(older);
   tracker.key_frame_made({.frame = i});
@@ -92,12 +92,12 @@ TEST_F(SeveralMapsTest, ANewMapThatDoesNotHoldLeavesTheOldOneInUse) {
 }
 
 TEST_F(SeveralMapsTest, AReportOfTheOldMapDoesNotPassForTheNewOnes) {
-  MappingReport late;
+  KeyFrameMade late;
   int late_frame = -1, i = 0;
   for (; late_frame < 0 && i < frames.count(); ++i) {
     const Tracker::Outcome outcome = track_alone(frames.features(i), i);
-    if (!outcome.key_frame) continue;
-    const MappingReport report = mapper.process(*outcome.key_frame, nullptr);
+    if (!key_frame_of(outcome)) continue;
+    const KeyFrameMade report = mapper.process(*key_frame_of(outcome), nullptr);
     if (i == 0) {
       tracker.key_frame_made(report);
     } else {
@@ -108,8 +108,8 @@ TEST_F(SeveralMapsTest, AReportOfTheOldMapDoesNotPassForTheNewOnes) {
   ASSERT_GE(late_frame, 0);
   i = lose_for_long(i);
   const Tracker::Outcome begun = track_alone(elsewhere(0), i);
-  ASSERT_TRUE(begun.key_frame);
-  const MappingReport report = mapper.process(*begun.key_frame, nullptr);
+  ASSERT_TRUE(key_frame_of(begun));
+  const KeyFrameMade report = mapper.process(*key_frame_of(begun), nullptr);
   tracker.key_frame_made(late);
   tracker.key_frame_made(report);
   const TrackResult result = track(elsewhere(1), i + 1);
@@ -119,17 +119,17 @@ TEST_F(SeveralMapsTest, AReportOfTheOldMapDoesNotPassForTheNewOnes) {
   EXPECT_LT(distance(result, frames.T_cw(1)), 0.01);
 }
 
-TEST_F(SeveralMapsTest, AKeyFrameOfAnotherPartDoesNotBecomeTheReference) {
+TEST_F(SeveralMapsTest, AKeyFrameOfAnotherSubmapDoesNotBecomeTheReference) {
   for (int i = 0; i < 4; ++i) track(i);
   int i = lose_for_long(4);
   std::optional<KeyFrameRequest> withheld;
   for (int k = 0; !withheld && k < frames.count(); ++k, ++i) {
-    Tracker::Outcome outcome = track_alone(elsewhere(k), i);
-    if (!outcome.key_frame) continue;
+    const Tracker::Outcome outcome = track_alone(elsewhere(k), i);
+    if (!key_frame_of(outcome)) continue;
     if (outcome.result.method == TrackMethod::initialised) {
-      tracker.key_frame_made(mapper.process(*outcome.key_frame, nullptr));
+      tracker.key_frame_made(mapper.process(*key_frame_of(outcome), nullptr));
     } else {
-      withheld = std::move(outcome.key_frame);
+      withheld = *key_frame_of(outcome);
     }
   }
   ASSERT_TRUE(withheld);
@@ -149,7 +149,7 @@ TEST_F(SeveralMapsTest, AKeyFrameOfAnotherPartDoesNotBecomeTheReference) {
 
 // Localisation where the map knows too little: depth carries the pose. The map is looked for again meanwhile, in vain;
 // a submap that looks the same, with its own world, must not become the pose's.
-TEST_F(TrackerTest, BridgingIsLeftAsItIsByALookForTheMap) {
+TEST_F(TrackerTest, DeadReckoningIsLeftAsItIsByALookForTheMap) {
   for (int i = 0; i < 12; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
   KeyFrameRequest same_place;
   same_place.frame = 100;
@@ -161,12 +161,12 @@ TEST_F(TrackerTest, BridgingIsLeftAsItIsByALookForTheMap) {
   ASSERT_TRUE(mapper.process(same_place, nullptr).key_frame.valid());
   ASSERT_EQ(shared.read()->submaps().size(), 2u);
 
-  SystemOptions localize = options;
-  localize.localize = true;
+  TrackingSettings localize = settings;
+  localize.mode = TrackingMode::localisation;
   Tracker localizer(shared, localize);
   localizer.start_lost();
   int i = 0;
-  const auto follow = [&](int k) { return localizer.track(frames.features(k), i, frames.stamp(i), true, true).result; };
+  const auto follow = [&](int k) { return localizer.track(frames.features(k), i, frames.stamp(i), {}).result; };
   for (; i < 10; ++i) ASSERT_EQ(follow(i).state, TrackState::tracking) << "frame " << i;  // for more than a second
   {  // Too few points for a pose are left, in each submap enough to be looked at.
     const auto map = shared.write();
@@ -181,15 +181,15 @@ TEST_F(TrackerTest, BridgingIsLeftAsItIsByALookForTheMap) {
     }
   }
   localizer.map_moved();
-  int bridged = 0;
+  int reckoned = 0;
   for (; i < 17; ++i) {
     const TrackResult result = follow(i);
     ASSERT_EQ(result.state, TrackState::tracking) << "frame " << i << ": " << result.reason;
-    bridged += result.method == TrackMethod::dead_reckoned;
+    reckoned += result.method == TrackMethod::dead_reckoned;
     EXPECT_EQ(result.submap, 0u) << "frame " << i;
     EXPECT_LT(distance(result, frames.T_cw(i)), 0.03) << "frame " << i;
   }
-  EXPECT_GE(bridged, 5) << "the map is looked for at the fifth";
+  EXPECT_GE(reckoned, 5) << "the map is looked for at the fifth";
 }
 
 }  // namespace

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tracker with the mapper called in turn: no threads.
-#include "covis/slam/tracker.h"
+#include "covis/tracking/tracker.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <string>
 
-#include "covis/slam/test_tracker.h"
+#include "covis/tracking/test_tracker.h"
 
 namespace covis {
 namespace {
@@ -23,7 +23,7 @@ TEST_F(TrackerTest, FollowsTheTruth) {
       continue;
     }
     EXPECT_LT((result.T_cw.inverse().t() - frames.T_cw(i).inverse().t()).norm(), 0.01) << "frame " << i;
-    EXPECT_GE(result.inliers, options.tracker.local_map.min_inliers);
+    EXPECT_GE(result.inliers, settings.options.local_map.min_inliers);
     EXPECT_LE(result.inliers, result.features);
     EXPECT_LE(result.local_in_view, result.local_points);
     // The pose hangs on its reference.
@@ -45,7 +45,7 @@ TEST_F(TrackerTest, FramesLeftOutDoNotEndTheMotionModel) {
 
 TEST_F(TrackerTest, AfterAPauseNoMotionIsExpected) {
   for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
-  const auto later = tracker.track(frames.features(6), 6, frames.stamp(5) + from_seconds(10.0), true, true).result;
+  const auto later = tracker.track(frames.features(6), 6, frames.stamp(5) + from_seconds(10.0), {}).result;
   ASSERT_EQ(later.state, TrackState::tracking) << later.reason;
   EXPECT_EQ(later.method, TrackMethod::reference_key_frame);
   EXPECT_LT((later.T_cw.inverse().t() - frames.T_cw(6).inverse().t()).norm(), 0.01);
@@ -74,12 +74,12 @@ class TurningTest : public TrackerTest, public testing::WithParamInterface<doubl
  protected:
   TurningTest() : TrackerTest(by_turn_alone()) {}
 
-  static SystemOptions by_turn_alone() {
-    SystemOptions options = options_of(Sensor::rgbd);
-    options.tracker.key_frame.key_frame_ratio = 0;
-    options.tracker.key_frame.min_close_points = 0;
-    options.tracker.key_frame.key_frame_turn = GetParam();
-    return options;
+  static TrackingSettings by_turn_alone() {
+    TrackingSettings settings = settings_of(Sensor::rgbd);
+    settings.options.key_frame.key_frame_ratio = 0;
+    settings.options.key_frame.min_close_points = 0;
+    settings.options.key_frame.key_frame_turn = GetParam();
+    return settings;
   }
 };
 
@@ -104,11 +104,11 @@ class NewPointsTest : public TrackerTest, public testing::WithParamInterface<dou
  protected:
   NewPointsTest() : TrackerTest(by_new_points_alone()) {}
 
-  static SystemOptions by_new_points_alone() {
-    SystemOptions options = options_of(Sensor::monocular);
-    options.tracker.key_frame.key_frame_ratio_mono = 0;
-    options.tracker.key_frame.key_frame_all_ratio_mono = GetParam();
-    return options;
+  static TrackingSettings by_new_points_alone() {
+    TrackingSettings settings = settings_of(Sensor::monocular);
+    settings.options.key_frame.key_frame_ratio_mono = 0;
+    settings.options.key_frame.key_frame_all_ratio_mono = GetParam();
+    return settings;
   }
 };
 
@@ -165,7 +165,7 @@ TEST_F(TrackerTest, LossKeepsTheMapSaysWhyAndEndsWhenAKnownViewComes) {
   const TrackResult found = track(frames.features(5), 9);
   EXPECT_EQ(found.state, TrackState::tracking);
   EXPECT_EQ(found.method, TrackMethod::recovered);
-  EXPECT_GE(found.inliers, options.tracker.recovery.min_inliers_recovered);
+  EXPECT_GE(found.inliers, settings.options.recovery.min_inliers_recovered);
   EXPECT_LT((found.T_cw.inverse().t() - frames.T_cw(5).inverse().t()).norm(), 0.01);
 }
 
