@@ -20,7 +20,7 @@ class CheckPicture {
 
   CheckPicture(const Camera& camera, Sensor sensor);
   ~CheckPicture();
-  // Of a stereo pair: the share of the left keypoints that have a match on the same row of the right image.
+  // Returns, for a stereo pair, the share of the left keypoints that have a match on the same row of the right image.
   std::optional<double> add(const io::Frame& frame);
   Result<void> write(const std::filesystem::path& file) const;
   std::string caption() const;

@@ -44,7 +44,7 @@ double depth_share(const ImageF& depth) {
   return static_cast<double>(valid) / depth.width() / depth.height();
 }
 
-// What a frame lacks that can be seen without tracking it.
+// Defects of a frame that show without tracking it.
 void look_at(const io::Frame& frame, std::vector<Problem>& problems) {
   const double grey = mean_grey(frame.image);
   if (grey < 8)
@@ -82,10 +82,10 @@ void print(const nlohmann::json& found) {
   std::printf("%zu problem%s\n", found["problems"].size(), found["problems"].size() == 1 ? "" : "s");
 }
 
-// What reading all frames shows.
+// Findings of reading all frames.
 struct Findings {
   std::vector<Problem> problems;
-  std::vector<Timestamp> stamps;  // of the frames that could be read
+  std::vector<Timestamp> stamps;  // among the frames that could be read
   std::vector<int64_t> frames;    // their indices
   int64_t unreadable = 0;
 };

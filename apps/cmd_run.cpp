@@ -75,7 +75,7 @@ Result<void> open_output_folder(const std::string& folder) {
   return {};
 }
 
-// Nothing when there is none, or it can't be read: then a warning says why.
+// The truth beside the recording, if there is one that can be read; a warning says why it can't.
 std::optional<Trajectory> read_truth(const io::Sequence& sequence) {
   if (!sequence.truth()) return std::nullopt;
   auto truth = io::load_truth(sequence);
@@ -112,7 +112,7 @@ int conclude(const RunArguments& arguments, const RunSummary& summary, io::Seque
   } else if (!arguments.quiet) {
     std::fputs(summary_text(summary, arguments.out).c_str(), stdout);
   }
-  // Nothing but Ctrl-C ends a camera; a recording that was cut short is told by the shell's code for the signal.
+  // Only Ctrl-C ends a camera; a recording cut short is reported by the shell's code for the signal.
   if (summary.interrupted && kind != io::SequenceKind::camera) {
     log(LogLevel::warning, "interrupted; what was done until then is written");
     return 128 + interrupted;

@@ -70,7 +70,7 @@ class ProgressLine {
   ~ProgressLine() {
     if (begun_) std::fputs("\n", out_);
   }
-  // Whether to go on.
+  // Returns false when the work should stop.
   bool operator()(const char* what, double done) {
     if (out_ != nullptr && (!begun_ || since_.ms() >= 100 || done >= 1)) {
       since_.restart();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the commands share: names of settings, which frames to read, errors, Ctrl-C.
+// Shared by the commands: names of settings, which frames to read, errors, Ctrl-C.
 #pragma once
 
 #include <atomic>
@@ -37,7 +37,7 @@ std::string name_of(const std::map<std::string, Value>& map, Value wanted) {
   return {};
 }
 
-// What of a recording is read, and how.
+// The part of a recording that is read, and the way.
 struct Reading {
   std::string sensor, kind, camera;
   int64_t first = 0, count = -1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the commands that run the system share: a vocabulary, and the header of a saved map.
+// Shared by the commands that run the system: a vocabulary, and the header of a saved map.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ namespace covis::app {
 // in the source tree; null for "none".
 Result<std::shared_ptr<const Vocabulary>> open_vocabulary(const std::string& name);
 
-// What a map of this run is made with.
+// The header of a map that this run makes.
 storage::MapHeader map_header(const Camera& camera, const SystemOptions& options, const Vocabulary* vocabulary);
 
 }  // namespace covis::app

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSizes[] = {640, 1280, 2560};  // longest sides
-constexpr int kPiece = 640;                  // of a piece, about
+constexpr int kPiece = 640;                  // side of a piece, about
 constexpr int kLeast = 160;                  // shorter sides hold no pyramid worth having
 
 bool is_image_name(const fs::path& file) {
@@ -49,7 +49,7 @@ Result<void> add_folder(const fs::path& folder, std::vector<fs::path>& files) {
 
 using Pieces = std::vector<std::vector<Descriptor>>;  // the descriptors of each piece of an image
 
-// What a thread works with.
+// Buffers of one thread.
 class Worker {
  public:
   explicit Worker(const OrbOptions& options) : extractor_(options) {}

@@ -82,7 +82,7 @@ cv::Mat copy(const ImageU8& image) {
   return mat;
 }
 
-// What 16 bits can't hold is no depth.
+// Depth that 16 bits can't hold is left out.
 cv::Mat depth_image(const ImageF& depth, double scale) {
   cv::Mat mat(depth.height(), depth.width(), CV_16U);
   for (int y = 0; y < depth.height(); ++y) {

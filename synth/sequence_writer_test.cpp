@@ -40,7 +40,7 @@ class SequenceWriter : public testing::Test {
   fs::path folder_;
 };
 
-// What is read back is what was rendered, and stamps, camera and truth with it.
+// The recording read back equals what was rendered: images, stamps, camera and truth.
 void expect_read_back(Synth& synth, const fs::path& folder, io::SequenceKind kind) {
   const auto sequence = io::open_sequence(folder.string(), {});
   ASSERT_TRUE(sequence) << sequence.error().message;

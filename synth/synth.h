@@ -28,7 +28,7 @@ namespace covis {
 struct SynthOptions {
   std::string world = "room";   // room, corridor, street, desk, twins, posters
   std::string sensor = "rgbd";  // mono, stereo, rgbd
-  int seed = 1;                 // of the world, the path and all noise
+  int seed = 1;                 // seed of the world, the path and all noise
   int frames = 0;               // 0: as many as the world's path takes: once around and a little more, or to its end
   double way = 0;               // metres around the street's block, about; 0: its own; of other worlds 0
   double fps = 0;               // Hz; 0: the world's own (30; street 10)
@@ -59,7 +59,7 @@ class Synth {
   const SynthOptions& options() const;  // with the defaults filled in
   Sensor sensor() const;
   int frames() const;
-  // Of the left image; bf is that of options().baseline, but 0 for monocular.
+  // The camera of the left image; bf is that of options().baseline, but 0 for monocular.
   const Camera& camera() const;
   double depth_units() const;    // a metre in 16-bit depth images fit for this world: 5000; street 256
   SE3 T_wc(int i) const;         // camera to world, exact, at the middle of the exposure

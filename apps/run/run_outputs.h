@@ -15,7 +15,7 @@ struct OutputOptions {
   std::filesystem::path directory;
   io::TrajectoryFormat format = io::TrajectoryFormat::tum;
   std::string title;
-  const Trajectory* truth = nullptr;  // of the camera; may be null
+  const Trajectory* truth = nullptr;  // trajectory of the camera; may be null
 };
 
 // Writes trajectory.txt, trajectory_online.txt, keyframes.txt and map.ply of the main map, trajectory_map1.txt and so

@@ -20,7 +20,7 @@ struct RunResults {
   std::vector<SubmapSummary> submaps;  // maps that are not joined have a world each; the first is the main one
   std::vector<FrameRecord> records;
   std::vector<PoseOfFrame> poses;
-  // Of the main map alone.
+  // The main map alone.
   Trajectory trajectory, online_trajectory, key_frames;
   std::vector<Eigen::Vector3d> points;
   uint64_t refused_non_finite = 0;  // commits refused for a value that was not finite
@@ -50,7 +50,7 @@ struct MapCounts {
 struct FrameTimes {
   Spread tracking, frame, cpu;
   std::vector<std::pair<const char*, Spread>> stages;   // kStages
-  std::vector<std::pair<const char*, Spread>> mapping;  // of each key frame
+  std::vector<std::pair<const char*, Spread>> mapping;  // for each key frame
 };
 
 struct RunCosts {
@@ -61,16 +61,16 @@ struct RunCosts {
 
 // A loop that was closed, or two submaps that were joined.
 struct LoopSummary {
-  int64_t frame = 0;  // of the key frame
+  int64_t frame = 0;  // the key frame's
   LoopReport report;
-  double full_ba_ms = 0;  // of the full bundle adjustment that followed
+  double full_ba_ms = 0;  // the full bundle adjustment that followed
 };
 
 // A run of frames without a pose and with the same state.
 struct Loss {
   int64_t first = 0, last = 0;
   FrameState state = FrameState::lost;
-  std::string reason;  // of its first frame
+  std::string reason;  // its first frame's
 };
 
 // Errors against the truth, metres.
@@ -81,7 +81,7 @@ struct Accuracy {
   };
   AlignMode alignment = AlignMode::se3;
   double ate = 0, ate_online = 0;  // RMSE, of the final and of the online trajectory
-  double path_length = 0;          // of the truth
+  double path_length = 0;          // length of the true path
   std::optional<Scaled> scaled;
 };
 
@@ -96,7 +96,7 @@ struct RunSummary {
   RunCosts costs;
   std::vector<LoopSummary> loops, merges;
   std::vector<Loss> not_tracked;
-  std::optional<Accuracy> accuracy;  // where there is truth
+  std::optional<Accuracy> accuracy;  // empty without truth
 };
 
 // Alignment that a sensor's trajectory needs: a single camera can't know the scale.

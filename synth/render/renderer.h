@@ -71,7 +71,7 @@ class Renderer {
   float pixel_x_ = 0, pixel_y_ = 0;                        // size of a pixel in ray units, 1 / f
   int columns_ = 0, rows_ = 0;                             // z-buffer samples
   double sample_scale_ = 2, origin_x_ = 0, origin_y_ = 0;  // sample = scale * f * ray + origin
-  std::vector<float> ray_x_, ray_y_;                       // of each pixel
+  std::vector<float> ray_x_, ray_y_;                       // rays of the pixels
   std::vector<Eigen::Matrix2f> to_pixels_;                 // distorted: inverse of ray_jacobian() at each pixel
   std::vector<float> stretch_;      // size of each pixel in ray units, times f; without distortion a row of ones
   std::vector<int32_t> sample_of_;  // distorted: z-buffer row * columns + column of each of the image's own samples

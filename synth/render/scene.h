@@ -14,7 +14,7 @@ namespace covis::synth {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// What a face looks like.
+// The look of a face.
 struct Skin {
   int texture = 0;
   double metres = 0;    // how much of the world the texture spans sideways and downwards; 0: stretched over the face
@@ -77,7 +77,7 @@ class Scene {
   std::vector<Vector3d> vertices;
   std::vector<Texture> textures;
   Random random;                // for the builders
-  double detail_metres = 0.45;  // what a whole detail texture (texture 0) spans on a surface
+  double detail_metres = 0.45;  // metres that a whole detail texture (texture 0) spans on a surface
 };
 
 // Skins of a box's faces: front (+x), back (-x), left (+y), right (-y), top, bottom.

@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kLeastMotion = 0.3f;  // pixels; less is not seen
 constexpr int kMaxSteps = 24;         // look-ups along the way
-constexpr int kNormalShift = 50;      // of 64 random bits, to an index into the table of normal numbers
+constexpr int kNormalShift = 50;      // shift of 64 random bits to an index into the table of normal numbers
 
 // Normal numbers to draw from: quick, and many enough for noise.
 const std::vector<float>& normal_table() {
@@ -100,7 +100,7 @@ void develop(const ImageF& tone, double gain, double noise, uint64_t seed, Image
 void disturb_depth(const Renderer& renderer, double strength, double reach, double units, uint64_t seed, ImageF& depth,
                    ImageF& scratch) {
   constexpr float kNearest = 0.4f, kFarthest = 8.0f, kSteepest = 6.0f;  // metres; tangent of the angle to the normal
-  constexpr uint64_t kLost = 205;                                       // of 256 steep pixels
+  constexpr uint64_t kLost = 205;                                       // pixels lost of 256 steep ones
   const float r = static_cast<float>(reach), quantum = static_cast<float>(units);
   const int width = depth.width(), height = depth.height();
   scratch.resize(width, height);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a real camera adds to a perfect picture: an open shutter, changing exposure, noise, and a depth sensor's errors.
-// Depth errors: Nguyen, Izadi, Lovell, "Modeling Kinect sensor noise for improved 3D reconstruction and tracking",
-// 2012, eq. 4: sigma(z) = 0.0012 + 0.0019 (z - 0.4)^2 metres, none beyond the sensor's range or on surfaces seen
-// edge-on.
+// Effects that a real camera adds to a perfect picture: an open shutter, changing exposure, noise, and a depth sensor's
+// errors. Depth errors: Nguyen, Izadi, Lovell, "Modeling Kinect sensor noise for improved 3D reconstruction and
+// tracking", 2012, eq. 4: sigma(z) = 0.0012 + 0.0019 (z - 0.4)^2 metres, none beyond the sensor's range or on surfaces
+// seen edge-on.
 #pragma once
 
 #include <cstdint>

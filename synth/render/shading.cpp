@@ -19,7 +19,7 @@ using UnsignedTag = hn::RebindToUnsigned<F>;
 
 constexpr float kMaxTaps = 6;        // look-ups along the longer axis of a pixel's footprint
 constexpr float kLodBias = -0.2f;    // slightly sharper than the footprint: bilinear look-ups blur by themselves
-constexpr float kDetailLod = 4.5f;   // where the fine detail is gone
+constexpr float kDetailLod = 4.5f;   // the level at which the fine detail is gone
 constexpr float kNearLevel = 0.06f;  // levels this near (in lod) are taken for the level itself
 
 // Binary logarithm, exact at powers of two and at most 0.09 too small between.
@@ -42,7 +42,7 @@ HWY_INLINE VF Fold(F f, VF s) {
 template <class VF>
 struct Line {
   VF u, v, du, dv, taps;  // the middle, in [0, 1]; steps; number of points
-  int most_taps;          // of all lanes
+  int most_taps;          // the greatest of all lanes
 };
 
 // The mean of bilinear look-ups along a line, in one level.

@@ -31,7 +31,7 @@ inline constexpr int kShadeOverrun = 15;
 void shade_surface(const Surface& surface, float pixel_x, float pixel_y, const float* x, const float* y,
                    const float* scale, int count, float* tone);
 
-// Where 1 / z = w_0 + i w_x is greater than z[i], puts it there and `number` into id[i], for i below count.
+// Puts 1 / z = w_0 + i w_x where it is greater than z[i] there and `number` into id[i], for i below count.
 void fill_span(float w_0, float w_x, uint32_t number, int count, float* z, uint32_t* id);
 
 // For x below `count`: the mean of `steps[x]` bilinear look-ups in `image`, (step_x[x], step_y[x]) pixels apart, around

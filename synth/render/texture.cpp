@@ -49,7 +49,7 @@ Texture::Texture(const Canvas& canvas) {
     rows = (rows + 1) / 2;
     append_level(values, columns, rows);
   }
-  texels_.resize(texels_.size() + 4);  // what a look-up of the last texel reads with it
+  texels_.resize(texels_.size() + 4);  // bytes that a look-up of the last texel reads with it
 }
 
 void Texture::append_level(const std::vector<float>& values, int columns, int rows) {

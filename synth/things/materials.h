@@ -26,7 +26,7 @@ Canvas poster(Random& random, double w, double h, double ppm);
 Canvas book_row(Random& random, double w, double h, double ppm);  // spines side by side
 Canvas book_cover(Random& random, double w, double h, double ppm);
 Canvas door(Random& random, double w, double h, double ppm);
-Canvas view_outside(Random& random, double w, double h, double ppm);  // what is seen through a window
+Canvas view_outside(Random& random, double w, double h, double ppm);  // the view through a window
 Canvas drawers(Random& random, double w, double h, double ppm, int columns, int rows);
 Canvas cardboard(Random& random, double w, double h, double ppm);
 Canvas notice_board(Random& random, double w, double h, double ppm);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is printed on posters, books, screens and labels: pictures and small print, each filling a box of a canvas.
+// Prints on posters, books, screens and labels: pictures and small print, each filling a box of a canvas.
 #pragma once
 
 #include "covis/core/random.h"

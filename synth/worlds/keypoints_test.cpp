@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a tracker lives on: as many keypoints as it asks for, spread over the image, and found again in the next frames
+// The needs of a tracker: as many keypoints as it asks for, spread over the image, and found again in the next frames
 // where the truth says.
 #include <gtest/gtest.h>
 

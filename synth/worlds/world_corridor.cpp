@@ -58,7 +58,7 @@ void furnish_ceiling(Scene& scene, const Vector2d& begin, const Vector2d& end) {
 World make_corridor(uint64_t seed) {
   Scene scene(seed);
   Random& random = scene.random;
-  const double length = random.uniform(17, 20), width = random.uniform(12, 14);  // of the centre line
+  const double length = random.uniform(17, 20), width = random.uniform(12, 14);  // sides of the centre line
   const double ox = 0.5 * (length + kWidth), oy = 0.5 * (width + kWidth);        // outer half sizes
   const double ix = 0.5 * (length - kWidth), iy = 0.5 * (width - kWidth);
 

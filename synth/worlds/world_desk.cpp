@@ -13,7 +13,7 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kTop = 0.74, kDepth = 0.85, kLength = 1.9;  // of the desk, metres
+constexpr double kTop = 0.74, kDepth = 0.85, kLength = 1.9;  // sides of the desk, metres
 
 void add_book(Scene& scene, const Place& place, double width, double thickness) {
   Random& random = scene.random;

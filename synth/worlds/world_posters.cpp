@@ -32,7 +32,7 @@ struct Group {
   std::vector<std::pair<const Piece*, double>> things;  // and how far right of the group's left end their middles are
 };
 
-// What there is to hang up.
+// The things to hang up.
 struct Stock {
   std::array<Piece, 3> posters;
   std::array<Piece, 2> doors;

@@ -130,7 +130,7 @@ World make_street(uint64_t seed, double way) {
   Scene scene(seed);
   scene.detail_metres = 3.2;
   Random& random = scene.random;
-  double length = random.uniform(94, 104), width = random.uniform(60, 68);  // of the centre line
+  double length = random.uniform(94, 104), width = random.uniform(60, 68);  // sides of the centre line
   const double growth = way > 0 ? std::max(1.0, 0.5 * way / (length + width)) : 1;
   length *= growth;
   width *= growth;

@@ -18,7 +18,7 @@ constexpr double kOpening = 1.2, kDoor = 2.1;  // metres: width and height of th
 constexpr double kPassage = 1.9;               // width of the passages
 
 struct Plan {
-  double length, width, height;    // of a room, which reaches from x = 0 and y = 0
+  double length, width, height;    // sides of a room, which reaches from x = 0 and y = 0
   double passage, passage_height;  // from one room to the next
   double end_passage;              // length of the passages at the ends
   double side;                     // +1 or -1: the side of y that the table stands on

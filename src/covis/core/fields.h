@@ -15,8 +15,8 @@ namespace covis {
 
 struct Field {
   std::string name;                                        // key, for example "orb.features"
-  std::variant<int*, double*, bool*, std::string*> value;  // where it is read from and written to
-  std::string doc;                                         // what it does, with its unit
+  std::variant<int*, double*, bool*, std::string*> value;  // the variable that is read and written
+  std::string doc;                                         // its effect, with its unit
   double min = std::numeric_limits<double>::lowest();      // least and greatest value allowed (numbers)
   double max = std::numeric_limits<double>::max();
 };
@@ -29,7 +29,7 @@ Result<void> set_field(const Fields& fields, std::string_view name, std::string_
 std::string field_text(const Field& field);
 // "from 1 to 10"; empty when there is no bound.
 std::string field_range(const Field& field);
-// Of `names` the one with the fewest letters to change to `name` (the first on a tie); empty when there are none.
+// The one of `names` with the fewest letters to change to `name` (the first on a tie); empty when there are none.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& names);
 
 }  // namespace covis

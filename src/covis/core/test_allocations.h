@@ -10,8 +10,8 @@
 
 namespace covis {
 
-inline thread_local long own_allocations = 0;  // of this thread
-inline std::atomic<long> all_allocations{0};   // of all threads
+inline thread_local long own_allocations = 0;  // in this thread
+inline std::atomic<long> all_allocations{0};   // in all threads
 
 inline void* count_and_allocate(size_t n, size_t alignment) {
   ++own_allocations;

@@ -18,7 +18,7 @@ class TemporaryFolder {
   TemporaryFolder() {
     const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
     std::string name = "covis_" + std::string(test.test_suite_name()) + "_" + test.name();
-    std::replace(name.begin(), name.end(), '/', '_');  // of tests with parameters
+    std::replace(name.begin(), name.end(), '/', '_');  // tests with parameters have them
     path_ = std::filesystem::path(testing::TempDir()) / (name + std::to_string(::getpid()));
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);

@@ -20,7 +20,7 @@ class OtherCores {
   void keep(std::jthread& helper);
 
  private:
-  int core_ = -1;  // where the caller was the last time
+  int core_ = -1;  // the caller's core the last time
 };
 
 }  // namespace covis

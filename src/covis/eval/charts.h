@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the report of a run and the picture of an evaluation draw alike, and the page they stand on.
+// Charts that the report of a run and the picture of an evaluation share, and their page.
 #pragma once
 
 #include <array>

@@ -145,7 +145,7 @@ std::optional<KittiError> kitti_error(const std::vector<ComparedPose>& poses, co
   return result;
 }
 
-// What takes this pose to its truth.
+// The transform that takes this pose to its truth.
 Alignment by_pose(const ComparedPose& pose, double scale) {
   const Eigen::Matrix3d R = pose.truth.R() * pose.estimate.R().transpose();
   return {.T_ba = SE3(R, Eigen::Vector3d(pose.truth.t() - scale * (R * pose.estimate.t()))), .scale = scale};

@@ -25,7 +25,7 @@ struct EvaluationOptions {
   AlignMode align = AlignMode::se3;
   double max_difference = 0.02;  // seconds between a pose and the truth it is compared with
   double max_gap = 0.1;          // seconds between two true poses that may be interpolated between
-  double delta = 1;              // of the relative pose error
+  double delta = 1;              // step of the relative pose error
   DeltaUnit delta_unit = DeltaUnit::frames;
 };
 
@@ -48,8 +48,8 @@ struct KittiError {
 };
 
 struct Evaluation {
-  size_t poses = 0;       // of the estimate
-  size_t associated = 0;  // of them with truth
+  size_t poses = 0;       // in the estimate
+  size_t associated = 0;  // those with truth
   size_t truth_poses = 0;
   double coverage = 0;               // share of the true poses that an estimate was associated with
   double scale = 1;                  // the estimate times this fits the truth (sim3)
@@ -59,9 +59,9 @@ struct Evaluation {
   ErrorStatistics rpe_translation;   // metres over delta
   ErrorStatistics rpe_rotation_deg;  // over delta
   size_t rpe_pairs = 0;
-  double path_length = 0;           // of the truth along the associated poses, metres
+  double path_length = 0;           // metres of the truth along the associated poses
   double drift_percent = 0;         // ATE RMSE over path length
-  std::optional<KittiError> kitti;  // nothing when the path is too short
+  std::optional<KittiError> kitti;  // empty when the path is too short
   std::vector<ComparedPose> compared;
 };
 

@@ -37,7 +37,7 @@ std::string tick_text(double value, double step) {
 struct Canvas {
   cv::Mat image;
   double x0, x1, y0, y1;  // shown
-  cv::Rect2d box;         // where, pixels
+  cv::Rect2d box;         // the area of the axes, pixels
 
   cv::Point at(double x, double y) const {
     const double px = box.x + (x - x0) / (x1 - x0) * box.width,
@@ -145,7 +145,7 @@ cv::Mat paint(const Plot& plot) {
   }
   c.x0 = xr[0], c.x1 = xr[1], c.y0 = yr[0], c.y1 = yr[1];
   draw_axes(c, plot);
-  // What runs out of the box is cut off by drawing into a copy of it.
+  // Lines that leave the box are cut off by drawing into a copy of it.
   Canvas inner = c;
   inner.image = c.image.clone();
   for (const PlotSeries& s : plot.series) draw_series(inner, s);

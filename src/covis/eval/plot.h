@@ -19,7 +19,7 @@ struct PlotSeries {
   std::vector<double> x, y;  // NaN breaks a line
   PlotColour colour;
   Style style = Style::line;
-  double width = 1.5;  // of a line, or radius of dots and marks, pixels
+  double width = 1.5;  // width of a line, or radius of dots and marks, pixels
 };
 
 struct Plot {

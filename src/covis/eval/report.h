@@ -15,7 +15,7 @@ namespace covis {
 
 struct ReportFrame {
   int64_t index = 0;
-  std::string loss, reason;  // of a frame without a pose: its state, and why; empty when it has one
+  std::string loss, reason;  // a frame without a pose: its state, and why; empty when it has one
   double tracking_ms = 0;
   int inliers = 0;
   bool key_frame = false;

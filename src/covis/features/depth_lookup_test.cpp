@@ -65,7 +65,7 @@ TEST(DepthLookup, BesideSomethingNearerThereIsNone) {
   }
 }
 
-// What the sensor does not see says nothing of its neighbours, nor does the border.
+// Pixels without a measurement say nothing about their neighbours, nor does the border.
 TEST(DepthLookup, HolesAreNoDepthAndNoOutlines) {
   for (const float hole :
        {0.0f, -1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {

@@ -38,7 +38,7 @@ class OrbExtractor {
   void detect(int level);                      // corners
   void share_budget();                         // keypoints wanted of each level
   void describe(int level);                    // keypoints and descriptors
-  const KeyPoints& finish();                   // of all levels
+  const KeyPoints& finish();                   // keypoints of all levels
 
   const KeyPoints& keypoints() const { return keypoints_; }
   int levels() const { return static_cast<int>(levels_.size()); }

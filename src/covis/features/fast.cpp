@@ -27,7 +27,7 @@ constexpr std::array<std::array<int, 2>, 16> kCircle = {{{0, 3},
                                                          {-2, 2},
                                                          {-1, 3}}};
 
-// Where the parabola through three scores has its top, relative to the middle one, which is the greatest.
+// The place of the top of the parabola through three scores, relative to the middle one, which is the greatest.
 float peak(int before, int at, int after) {
   return 0.5f * static_cast<float>(after - before) / static_cast<float>(2 * at - before - after);
 }

@@ -25,7 +25,7 @@ class FastDetector {
               std::vector<Corner>& corners);
 
  private:
-  ImageU8 scores_;  // of the rows above, at and below the current one
+  ImageU8 scores_;  // scores of the rows above, at and below the current one
   std::vector<uint16_t> maxima_, cell_column_;
   std::vector<Corner> all_;
   std::vector<uint8_t> cell_has_;

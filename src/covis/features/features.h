@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is kept of an image: keypoints and descriptors in flat arrays, immutable once made and shared by
+// The features of an image: keypoints and descriptors in flat arrays, immutable once made and shared by
 // std::shared_ptr<const Features> (architecture.md, decision 4). Monocular, stereo and RGB-D differ only in u_right and
 // depth. Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, section III-A.
 #pragma once
@@ -50,7 +50,7 @@ struct ImageBounds {
   bool contains(float x, float y) const { return x >= min_x && x < max_x && y >= min_y && y < max_y; }
 };
 
-inline constexpr int kMaxFeatures = 65535;  // of an image
+inline constexpr int kMaxFeatures = 65535;  // greatest number in an image
 
 // Keypoints bucketed by undistorted position. Most cells are empty: only the others have an offset, cells counted by
 // rows. The k-th of them holds indices[offsets[k] .. offsets[k + 1]), in rising order of index.
@@ -61,7 +61,7 @@ struct FeatureGrid {
   float inv_cell_width = 0, inv_cell_height = 0;  // cells a pixel
   std::array<uint64_t, kRows> filled{};           // bit c of row r: cell (c, r) is not empty
   std::array<uint16_t, kRows> before{};           // cells that are not empty before row r
-  // Of 16 bits, as every key frame has one: kMaxFeatures is their limit.
+  // 16 bits wide, as every key frame has one: kMaxFeatures is their limit.
   std::vector<uint16_t> offsets;  // one more than cells that are not empty
   std::vector<uint16_t> indices;
 

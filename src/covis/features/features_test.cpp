@@ -48,7 +48,7 @@ TEST_P(FeatureGridWindows, FindWhatBruteForceFinds) {
   Features f = spread_out(random, count, anywhere);
   f.grid.build({-10, -10, 650, 490}, f.x, f.y);
   const FeatureGrid once = f.grid;
-  f.grid.build({-10, -10, 650, 490}, f.x, f.y);  // nothing is left of what it held
+  f.grid.build({-10, -10, 650, 490}, f.x, f.y);  // the former contents are gone
   EXPECT_EQ(f.grid.offsets, once.offsets);
   EXPECT_EQ(f.grid.indices, once.indices);
   EXPECT_LE(f.grid.offsets.size(), std::min(f.x.size(), FeatureGrid::kCells) + 1);

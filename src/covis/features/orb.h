@@ -8,7 +8,7 @@
 
 namespace covis {
 
-inline constexpr int kPatchRadius = 15;  // of the disc whose centroid gives the orientation
+inline constexpr int kPatchRadius = 15;  // radius of the disc whose centroid gives the orientation
 inline constexpr int kEdgeBorder = 19;   // pixels clear of the border, so that a rotated pattern stays inside
 
 // Angle of the intensity centroid round `pixel`, radians in [0, 2 pi). 15 pixels must be there on all sides, 16 to the

@@ -16,9 +16,9 @@ namespace covis {
 class BilinearResizer {
  public:
   struct Tap {
-    int index;   // of the first pixel
-    int next;    // of the second
-    int weight;  // of the second, 2^11 = all
+    int index;   // index of the first pixel
+    int next;    // index of the second
+    int weight;  // weight of the second, 2^11 = all
   };
   void resize(ImageView<const uint8_t> from, ImageView<uint8_t> to);
 

@@ -118,7 +118,8 @@ void Quadtree::distribute(const std::vector<Corner>& corners, int x0, int y0, in
   }
   best_.clear();
   for (const Node& node : nodes_) {
-    uint32_t best = places_[node.first].index;  // of equals the first: a node's places stay in the order of y, then x
+    uint32_t best =
+        places_[node.first].index;  // the first among equals: a node's places stay in the order of y, then x
     for (uint32_t k = node.first + 1; k < node.last; ++k) {
       const uint32_t index = places_[k].index;
       if (sorted_[index].score > sorted_[best].score) best = index;

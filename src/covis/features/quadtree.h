@@ -20,7 +20,7 @@ class Quadtree {
  private:
   struct Place {
     int16_t x, y;
-    uint32_t index;  // of the corner, in order of y, then x
+    uint32_t index;  // index of the corner, in order of y, then x
   };
   struct Node {
     float x0, y0, x1, y1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the kernels share; included once for each instruction set, after hwy/highway.h.
+// Shared by the kernels; included once for each instruction set, after hwy/highway.h.
 #if defined(COVIS_FEATURES_SIMD_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef COVIS_FEATURES_SIMD_INL_H
 #undef COVIS_FEATURES_SIMD_INL_H

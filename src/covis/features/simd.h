@@ -31,7 +31,7 @@ int local_maxima_row(const uint8_t* above, const uint8_t* row, const uint8_t* be
 
 // --- The pyramid (pyramid.cpp has the scalar twins and chooses) ---
 
-inline constexpr int kResizeBits = 11;  // of a bilinear weight
+inline constexpr int kResizeBits = 11;  // bits of a bilinear weight
 // Weights of exp(-x^2 / 8) for x = -3 ... 3, scaled to a sum of 256.
 inline constexpr std::array<uint16_t, 7> kGauss = {18, 33, 49, 56, 49, 33, 18};
 inline constexpr int kWidestRow = 32;  // least width of rows given to resize_rows and blur_row

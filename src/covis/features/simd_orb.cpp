@@ -15,7 +15,7 @@
 #ifndef COVIS_FEATURES_MOMENT_WEIGHTS
 #define COVIS_FEATURES_MOMENT_WEIGHTS
 namespace covis {
-// Of the columns -15 ... 16 in each row of the disc: their x, and the row's y; 0 outside.
+// For the columns -15 ... 16 in each row of the disc: their x, and the row's y; 0 outside.
 struct MomentWeights {
   alignas(64) std::array<std::array<int16_t, 32>, 16> x{}, y{};
   constexpr MomentWeights() {

@@ -86,7 +86,7 @@ void BlurRow(const uint8_t* const* rows, int width, int16_t* line, uint8_t* out)
     const uint32_t first = kGauss[2 * k], second = k == 3 ? 0 : kGauss[2 * k + 1];
     w[k] = hn::BitCast(di, hn::Set(du32, first | second << 16));
   }
-  const auto bias = hn::Set(d32, 256 * 32768 + 32768);  // what the lowering took away, and half for rounding
+  const auto bias = hn::Set(d32, 256 * 32768 + 32768);  // restores the lowering, and adds a half for rounding
   for (int x = 0; x < width; x += step) {
     if (x + step > width) x = width - step;
     const auto sums = [&](const int16_t* p) {

@@ -62,7 +62,7 @@ class StagedWork {
   std::mutex mutex_;
   std::condition_variable_any changed_;
   size_t at_;                // stage; guarded by mutex_, as are:
-  int next_ = 0, done_ = 0;  // of its tasks
+  int next_ = 0, done_ = 0;  // its tasks begun and done
   OtherCores other_cores_;
   std::jthread helper_;  // last: it uses the rest
 };

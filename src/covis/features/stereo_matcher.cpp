@@ -13,7 +13,7 @@
 namespace covis {
 namespace {
 
-constexpr int kHalfPatch = 5;  // of the 11x11 patches compared
+constexpr int kHalfPatch = 5;  // half the 11x11 patches compared
 constexpr int kSlide = 5;      // pixels either way
 constexpr int kMaxHamming = 75;
 
@@ -89,7 +89,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     const int xr = static_cast<int>(std::lround(right.to_level(level, r.x[best_j], r.y[best_j]).x()));
     if (xr - kSlide - kHalfPatch < 0 || xr + kSlide + kHalfPatch >= b.width) continue;
     Sads sad;
-    // Of a row of 11 bytes 16 are read: keypoints keep clear of the last rows.
+    // A row of 11 bytes is read as 16: keypoints keep clear of the last rows.
     slide(a.row(y - kHalfPatch) + xl - kHalfPatch, a.stride, b.row(y - kHalfPatch) + xr - kSlide - kHalfPatch, b.stride,
           sad);
     const int at = static_cast<int>(std::min_element(sad.begin(), sad.end()) - sad.begin()) - kSlide;

@@ -26,7 +26,7 @@ struct TestKeyPoint {
   int level = 0;
   Descriptor descriptor{};
   double angle = 0;
-  double depth = 0, u_right = -1;  // where one is given, the other follows
+  double depth = 0, u_right = -1;  // either may be given; the other follows
 };
 
 // bf: pixels of disparity at a depth of one metre (Pinhole::bf).

@@ -21,7 +21,7 @@ void for_each_target(Check&& check) {
   use_simd_target("best");
 }
 
-// What `make` returns by the scalar twins; every target must return the same.
+// Every target must return what the scalar twins make.
 template <class Make>
 void expect_scalar_twin(Make&& make) {
   use_simd_target("scalar");

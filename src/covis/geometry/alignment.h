@@ -13,7 +13,7 @@ namespace covis {
 struct Alignment {
   SE3 T_ba;  // with `scale`: b ~ scale * R * a + t
   double scale = 1;
-  double rmse = 0;     // of the distances left
+  double rmse = 0;     // root mean square of the distances left
   bool unique = true;  // false: the points lie on a line, the rotation about it is arbitrary
 
   Eigen::Vector3d operator*(const Eigen::Vector3d& a) const { return scale * (T_ba.R() * a) + T_ba.t(); }
@@ -21,7 +21,7 @@ struct Alignment {
 
 enum class Scale { fixed, free };
 
-// Nothing for fewer than 3 points, sets of different sizes, points that are not finite or all coincide.
+// Empty for fewer than 3 points, sets of different sizes, points that are not finite or all coincide.
 std::optional<Alignment> align(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b, Scale scale);
 
 }  // namespace covis

@@ -45,8 +45,8 @@ struct Camera {
   std::optional<Eigen::Vector2d> undistort(const Eigen::Vector2d& pixel) const;
 };
 
-// What of `other` differs from `camera` by more than the digits of a file, as text ("fx 718.9 instead of 707.1, …");
-// empty when nothing does.
+// The figures of `other` that differ from those of `camera` by more than the digits of a file, as text ("fx 718.9
+// instead of 707.1, …"); empty when nothing does.
 std::string difference(const Camera& camera, const Camera& other);
 
 }  // namespace covis

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the groups share: the function (e^M - I) M^-1 = sum M^k / (k + 1)! of a square matrix. Of a group's tangent
+// Shared by the groups: the function (e^M - I) M^-1 = sum M^k / (k + 1)! of a square matrix. Of a group's tangent
 // matrix it is the V (or W) of exp's translation; of its adjoint matrix ad(xi) it is the left Jacobian.
 // Source: Higham, "Functions of Matrices", 2008, section 10.7.4: halving and doubling,
 // phi(2 M) = (e^M + I) phi(M) / 2; Strasdat, "Local accuracy and global consistency for efficient visual SLAM", 2012.

@@ -24,7 +24,7 @@ struct TwoViewOptions {
   double homography_ratio = 0.45;  // S_H / (S_H + S_F) above which the homography is taken
   double min_parallax_deg = 1.0;
   int min_points = 50;          // triangulated points of an accepted motion
-  double min_good_share = 0.9;  // of the model's inliers that the best motion must triangulate
+  double min_good_share = 0.9;  // share of the model's inliers that the best motion must triangulate
   double clear_winner = 0.75;   // the second-best motion may have no more than this share of the best one's points
   uint64_t seed = 0;
 };

@@ -11,7 +11,7 @@
 namespace covis::io {
 
 struct CameraFile {
-  std::filesystem::path file;  // where it was read from
+  std::filesystem::path file;  // its name on disk
   Camera camera;               // pinhole.bf is fx * baseline when a baseline is given, else 0
   double baseline = 0;         // metres; 0: not given
   double fps = 0;              // Hz; 0: not given

@@ -20,8 +20,8 @@ class DecodeAhead {
   using Item = Result<std::optional<Frame>>;
   // The next frame into the given memory; nothing at the end.
   using Decode = std::function<Item(Frame)>;
-  // What to do when frames come faster than they are taken: wait (recordings), or go on and drop those not taken (live
-  // cameras: what is taken is never older than a frame).
+  // The rule for frames that come faster than they are taken: wait (recordings), or go on and drop those not taken
+  // (live cameras: what is taken is never older than a frame).
   enum class WhenFull { wait, drop_old };
 
   // `ahead`: frames that may lie ready.
@@ -72,7 +72,7 @@ class DecodeAhead {
     return memory;
   }
 
-  // Frames only: an error or the end is always told.
+  // Frames only: an error or the end is always reported.
   void drop_frames() {
     for (Item& item : ready_) {
       if (item && *item) keep_memory(std::move(**item));
@@ -87,7 +87,7 @@ class DecodeAhead {
   std::condition_variable_any changed_;
   std::deque<Item> ready_;   // guarded by mutex_
   std::vector<Frame> free_;  // guarded by mutex_
-  bool ended_ = false;       // of the taker alone
+  bool ended_ = false;       // the taker's alone
   std::jthread thread_;      // last: it uses the rest
 };
 

@@ -18,7 +18,7 @@ Frame make_frame(int64_t index, Frame memory) {
 TEST(DecodeAhead, GivesAllInOrderInAFewImagesMemory) {
   constexpr int64_t kFrames = 200;
   constexpr int kAhead = 3;
-  std::set<const uint8_t*> memories;  // of the decoding thread, until it has ended
+  std::set<const uint8_t*> memories;  // the decoding thread's, until it has ended
   {
     int64_t made = 0;
     DecodeAhead ahead(

@@ -10,7 +10,7 @@
 namespace covis::io {
 namespace {
 
-// Where the compressed data of a JPEG begins: behind the headers, which may hold a whole JPEG of their own (a preview).
+// The start of the compressed data of a JPEG: behind the headers, which may hold a whole JPEG of their own (a preview).
 size_t jpeg_data(std::string_view bytes) {
   const auto byte = [&](size_t i) { return static_cast<size_t>(static_cast<unsigned char>(bytes[i])); };
   size_t i = 2;

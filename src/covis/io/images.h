@@ -22,7 +22,7 @@ class ImageReader {
   Result<void> depth(const std::filesystem::path& file, double scale, ImageF& depth);
 
  private:
-  std::string bytes_;    // of the file
+  std::string bytes_;    // the bytes of the file
   Image<uint16_t> raw_;  // depth as stored
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a folder of images holds, listed before anything is decoded. Each reader turns one layout into this one form.
+// The contents of a folder of images, listed before anything is decoded. Each reader turns one layout into this one
+// form.
 #pragma once
 
 #include <filesystem>
@@ -23,12 +24,12 @@ struct Recording {
   Sensor sensor = Sensor::monocular;
   std::vector<FrameFiles> frames;
   Camera camera;            // width and height 0: not known yet, taken from the first image
-  std::string calibration;  // where the camera's figures are from, for messages: a file's name
+  std::string calibration;  // source of the camera's figures, for messages: a file's name
   double depth_scale = 1;   // units a metre
   std::optional<StereoRectification> rectification;
   std::optional<Truth> truth;
   std::string name;                // "TUM RGB-D folder"
-  std::vector<std::string> notes;  // what was passed over: see Sequence::notes()
+  std::vector<std::string> notes;  // files passed over: see Sequence::notes()
 };
 
 // Readers of one layout; `wanted`: the sensor asked for, if any; `given`: the camera file given on the command line, if
@@ -45,7 +46,7 @@ Result<Recording> read_images(const Request& request);
 
 // Image files of a folder, in natural order (2 before 10).
 std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);
-// What to say when nothing tells the camera's figures: names --camera and shows a minimal file.
+// The error when nothing gives the camera's figures: names --camera and shows a minimal file.
 Error no_calibration(const std::filesystem::path& folder, const std::string& looked_for);
 // The virtual baseline of an RGB-D camera without one, metres.
 inline constexpr double kVirtualBaseline = 0.08;

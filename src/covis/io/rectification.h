@@ -17,7 +17,7 @@ class StereoRectification {
   // T_rl takes the left camera to the right one. An error when the right camera is not to the right of the left one.
   static Result<StereoRectification> create(const Camera& left, const Camera& right, const SE3& T_rl);
 
-  const Camera& camera() const { return camera_; }  // of the rectified images, bf filled in
+  const Camera& camera() const { return camera_; }  // camera of the rectified images, bf filled in
   const SE3& T_left_rectified() const {
     return T_left_rectified_;
   }  // rectified left camera to left camera (a rotation)

@@ -39,7 +39,7 @@ std::optional<SequenceKind> kind_of_folder(const fs::path& folder) {
   return std::nullopt;
 }
 
-// What a folder that is no recording holds, and which of its folders is one.
+// The contents of a folder that is no recording, and which of its folders is one.
 std::string contents(const fs::path& folder) {
   constexpr size_t kMost = 6;
   std::vector<fs::path> entries;

@@ -29,10 +29,10 @@ struct Frame {
 
 enum class SequenceKind { automatic, tum, kitti, euroc, images, video, camera };
 
-// What to open of a recording, and how. first < 0, stride < 1, decode_ahead < 1 are errors.
+// The part of a recording to open, and the way. first < 0, stride < 1, decode_ahead < 1 are errors.
 struct SequenceOptions {
   SequenceKind kind = SequenceKind::automatic;  // automatic: recognised from the folder
-  std::optional<Sensor> sensor = std::nullopt;  // nothing: the richest the recording allows
+  std::optional<Sensor> sensor = std::nullopt;  // empty: the richest the recording allows
   std::filesystem::path camera_file = {};       // YAML for what the folder does not say; empty: none
   int decode_ahead = 4;                         // frames decoded ahead, in a thread of their own
   int64_t first = 0;                            // index of the first frame
@@ -40,7 +40,7 @@ struct SequenceOptions {
   int stride = 1;                               // every n-th frame
 };
 
-// Where the truth of a recording is, if it has any.
+// The file of the truth of a recording.
 struct Truth {
   std::filesystem::path file;
   std::filesystem::path stamps;  // KITTI: times.txt beside poses.txt; else empty
@@ -55,14 +55,14 @@ class Sequence {
 
   virtual SequenceKind kind() const = 0;
   virtual Sensor sensor() const = 0;
-  // Of the images next() returns (after rectification), bf and depth filled in.
+  // The camera of the images next() returns (after rectification), bf and depth filled in.
   virtual const Camera& camera() const = 0;
   virtual int64_t size() const = 0;       // frames, -1 when not known (camera, some videos)
   virtual double frame_rate() const = 0;  // Hz, from the stamps; 30 when not known
   virtual std::optional<Truth> truth() const = 0;
   // A one-line description: "TUM RGB-D folder, 1000 frames, 640x480".
   virtual std::string description() const = 0;
-  // What was passed over on opening: "2 images are listed but missing".
+  // Files passed over on opening: "2 images are listed but missing".
   virtual std::vector<std::string> notes() const = 0;
   // The next frame; nothing at the end; an error for an unreadable frame, after which next() may be called again for
   // the one after it. `recycled` frames' memory is used again.

@@ -91,7 +91,7 @@ class FolderSequence : public Sequence {
 
   const Recording recording_;
   const SequenceOptions options_;
-  // Of the decoding thread alone.
+  // Used by the decoding thread alone.
   size_t next_ = 0;
   ImageReader reader_;
   ImageU8 scratch_;

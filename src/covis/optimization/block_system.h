@@ -28,17 +28,17 @@ void make_unique(std::vector<BlockPair>& pairs);
 // An order of the variables that keeps the factor sparse: result[k] is the variable to become number k.
 std::vector<int32_t> sparse_order(int32_t variables, std::span<const BlockPair> pairs);
 
-// Where the blocks of a matrix and of its factor lie.
+// The places of the blocks of a matrix and of its factor.
 struct BlockPattern {
   std::vector<uint32_t> first;  // the matrix' blocks of column c above the diagonal: [first[c], first[c + 1])
-  std::vector<int32_t> row;     // of each of them, increasing in a column
+  std::vector<int32_t> row;     // row of each of them, increasing in a column
 
   std::vector<uint32_t> factor_first;   // the factor's blocks of column c below the diagonal: [.[c], .[c + 1])
-  std::vector<int32_t> factor_row;      // of each of them, increasing in a column
+  std::vector<int32_t> factor_row;      // row of each of them, increasing in a column
   std::vector<uint32_t> pattern_first;  // the columns in which row r of the factor has blocks left of the diagonal,
   std::vector<int32_t> pattern;         // increasing: pattern[pattern_first[r]] to pattern[pattern_first[r + 1]]
 
-  // Of sorted unique pairs.
+  // The pattern of sorted unique pairs.
   BlockPattern() = default;
   BlockPattern(int32_t variables, std::span<const BlockPair> pairs);
   uint32_t slot(BlockPair pair) const;
@@ -67,7 +67,7 @@ class BlockSystem {
   BlockPattern pattern_;
   AlignedVector<Block> blocks_, diagonal_;
   AlignedVector<Block> factor_;   // L below the diagonal, by columns
-  AlignedVector<Block> inverse_;  // of the factor's diagonal blocks
+  AlignedVector<Block> inverse_;  // inverses of the factor's diagonal blocks
   AlignedVector<Block> work_;     // one row of the factor, transposed
   std::vector<uint32_t> filled_;  // up to where each column of the factor is known
 };

@@ -44,7 +44,7 @@ BundleSummary BundleAdjuster::solve(BundleProblem& problem, const BundleOptions&
     }
     w.poses_try = problem.poses;
     w.points_try = problem.points;
-    double gain = 0;  // what the linear model promises
+    double gain = 0;  // the gain that the linear model promises
     for (size_t c = 0; c < w.free_index.size(); ++c) {
       const auto pose = static_cast<size_t>(w.free_index[c]);
       const Vector6d step = w.step_c.segment<6>(static_cast<Eigen::Index>(c) * 6);

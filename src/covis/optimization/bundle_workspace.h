@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What bundle adjustment works on: one linear step's system and its solution. Inside of bundle_adjustment.h, no
+// The memory of bundle adjustment: one linear step's system and its solution. Inside of bundle_adjustment.h, no
 // interface.
 //
 // With e = z - h, J_c and J_p the Jacobians of h, and weights W, one Gauss-Newton step solves

@@ -9,7 +9,7 @@ namespace covis {
 
 FocalEstimate estimate_focal(const BundleProblem& problem, BundleAdjuster& adjuster,
                              const std::atomic<bool>* interrupt) {
-  constexpr double kStep = 0.01;           // of the factor, between the three
+  constexpr double kStep = 0.01;           // step of the factor, between the three
   constexpr double kLeastVariance = 1e-6;  // no keypoint is known better than to a thousandth of its sigma
   FocalEstimate estimate;
   std::array<double, 3> costs{};

@@ -14,11 +14,11 @@ namespace covis {
 
 struct FocalEstimate {
   bool ok = false;    // false: interrupted, or the cost has no minimum near here (motion that tells nothing of it)
-  double factor = 1;  // of fx and fy, the best
+  double factor = 1;  // the best factor of fx and fy
   double sigma = 0;   // standard deviation of the factor, the noise taken from the cost itself
   double cost = 0;    // adjusted, at factor 1
   double variance =
-      0;  // of an observation, in units of that it was given: a cost that is greater by so much is 1 sigma off
+      0;  // variance of an observation, in units of that it was given: a cost that is greater by so much is 1 sigma off
 };
 
 // `problem` must have been adjusted and its outliers classified: all is done on copies of it, without robust weights.

@@ -141,7 +141,7 @@ TEST(PoseGraph, StraightensALoopWithScaleDrift) {
   PoseGraphProblem problem;
   problem.fixed.assign(truth.size(), 0);
   problem.fixed[0] = 1;
-  // What tracking measures shrinks by 0.5 % with each camera, and turns a little.
+  // The measured path shrinks by 0.5 % with each camera, and turns a little.
   Vector7d drift;
   drift << 0.001, 0, 0.001, 0, 0.001, 0, -0.005;
   problem.poses.push_back(truth[0]);
@@ -189,7 +189,7 @@ TEST(PoseGraph, DegenerateProblemsEndWell) {
   held.fixed.assign(held.poses.size(), 1);
   EXPECT_FALSE(optimize_pose_graph(held).ok);
 
-  PoseGraphProblem loose = random_problem(5, 20, false);  // nothing holds it, and one camera has no edges
+  PoseGraphProblem loose = random_problem(5, 20, false);  // a free gauge, and one camera has no edges
   loose.fixed[0] = 0;
   loose.poses.emplace_back();
   loose.fixed.push_back(0);

@@ -39,7 +39,8 @@ struct PoseResult {
   SE3 T_cw;
   int inliers = 0;  // observations within their chi-square bound at the end, in front of the camera
   double cost = 0;  // robust cost over the inliers
-  Matrix6d information = Matrix6d::Zero();  // of xi (translation first), from the last step; its inverse: covariance
+  Matrix6d information =
+      Matrix6d::Zero();  // information of xi (translation first), from the last step; its inverse: covariance
   bool ok =
       false;  // false: fewer than 3 usable observations, or a singular or non-finite system; T_cw is the start then
 };

@@ -19,7 +19,7 @@ namespace covis {
 
 struct Sim3Match {
   Eigen::Vector3d p_1, p_2;  // the point as each camera's own map has it, in camera 1's and camera 2's coordinates
-  Eigen::Vector2d z_1, z_2;  // where each camera sees it: pixels, undistorted
+  Eigen::Vector2d z_1, z_2;  // its place in each image: pixels, undistorted
   double inv_sigma2_1 = 1, inv_sigma2_2 = 1;  // 1 / pixels^2
 };
 

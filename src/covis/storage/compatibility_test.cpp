@@ -12,7 +12,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-// What is said of a map made with test_header() in a run whose header differs from it by `change`; empty: it fits.
+// The message about a map made with test_header() in a run whose header differs from it by `change`; empty: it fits.
 template <class Change>
 std::string problem(Change&& change, MapUse use = MapUse::continuation) {
   MapHeader run = test_header();

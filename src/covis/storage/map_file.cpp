@@ -63,7 +63,7 @@ void about_fields(Fields& fields, H& h, C& c) {
   fields(c.observations);
 }
 
-// Of a key frame what does not depend on the features' number.
+// The part of a key frame that does not depend on the number of features.
 struct FrameRecord {
   std::array<double, 9> R{};  // by rows
   std::array<double, 3> t{};

@@ -18,11 +18,11 @@
 
 namespace covis::storage {
 
-// What the map was made with.
+// The camera and the settings the map was made with.
 struct MapHeader {
   Camera camera;
   Sensor sensor = Sensor::monocular;
-  int levels = 0;          // of the scale pyramid
+  int levels = 0;          // levels of the scale pyramid
   float factor = 0;        // between its levels
   std::string vocabulary;  // its checksum as text; empty: made without one
 };

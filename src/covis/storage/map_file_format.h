@@ -111,11 +111,11 @@ class SectionFile {
   static Result<SectionFile> open(const std::filesystem::path& file);
   // The section's bytes, uncompressed. `name` is for messages.
   Result<std::string> read(uint32_t id, std::string_view name);
-  // Whether the stored bytes of the sections not read so far, unknown ones as well, are as they were written.
+  // An error when stored bytes of sections not read so far, unknown ones as well, are not as they were written.
   Result<void> verify_others();
   uint16_t major() const { return major_; }
   uint16_t minor() const { return minor_; }
-  uint64_t size() const { return size_; }  // of the file
+  uint64_t size() const { return size_; }  // size of the file
   std::string error(std::string_view what) const { return file_.string() + ": " + std::string(what); }
 
  private:

@@ -129,7 +129,7 @@ TEST_F(MapFile, LoadedMapGoesOn) {
 // Early versions could leave key frames of two cameras in a map.
 TEST_F(MapFile, KeyFramesOfTwoCamerasGetTheFirstOnes) {
   bytes_of(random_map(3, 300));
-  // Of the last key frame: fx, … lie before its bounds, pyramid and loop edges. Found by its bytes.
+  // The last key frame's fx, … lie before its bounds, pyramid and loop edges. Found by its bytes.
   const std::string changed = with_changed(2, [](std::string& bytes) {
     const double fx = refined_camera().fx, other = fx + 3;
     const size_t at = bytes.rfind(std::string(reinterpret_cast<const char*>(&fx), sizeof fx));
@@ -237,7 +237,7 @@ TEST_F(MapFile, NewerVersions) {
   expect_refused(*pack_sections(sections), "it has no section 'points'");
 }
 
-// What checksums can't tell: wrong contents, checksummed. Every outcome but a sound map or an error is a crash.
+// Wrong contents with right checksums. Every outcome but a sound map or an error is a crash.
 TEST_F(MapFile, WrongContentsAreNeverTrusted) {
   bytes_of(random_map(7, 150, 12));
   Random random(8);

@@ -23,7 +23,7 @@ inline MapHeader test_header() {
   return header;
 }
 
-// Of the key frames: not the one that was given.
+// The key frames' camera: not the one that was given.
 inline Pinhole refined_camera() { return {490, 490.98, 320.5, 240.25, 40}; }
 
 inline FeaturesPtr random_features(Random& random, int count) {
@@ -116,7 +116,7 @@ inline void expect_equal(const Map& a, const Map& b) {
   ASSERT_EQ(a_points.size(), b_points.size());
   EXPECT_EQ(a.next_serial(), b.next_serial());
   EXPECT_EQ(a.camera(), b.camera());
-  const auto frame = [&](KeyFrameId id) {  // of a, to that of b
+  const auto frame = [&](KeyFrameId id) {  // handle in a to handle in b
     const auto at = std::find(a_frames.begin(), a_frames.end(), id);
     return at == a_frames.end() ? KeyFrameId{} : b_frames[static_cast<size_t>(at - a_frames.begin())];
   };

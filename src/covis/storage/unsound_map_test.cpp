@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a file may hold that no map would: each case is told, and no map is made of it.
+// States that a file may hold and no map would: each is reported, and no map is made of it.
 #include <gmock/gmock.h>
 
 #include <algorithm>

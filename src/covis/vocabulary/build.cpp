@@ -10,7 +10,7 @@
 namespace covis {
 namespace {
 
-// Of each node (root first): the nodes below it, in the order of the list.
+// For each node (root first): the nodes below it, in the order of the list.
 struct Children {
   std::vector<uint32_t> offset, node;
   explicit Children(const std::vector<VocabularyNode>& nodes) : offset(nodes.size() + 2), node(nodes.size()) {

@@ -111,7 +111,7 @@ class KMedians {
     }
   }
 
-  // Whether a centre moved.
+  // Returns true when a centre moved.
   bool move_centres() {
     const size_t k = clusters_.centres.size();
     std::vector<BitCounts> all(k);
@@ -132,7 +132,7 @@ class KMedians {
     return moved;
   }
 
-  // Whether a member changed its cluster.
+  // Returns true when a member changed its cluster.
   bool assign() {
     std::atomic<bool> changed = false;
     const auto k = static_cast<int>(clusters_.centres.size());

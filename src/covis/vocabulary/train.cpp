@@ -39,7 +39,7 @@ struct Split {
   uint32_t node;  // its number; 0 is the root
   size_t begin, end;
   AlignedVector<Descriptor> centres = {};  // found by splitting it
-  std::vector<size_t> ends = {};           // where the members of each end
+  std::vector<size_t> ends = {};           // the ends of the members of each
 };
 
 class Trainer {

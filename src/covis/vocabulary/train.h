@@ -20,7 +20,7 @@ namespace covis {
 struct TrainOptions {
   int branching = 10;    // children of a node
   int depth = 5;         // levels below the root: at most branching^depth words
-  int seed = 0;          // of all that is drawn
+  int seed = 0;          // seed of all that is drawn
   int threads = 0;       // 0: one a core
   int memory_mb = 4096;  // for descriptors and the work on them; more are sampled
   int iterations = 25;   // most rounds of k-medians in a node

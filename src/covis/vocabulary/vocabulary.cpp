@@ -109,7 +109,8 @@ Result<void> Vocabulary::open(std::span<const std::byte> bytes) {
   return check_nodes();
 }
 
-// What descend() and transform() rely on; a damaged descriptor or weight can only make a poorer word.
+// Checks the structure that descend() and transform() rely on; a damaged descriptor or weight can only make a poorer
+// word.
 Result<void> Vocabulary::check_nodes() const {
   const uint32_t count = nodes();
   bool good =

@@ -28,7 +28,7 @@ struct WordWeight {
   friend bool operator==(const WordWeight&, const WordWeight&) = default;
 };
 
-// What the vocabulary says of an image.
+// An image in words of the vocabulary.
 struct Words {
   std::vector<WordWeight> words;  // tf-idf, rising by word; weights sum to 1 (L1); words of weight 0 are left out
   friend bool operator==(const Words&, const Words&) = default;
@@ -51,7 +51,7 @@ double word_score(const std::vector<WordWeight>& a, const std::vector<WordWeight
 struct VocabularyNode {
   Descriptor descriptor;
   uint32_t parent = 0;  // less than the node's own number
-  float weight = 0;     // of a word (a node without children): its idf; not read of others
+  float weight = 0;     // idf of a word (a node without children); not read of others
 };
 
 class MappedFile;
@@ -62,7 +62,8 @@ class Vocabulary {
   static constexpr int kMaxBranching = 256, kMaxDepth = 16;
 
   // The binary format (mapped: the file must not be written to in place afterwards; save() never does) or the field's
-  // text format, told by content. The binary file's sizes, indices and weights are checked, not its checksum: verify().
+  // text format, recognised by content. The binary file's sizes, indices and weights are checked, not its checksum:
+  // verify().
   static Result<std::shared_ptr<const Vocabulary>> load(const std::filesystem::path& file);
   // Words are numbered breadth first. An error names the node that is wrong.
   static Result<std::shared_ptr<const Vocabulary>> build(int branching, int depth,
@@ -87,8 +88,10 @@ class Vocabulary {
   uint32_t words() const { return static_cast<uint32_t>(weights_.size()); }      // words are 0 .. words() - 1
   uint32_t nodes() const { return static_cast<uint32_t>(descriptors_.size()); }  // with the root
   float weight(uint32_t word) const { return weights_[word]; }                   // its idf
-  uint64_t checksum() const { return checksum_; }  // of the content, as the header says it: names it in saved maps
-  bool verify() const;                             // whether the content has that checksum (reads all of it)
+  uint64_t checksum() const {
+    return checksum_;
+  }                     // checksum of the content, as the header says it: names it in saved maps
+  bool verify() const;  // true when the content has that checksum (reads all of it)
 
  private:
   // Nodes are numbered breadth first, so that the children of a node follow each other: those of n are
@@ -109,9 +112,9 @@ class Vocabulary {
   int branching_ = 0, depth_ = 0;
   uint64_t checksum_ = 0;
   std::span<const std::byte> bytes_;         // the whole file
-  std::span<const Descriptor> descriptors_;  // of nodes; the root's is zero
+  std::span<const Descriptor> descriptors_;  // descriptors of nodes; the root's is zero
   std::span<const Node> nodes_;
-  std::span<const float> weights_;      // of words
+  std::span<const float> weights_;      // weights of words
   AlignedVector<std::byte> memory_;     // holds the bytes, or …
   std::unique_ptr<MappedFile> mapped_;  // … they are mapped
 };

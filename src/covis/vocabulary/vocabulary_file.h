@@ -21,21 +21,21 @@ struct VocabularyHeader {
   uint32_t nodes;  // with the root
   uint32_t words;
   uint32_t reserved;         // 0
-  uint64_t bytes;            // of the whole file
-  uint64_t checksum;         // of the content: vocabulary_checksum()
+  uint64_t bytes;            // size of the whole file
+  uint64_t checksum;         // checksum of the content: vocabulary_checksum()
   uint64_t reserved_too;     // 0
-  uint64_t header_checksum;  // of the bytes before it
+  uint64_t header_checksum;  // checksum of the bytes before it
 };
 static_assert(sizeof(VocabularyHeader) == 64);
 
-// Where the arrays begin, from the numbers of nodes and words.
+// The starts of the arrays, from the numbers of nodes and words.
 struct VocabularyLayout {
   uint64_t descriptors, nodes, weights, end;  // bytes from the file's start
   VocabularyLayout(uint64_t node_count, uint64_t word_count);
 };
 
 uint64_t header_checksum(const VocabularyHeader& header);
-// Of the sizes in the header and all that follows it.
+// Checksum of the sizes in the header and all that follows it.
 uint64_t vocabulary_checksum(const VocabularyHeader& header, std::span<const std::byte> content);
 
 }  // namespace covis
