@@ -77,7 +77,7 @@ void Map::attach_to_tree(KeyFrameId id) {
 
 bool Map::erase_key_frame(KeyFrameId id) {
   KeyFrame* key_frame = key_frames_.find(id);
-  if (!key_frame || is_root(id) || key_frame->protections > 0) return false;
+  if (!key_frame || is_root(id)) return false;
   const std::vector<MapPointId> points = key_frame->points;
   for (const MapPointId& point : points) {
     if (point.valid()) erase_observation(point, id);
@@ -153,14 +153,6 @@ bool Map::correct_pose(KeyFrameId id, const SE3& T_cw, double growth) {
 void Map::set_camera(const Pinhole& camera) {
   camera_ = camera;
   count_move();
-}
-
-void Map::protect(KeyFrameId id) { ++key_frames_.at(id).protections; }
-
-void Map::unprotect(KeyFrameId id) {
-  KeyFrame& key_frame = key_frames_.at(id);
-  assert(key_frame.protections > 0);
-  --key_frame.protections;
 }
 
 void Map::add_loop_edge(KeyFrameId a, KeyFrameId b) {

@@ -47,6 +47,7 @@ class Backend {
   void apply_adjustment(MappingReport& report);
   void close_loop(MappingReport& report);
   void refine_focal(KeyFrameId current);
+  void forget_replaced_points(KeyFrameId current);
 
   SharedMap& map_;
   const BackendOptions options_;
