@@ -172,7 +172,7 @@ std::vector<KeyFrameId> Map::key_frames() const {
 std::optional<Map::Resolved> Map::resolve(KeyFrameId id) const {
   // Translations are kept in the unit of the last key frame of the chain, and brought to the next one's on the way.
   SE3 T_ar;
-  double scale = 1;  // of the asked one now, as if it lived
+  double scale = 1;  // the asked one's now, as if it lived
   bool first = true;
   while (!find(id)) {
     const auto erased = erased_frames_.find(id);

@@ -115,7 +115,7 @@ class Map {
   const KeyFrameDatabase& database() const { return database_; }
   size_t key_frame_count() const { return key_frames_.size(); }
   std::vector<KeyFrameId> key_frames() const;               // by rising serial
-  std::vector<KeyFrameId> key_frames(uint32_t submap) const;  // of one submap
+  std::vector<KeyFrameId> key_frames(uint32_t submap) const;  // those of one submap
 
   // A live key frame that stands for `id`, and T_ar that takes r = the returned one's camera to a = the asked one's
   // camera: itself and the identity when live; for an erased one the nearest living ancestor. Nothing for a handle that
@@ -144,7 +144,7 @@ class Map {
   // ---- Submaps ----
   const std::vector<Submap>& submaps() const { return submaps_; }  // by rising id: the oldest first
   const Submap* submap(uint32_t id) const;                   // nullptr: there is none (any more)
-  KeyFrameId root() const { return submaps_.empty() ? KeyFrameId{} : submaps_.front().root; }  // of the oldest submap
+  KeyFrameId root() const { return submaps_.empty() ? KeyFrameId{} : submaps_.front().root; }  // the oldest submap's
   bool is_root(KeyFrameId id) const;
   // Joins the submap of `child` to that of `parent`: all of it is moved by S (p_there = S * p_here), `child` becomes the
   // root of its tree, and `parent` the parent of `child`. False (nothing done) when either is stale, both are of one submap,
@@ -228,12 +228,12 @@ class Map {
   struct Ancestor {
     KeyFrameId parent;
     SE3 T_cp;                            // pose relative to the parent at erasure
-    double scale = 1, parent_scale = 1;  // of both at erasure
+    double scale = 1, parent_scale = 1;  // scales of both at erasure
   };
 
   struct Replacement {
     MapPointId by;
-    uint32_t serial = 0;  // of the key frame that was newest then
+    uint32_t serial = 0;  // the serial of the key frame that was newest then
   };
 
   SlotStore<KeyFrameId, KeyFrame> key_frames_;
@@ -251,7 +251,7 @@ class Map {
   KeyFrameId insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features, uint32_t submap);
   void reroot_tree(KeyFrameId id);
   void add_weight(KeyFrameId a, KeyFrameId b, int delta);
-  void rebuild_shared();                                   // of all key frames, from the observations
+  void rebuild_shared();                                   // makes it anew for all key frames, from the observations
   void find_submaps(const std::vector<KeyFrameId>& frames);  // from the trees; frames by rising serial
   void unlink_observations(MapPointId id);
   void reattach_children(KeyFrameId id);

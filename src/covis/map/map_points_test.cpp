@@ -47,7 +47,7 @@ TEST(Map, RefreshingAPoint) {
   const Features& features = *f.map.at(a).features;
   EXPECT_NEAR(point.d_max, std::sqrt(17.0) * features.pyramid->scale[features.level[3]], 1e-4);
   EXPECT_NEAR(point.d_min, point.d_max / features.pyramid->scale[7], 1e-4);
-  // Of three descriptors the one with the least median distance (to itself 0, so the lesser of the two others).
+  // The one of three descriptors with the least median distance (to itself 0, so the lesser of the two others).
   const std::vector<Descriptor> d{features.descriptor[3], f.map.at(b).features->descriptor[4],
                                   f.map.at(c).features->descriptor[5]};
   int best = 257;

@@ -29,7 +29,7 @@ TEST(Map, ErasingAKeyFrameReattachesItsChildren) {
   EXPECT_EQ(f.map.at(x).parent, root);
   EXPECT_EQ(f.map.at(y).parent, x);
   EXPECT_EQ(f.map.at(z).parent, root);
-  // Poses of the erased can still be told, and follow their ancestors.
+  // Poses of the erased are still known, and follow their ancestors.
   EXPECT_TRUE(f.map.erase_key_frame(x));
   const auto resolved = f.map.resolve(x);
   ASSERT_TRUE(resolved);

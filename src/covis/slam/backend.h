@@ -24,7 +24,7 @@ struct BackendOptions {
   MapperOptions mapper;
   LoopOptions loop;
   double close_depth_baselines = 0;  // TrackerOptions::key_frame.close_depth_baselines
-  int seed = 0;                      // of the random choices
+  int seed = 0;                      // seed of the random choices
   Schedule schedule = Schedule::deterministic;
 
   explicit BackendOptions(const SystemOptions& options);
