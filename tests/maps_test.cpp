@@ -167,7 +167,7 @@ TEST(FurtherMap, NoneIsBegunWhereItMustNot) {
   } cases[] = {{"nothing speaks against it", [](SystemOptions&) {}, true, 2},
                {"localisation only", [](SystemOptions& o) { o.localize = true; }, true, 1},
                {"loops stay open", [](SystemOptions& o) { o.loop.close = false; }, true, 1},
-               {"new_map_after=0", [](SystemOptions& o) { o.tracker.new_map_after = 0; }, true, 1},
+               {"new_map_after=0", [](SystemOptions& o) { o.tracker.start.new_map_after = 0; }, true, 1},
                {"no vocabulary", [](SystemOptions&) {}, false, 1}};
   for (const auto& c : cases) {
     SCOPED_TRACE(c.name);
