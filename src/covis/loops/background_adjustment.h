@@ -51,7 +51,7 @@ class BackgroundAdjustment {
   void abandon();
 
  private:
-  std::unique_ptr<AdjustmentJob> job_;  // of the thread until it is joined
+  std::unique_ptr<AdjustmentJob> job_;  // the thread's until that is joined
   int key_frames_left_ = 0;
   bool solved_ = false;
   double ms_ = 0;

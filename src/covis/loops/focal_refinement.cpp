@@ -23,11 +23,11 @@ namespace {
 
 // One step; false: the problem stays as it was.
 bool step(BundleProblem& problem, BundleAdjuster& adjuster, double given_fx, const std::atomic<bool>* interrupt) {
-  constexpr double kMaxSigma = 0.005;   // of the factor: it is known well
+  constexpr double kMaxSigma = 0.005;   // standard deviation of the factor: it is known well
   constexpr double kMinChange = 0.006;  // worth it …
   constexpr double kSignificant = 6;    // … and so many sigmas: errors of neighbouring key frames are alike
   constexpr double kMaxStep = 0.02;     // twice as far as the estimate looks: the next step goes on from there
-  constexpr double kMaxChange = 0.05;   // from the one given
+  constexpr double kMaxChange = 0.05;   // as a share of the one given
   const FocalEstimate estimate = estimate_focal(problem, adjuster, interrupt);
   if (!estimate.ok || estimate.sigma > kMaxSigma) return false;
   if (std::abs(estimate.factor - 1) < std::max(kMinChange, kSignificant * estimate.sigma)) return false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What loop closing reports of a key frame.
+// The loop closer's report on a key frame.
 #pragma once
 
 #include "covis/core/ids.h"
@@ -29,11 +29,11 @@ enum class LoopRefusal {
 // Counts of points.
 struct LoopEvidence {
   int matches = 0;      // by descriptor
-  int inliers = 0;      // of them, that agree with a similarity
-  int found_again = 0;  // of the old place, in the new view
+  int inliers = 0;      // matches that agree with a similarity
+  int found_again = 0;  // points of the old place, in the new view
 };
 
-// What the loop would take out of the map.
+// The drift that the loop takes out of the map.
 struct LoopDrift {
   double path = 0;          // travelled since that place, in the map's unit
   double distance = 0;      // between the key frame's place before and after, in the map's unit
@@ -50,11 +50,11 @@ struct LoopReport {
   LoopOutcome outcome = LoopOutcome::none;
   KeyFrameId loop;  // closed, joined: the key frame it was tied to
   int candidates = 0;
-  LoopRefusal refusal = LoopRefusal::none;  // of the last candidate that was refused
+  LoopRefusal refusal = LoopRefusal::none;  // the reason for the last candidate that was refused
   LoopEvidence evidence;                    // the greatest numbers of any candidate
-  LoopDrift drift;                          // of the last candidate that came so far
+  LoopDrift drift;                          // by the last candidate that came so far
   int fused = 0;                            // points
-  int joined_key_frames = 0;                // of the submap that was moved
+  int joined_key_frames = 0;                // key frames of the submap that was moved
   LoopTimes ms;
 
   // The map was corrected or joined.

@@ -48,7 +48,7 @@ struct LoopCandidate {
   Pinhole camera;
   KeyFrameView current;
   LoopPlace place;
-  LoopRelation relation = LoopRelation::same_submap;  // of the place to the current key frame
+  LoopRelation relation = LoopRelation::same_submap;  // where the place lies
   std::vector<KeyFrameView> members;                  // the first of the place's group
   std::vector<KeyFrameView> neighbours;               // the current key frame's best
   std::optional<LoopPlace> here;                      // around the current key frame; other_submap alone

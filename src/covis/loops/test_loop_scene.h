@@ -8,11 +8,11 @@
 namespace covis {
 
 struct LoopScene {
-  static constexpr size_t kSteps = 48;  // of the ring
+  static constexpr size_t kSteps = 48;  // steps of the ring
 
   const PointScene scene = PointScene::ring(2400, kSteps);
   SceneMap world;
-  Vector6d drift = (Vector6d() << 0.15, 0.08, 0.05, 0, 0.03, 0).finished();  // of the camera, after the whole way
+  Vector6d drift = (Vector6d() << 0.15, 0.08, 0.05, 0, 0.03, 0).finished();  // the camera's, after the whole way
   KeyFrameId current;                                                        // the last key frame
 
   explicit LoopScene(Sensor sensor = Sensor::rgbd) : world(scene, sensor) { world.memory = 8; }

@@ -9,8 +9,8 @@
 namespace covis {
 namespace {
 
-constexpr double kSharedWords = 0.8;  // of the greatest number of shared words that a candidate must share
-constexpr double kGroupScore = 0.75;  // of the best group's score that a group must reach
+constexpr double kSharedWords = 0.8;  // a share of the greatest number of shared words that a candidate must share
+constexpr double kGroupScore = 0.75;  // a share of the best group's score that a group must reach
 constexpr int kGroup = 10;            // covisible key frames that make a group
 
 }  // namespace

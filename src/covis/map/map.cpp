@@ -77,7 +77,7 @@ void Map::attach_to_tree(KeyFrameId id) {
 
 bool Map::erase_key_frame(KeyFrameId id) {
   KeyFrame* key_frame = key_frames_.find(id);
-  if (!key_frame || is_root(id) || key_frame->protections > 0) return false;
+  if (!key_frame || is_root(id)) return false;
   const std::vector<MapPointId> points = key_frame->points;
   for (const MapPointId& point : points) {
     if (point.valid()) erase_observation(point, id);
@@ -155,14 +155,6 @@ void Map::set_camera(const Pinhole& camera) {
   count_move();
 }
 
-void Map::protect(KeyFrameId id) { ++key_frames_.at(id).protections; }
-
-void Map::unprotect(KeyFrameId id) {
-  KeyFrame& key_frame = key_frames_.at(id);
-  assert(key_frame.protections > 0);
-  --key_frame.protections;
-}
-
 void Map::add_loop_edge(KeyFrameId a, KeyFrameId b) {
   assert(a != b && at(a).submap == at(b).submap);
   insert_sorted(key_frames_.at(a).loop_edges, b);
@@ -180,7 +172,7 @@ std::vector<KeyFrameId> Map::key_frames() const {
 std::optional<Map::Resolved> Map::resolve(KeyFrameId id) const {
   // Translations are kept in the unit of the last key frame of the chain, and brought to the next one's on the way.
   SE3 T_ar;
-  double scale = 1;  // of the asked one now, as if it lived
+  double scale = 1;  // the asked one's now, as if it lived
   bool first = true;
   while (!find(id)) {
     const auto erased = erased_frames_.find(id);

@@ -5,8 +5,8 @@
 // "ORB-SLAM", T-RO 2015, sections III-C and III-D; erasure: VI-E.
 //
 // It may have several submaps: what was mapped after the camera was lost in an unknown place stands beside the rest until
-// the submaps are joined (the "Atlas" of Elvira, Tardós, Montiel, IROS 2019, within one container). Each submap has a world
-// and a spanning tree of its own, and no point is seen from two submaps. A map made without a loss has one submap.
+// the submaps are joined (the "Atlas" of Elvira, Tardós, Montiel, IROS 2019, within one container). Each submap has a
+// world and a spanning tree of its own, and no point is seen from two submaps. A map made without a loss has one submap.
 //
 // All of it was seen by one camera: key frames hold pixels, the map the intrinsics, which may be refined as it grows.
 //
@@ -45,7 +45,7 @@ struct Observation {
 struct MapPoint {
   Eigen::Vector3d position_w = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal_w = Eigen::Vector3d::Zero();  // mean unit vector from the observers' centres to the point
-  Descriptor descriptor;                               // of the observations, the one with the least median distance
+  Descriptor descriptor;                               // the observation's with the least median distance to the others
   float d_min = 0, d_max = 0;                          // distances at which the pyramid can see it
   std::vector<Observation> observations;               // sorted by key-frame handle
   KeyFrameId reference;         // the observer that gives d_min, d_max (erased: the next observer)
@@ -61,19 +61,18 @@ struct Neighbour {
 
 struct KeyFrame {
   uint32_t serial = 0;  // counts key frames as they are made, never reused
-  uint32_t submap = 0;    // id of the submap it belongs to
+  uint32_t submap = 0;  // id of the submap it belongs to
   int64_t frame = 0;    // index of the frame in the recording
   Timestamp stamp = 0;
   SE3 T_cw;
   FeaturesPtr features;
-  std::shared_ptr<const Words> words;  // what the vocabulary says of it; null without one
+  std::shared_ptr<const Words> words;  // its visual words; null without a vocabulary
   std::vector<MapPointId> points;      // for each feature its map point, or an invalid handle
-  std::vector<Neighbour> shared;     // every key frame sharing at least one point, sorted by handle; exact at all times
-  KeyFrameId parent;                 // in the submap's spanning tree; invalid for its root
-  std::vector<KeyFrameId> children;  // sorted by handle
+  std::vector<Neighbour> shared;       // every key frame sharing at least one point, sorted by handle; always exact
+  KeyFrameId parent;                   // in the submap's spanning tree; invalid for its root
+  std::vector<KeyFrameId> children;    // sorted by handle
   std::vector<KeyFrameId> loop_edges;  // sorted by handle
-  int protections = 0;                 // while positive the key frame can't be erased
-  double scale = 1;  // product of the changes of scale that loop closing brought to this key frame: poses told
+  double scale = 1;  // product of the changes of scale that loop closing brought to this key frame: poses given
                      // relative to it before a change have translations in the old unit
 };
 
@@ -100,7 +99,7 @@ class Map {
   void attach_to_tree(KeyFrameId id);
   // Erases it with its observations and edges; points left with fewer than two observers go too (one is enough if that
   // observer has depth for it). Children are re-attached as in §2 of algorithms.md. False (and nothing done) for a
-  // root, a protected or a stale one. Its pose relative to its parent stays known to resolve().
+  // root or a stale one. Its pose relative to its parent stays known to resolve().
   bool erase_key_frame(KeyFrameId id);
   const KeyFrame* find(KeyFrameId id) const { return key_frames_.find(id); }         // nullptr: stale
   const KeyFrame& at(KeyFrameId id) const { return key_frames_.at(id); }             // must be live (asserted)
@@ -112,13 +111,11 @@ class Map {
   // The correction of a loop: the pose, and the factor by which lengths near this key frame grew. Counted by moves(),
   // as is join_submaps(): what was read of the map before such a move does not fit what is read after it.
   bool correct_pose(KeyFrameId id, const SE3& T_cw, double growth);
-  void protect(KeyFrameId id);
-  void unprotect(KeyFrameId id);
   void add_loop_edge(KeyFrameId a, KeyFrameId b);
   const KeyFrameDatabase& database() const { return database_; }
   size_t key_frame_count() const { return key_frames_.size(); }
   std::vector<KeyFrameId> key_frames() const;               // by rising serial
-  std::vector<KeyFrameId> key_frames(uint32_t submap) const;  // of one submap
+  std::vector<KeyFrameId> key_frames(uint32_t submap) const;  // those of one submap
 
   // A live key frame that stands for `id`, and T_ar that takes r = the returned one's camera to a = the asked one's
   // camera: itself and the identity when live; for an erased one the nearest living ancestor. Nothing for a handle that
@@ -127,8 +124,8 @@ class Map {
     KeyFrameId key_frame;
     SE3 T_ar;
     double scale = 1;
-    // A camera that hangs on the asked key frame: its pose from that of the returned one. T_ca, and KeyFrame::scale of
-    // the asked one, as they were when the camera was there: after a loop lengths may have changed round it.
+    // The pose of a camera given relative to the asked key frame, relative to the returned one. T_ca, and KeyFrame::scale
+    // of the asked one, as they were when the camera was there: a loop may have changed lengths around it since.
     SE3 carry(const SE3& T_ca, double scale_then) const {
       return SE3(T_ca.R(), Eigen::Vector3d(scale / scale_then * T_ca.t())) * T_ar;
     }
@@ -140,17 +137,17 @@ class Map {
   void count_move() { ++moves_; }
 
   // ---- The camera ----
-  // Of the undistorted keypoints of every key frame, which stay as they are when it is refined. Counted by moves().
+  // The camera that all undistorted keypoints are of; they stay as they are when it is refined. Counted by moves().
   const Pinhole& camera() const { return camera_; }
   void set_camera(const Pinhole& camera);
 
   // ---- Submaps ----
   const std::vector<Submap>& submaps() const { return submaps_; }  // by rising id: the oldest first
   const Submap* submap(uint32_t id) const;                   // nullptr: there is none (any more)
-  KeyFrameId root() const { return submaps_.empty() ? KeyFrameId{} : submaps_.front().root; }  // of the oldest submap
+  KeyFrameId root() const { return submaps_.empty() ? KeyFrameId{} : submaps_.front().root; }  // the oldest submap's
   bool is_root(KeyFrameId id) const;
-  // Joins the submap of `child` to that of `parent`: all of it is moved by S (p_there = S * p_here), its tree hangs on
-  // `child` from now on, and `child` below `parent`. False (nothing done) when either is stale, both are of one submap,
+  // Joins the submap of `child` to that of `parent`: all of it is moved by S (p_there = S * p_here), `child` becomes the
+  // root of its tree, and `parent` the parent of `child`. False (nothing done) when either is stale, both are of one submap,
   // or S is not finite.
   bool join_submaps(KeyFrameId child, KeyFrameId parent, const Sim3& S);
   // Everything of a submap goes. False when there is none of this id.
@@ -185,6 +182,11 @@ class Map {
   bool replace_point(MapPointId old, MapPointId by);
   // The live handle that `id` has become through replacements; invalid when it was erased.
   MapPointId forwarded(MapPointId id) const;
+  // Replacements made before the key frame of this serial are forgotten: the handles they forwarded lead nowhere from now
+  // on. For handles that nobody holds any more. (Erased key frames are never forgotten: every frame of a recording may be
+  // given relative to one.)
+  void forget_forwarding(uint32_t before_serial);
+  size_t forwarding_count() const { return replaced_by_.size(); }
   const MapPoint* find(MapPointId id) const { return points_.find(id); }
   const MapPoint& at(MapPointId id) const { return points_.at(id); }
   bool set_position(MapPointId id, const Eigen::Vector3d& position_w);  // false when stale or not finite
@@ -226,13 +228,18 @@ class Map {
   struct Ancestor {
     KeyFrameId parent;
     SE3 T_cp;                            // pose relative to the parent at erasure
-    double scale = 1, parent_scale = 1;  // of both at erasure
+    double scale = 1, parent_scale = 1;  // scales of both at erasure
+  };
+
+  struct Replacement {
+    MapPointId by;
+    uint32_t serial = 0;  // the serial of the key frame that was newest then
   };
 
   SlotStore<KeyFrameId, KeyFrame> key_frames_;
   SlotStore<MapPointId, MapPoint> points_;
-  std::unordered_map<MapPointId, MapPointId> replaced_by_;  // looked up, never iterated
-  std::unordered_map<KeyFrameId, Ancestor> erased_frames_;  // looked up, never iterated
+  std::unordered_map<MapPointId, Replacement> replaced_by_;  // iterated for forgetting alone, where order is nothing
+  std::unordered_map<KeyFrameId, Ancestor> erased_frames_;   // looked up, never iterated
   KeyFrameDatabase database_;
   Pinhole camera_;
   std::vector<Submap> submaps_;  // by rising id; each has a key frame
@@ -242,9 +249,9 @@ class Map {
 
   Submap& submap_at(uint32_t id);
   KeyFrameId insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features, uint32_t submap);
-  void hang_tree_on(KeyFrameId id);
+  void reroot_tree(KeyFrameId id);
   void add_weight(KeyFrameId a, KeyFrameId b, int delta);
-  void rebuild_shared();                                   // of all key frames, from the observations
+  void rebuild_shared();                                   // makes it anew for all key frames, from the observations
   void find_submaps(const std::vector<KeyFrameId>& frames);  // from the trees; frames by rising serial
   void unlink_observations(MapPointId id);
   void reattach_children(KeyFrameId id);

@@ -99,7 +99,7 @@ bool Map::replace_point(MapPointId old, MapPointId by) {
   MapPoint& point = points_.at(by);
   point.visible += visible;
   point.found += found;
-  replaced_by_[old] = by;
+  replaced_by_[old] = {by, next_serial_ - 1};
   refresh_point(by);
   return true;
 }
@@ -108,9 +108,13 @@ MapPointId Map::forwarded(MapPointId id) const {
   while (!points_.find(id)) {
     const auto next = replaced_by_.find(id);
     if (next == replaced_by_.end()) return {};
-    id = next->second;
+    id = next->second.by;
   }
   return id;
+}
+
+void Map::forget_forwarding(uint32_t before_serial) {
+  std::erase_if(replaced_by_, [&](const auto& entry) { return entry.second.serial < before_serial; });
 }
 
 bool Map::set_position(MapPointId id, const Eigen::Vector3d& position_w) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What tracking asks of mapping, and what it is told back. Plain values: the actors share nothing else but the map.
+// The requests of tracking to mapping, and the answers. Plain values: the actors share nothing else but the map.
 #pragma once
 
 #include <cstdint>
@@ -44,7 +44,7 @@ struct InitialMapRequest {
 
 // The answer to either request.
 struct KeyFrameMade {
-  int64_t frame = 0;     // of the request
+  int64_t frame = 0;     // the request's
   KeyFrameId key_frame{};  // the new one; invalid when the request was refused
   KeyFrameId first{};      // initial maps: the first of the two
 };

@@ -43,15 +43,15 @@ struct MapState {
   std::vector<MapPointState> points;
   uint32_t root = kNone;  // index of the first key frame without a parent
   uint32_t next_serial = 0;
-  Pinhole camera;  // of all key frames
+  Pinhole camera;  // the camera of all key frames
 };
 
-// Whether a pyramid can be made of these figures: at most 32 levels, a factor from 1 to 4.
+// True when a pyramid can be made of these figures: at most 32 levels, a factor from 1 to 4.
 bool valid_pyramid(int levels, float factor);
 
 bool valid_camera(const Pinhole& camera);
 
-// What is wrong with features, for example after reading them from a file; empty when nothing is. The grid is not
+// The fault of features, for example after reading them from a file; empty when nothing is. The grid is not
 // looked at: it is built from arrays that pass here, with these bounds.
 std::string problem_of(const Features& features, const ImageBounds& bounds);
 

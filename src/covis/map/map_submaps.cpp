@@ -52,8 +52,8 @@ KeyFrameId Map::begin_submap(int64_t frame, Timestamp stamp, const SE3& T_cw, Fe
   return id;
 }
 
-// Turns the links on the way from `id` up to the root of its tree round.
-void Map::hang_tree_on(KeyFrameId id) {
+// Makes `id` the root of its tree: the links on the way up from it are reversed.
+void Map::reroot_tree(KeyFrameId id) {
   KeyFrameId below;
   while (id.valid()) {
     KeyFrame& key_frame = key_frames_.at(id);
@@ -86,7 +86,7 @@ bool Map::join_submaps(KeyFrameId child, KeyFrameId parent, const Sim3& S) {
     key_frame.scale *= S.scale();
     key_frame.submap = to;
   });
-  hang_tree_on(child);
+  reroot_tree(child);
   key_frames_.at(child).parent = parent;
   std::vector<KeyFrameId>& children = key_frames_.at(parent).children;
   children.insert(std::lower_bound(children.begin(), children.end(), child), child);

@@ -37,7 +37,7 @@ TEST(Map, PartsStandBesideEachOther) {
   EXPECT_EQ(f.map.at(e).submap, 2u) << "numbers are not used again";
 }
 
-// What a submap looks like from within does not change when it is joined to another.
+// The look of a submap from within does not change when it is joined to another.
 TEST(Map, JoiningMovesAPartAsAWhole) {
   MapFixture f;
   const KeyFrameId a = f.frame(0, true), b = f.frame(1, true);
@@ -71,7 +71,7 @@ TEST(Map, JoiningMovesAPartAsAWhole) {
   EXPECT_EQ(f.map.root(), a);
   for (const KeyFrameId& id : {root, c, d}) EXPECT_EQ(f.map.at(id).submap, f.map.at(a).submap);
   EXPECT_EQ(f.map.at(d).parent, b);
-  EXPECT_EQ(f.map.at(c).parent, d) << "the tree hangs on the key frame that was tied";
+  EXPECT_EQ(f.map.at(c).parent, d) << "the key frame that was tied is the root of its tree";
   EXPECT_EQ(f.map.at(root).parent, c);
   const Eigen::Vector3d now = f.map.at(d).T_cw * f.map.at(p).position_w;
   EXPECT_LT((now - 2.5 * seen).norm(), 1e-9);
@@ -80,7 +80,7 @@ TEST(Map, JoiningMovesAPartAsAWhole) {
   f.map.refresh_point_geometry(p);
   EXPECT_LT((moved.normal_w - f.map.at(p).normal_w).norm(), 1e-9);
   EXPECT_NEAR(moved.d_min, f.map.at(p).d_min, 1e-4);
-  // Poses told before, of erased key frames as well, come along in the new unit.
+  // Poses given before, of erased key frames as well, come along in the new unit.
   const auto resolved = f.map.resolve(gone);
   ASSERT_TRUE(resolved);
   EXPECT_DOUBLE_EQ(resolved->scale, 2.5);

@@ -14,7 +14,7 @@ struct RelativePose {
   double scale = 1;      // KeyFrame::scale of the reference when T_cr was measured: loops may change lengths after it
   SE3 T_cr;              // from the reference's camera to this one
 
-  // Of a camera at T_cw now, relative to a live key frame.
+  // The pose of a camera at T_cw now, relative to a live key frame.
   static RelativePose of(const Map& map, const SE3& T_cw, KeyFrameId key_frame) {
     const KeyFrame& reference = map.at(key_frame);
     return {key_frame, reference.scale, T_cw * reference.T_cw.inverse()};

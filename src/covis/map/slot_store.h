@@ -56,7 +56,7 @@ class SlotStore {
   }
   T& at(Handle id) { return const_cast<T&>(std::as_const(*this).at(id)); }
 
-  // Of what is in this slot; invalid when nothing is.
+  // The handle of the value in this slot; invalid when it is empty.
   Handle handle(uint32_t slot) const {
     return slot < slots_ && at_slot(slot).value ? Handle{slot, at_slot(slot).generation} : Handle{};
   }
@@ -83,7 +83,7 @@ class SlotStore {
     std::optional<T> value;
     uint32_t generation = 0;
   };
-  // Of a size that wastes little: a deque would have three map points to a piece of its own.
+  // This size wastes little: a deque would have three map points to a piece of its own.
   static constexpr uint32_t kBlock = 32;
   using Block = std::array<Slot, kBlock>;
 

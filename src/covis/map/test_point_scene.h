@@ -29,7 +29,7 @@ struct PointScene {
     Descriptor descriptor;
     double reach = 8;  // metres: the distance at which it is seen at level 0 (MapPoint::d_max)
   };
-  // What a camera sees, without occlusion.
+  // The view of a camera, without occlusion.
   struct View {
     FeaturesPtr features;
     std::vector<size_t> point;  // for each feature the index of its point in the scene
@@ -40,7 +40,7 @@ struct PointScene {
   Pinhole camera{500, 500, 320, 240, 50};
   ImageBounds bounds{0, 0, 640, 480};
   double noise = 0;       // pixels, standard deviation of each coordinate of a keypoint
-  int flipped_bits = 0;   // of each descriptor, at random, in each view
+  int flipped_bits = 0;   // bits of each descriptor, at random, in each view
   double max_depth = 20;  // metres: points beyond have no depth in stereo and RGB-D views
 
   const SE3& T_wc_of(size_t i) const { return T_wc[i % T_wc.size()]; }
@@ -122,7 +122,7 @@ struct SceneMap {
   Sensor sensor;
   SharedMap shared;
   std::vector<KeyFrameId> frames;       // as they were added
-  std::vector<PointScene::View> views;  // of each
+  std::vector<PointScene::View> views;  // the view of each
   std::vector<MapPointId> handles;      // for each point of the scene the map's point, or an invalid handle
   size_t memory = ~size_t{0};           // key frames after which a point that was not seen again is taken for a new one
 

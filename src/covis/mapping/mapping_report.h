@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the mapper reports of a key frame.
+// The mapper's report on a key frame.
 #pragma once
 
 #include "covis/map/map_requests.h"

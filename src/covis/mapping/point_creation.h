@@ -17,7 +17,7 @@ namespace covis {
 struct TriangulatedPoint {
   Eigen::Vector3d position_w;
   KeyFrameId neighbour;
-  uint32_t feature = 0, neighbour_feature = 0;  // of the new key frame, and of the neighbour
+  uint32_t feature = 0, neighbour_feature = 0;  // features of the new key frame and of the neighbour
 };
 
 // Points of features that no point has yet, with the first neighbour that shows them. Neighbours too near the new key

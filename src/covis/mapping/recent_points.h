@@ -23,7 +23,7 @@ class RecentPoints {
  private:
   struct Recent {
     MapPointId point;
-    uint32_t serial = 0;  // of the key frame it was made with
+    uint32_t serial = 0;  // the serial of the key frame it was made with
   };
   std::vector<Recent> recent_;
 };

@@ -19,7 +19,7 @@ struct EpipolarMatchOptions {
   int max_distance = kHammingLow;
   double max_chi2 = 3.84;  // squared distance to the line over sigma^2 (1 degree of freedom, 95 %)
   double epipole_margin =
-      10.0;  // pixels x scale round the epipole where nothing is matched, unless one of both has depth
+      10.0;  // pixels x scale around the epipole where nothing is matched, unless one of both has depth
   bool check_rotation = true;
 };
 

@@ -30,7 +30,7 @@ NearestTwo NearestRow(const Descriptor& a, uint32_t a_index, const DescriptorPla
     const auto distance = hn::Add(hn::Add(turned(a0, 0), turned(a1, 1)), hn::Add(turned(a2, 2), turned(a3, 3)));
     const auto high = hn::ShiftLeft<kNearIndexBits>(distance);
     hn::Store(hn::Min(hn::Load(d, column + j), hn::Or(high, owner)), d, column + j);
-    // What pads the planes is nobody's nearest.
+    // The padding of the planes is nobody's nearest.
     const auto key = hn::IfThenElse(hn::Lt(index, end), hn::Or(high, index), hn::Set(d, kFarthest));
     second = hn::Min(second, hn::Max(best, key));
     best = hn::Min(best, key);

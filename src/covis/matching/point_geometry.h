@@ -16,7 +16,7 @@ inline Eigen::Vector3d unproject_depth(const Pinhole& camera, const Features& fe
   return camera.unproject(features.x[feature], features.y[feature]) * z;
 }
 
-// Whether a point lies within the 95 % bound of the measurement of feature i. False for a point behind the camera.
+// True when a point lies within the 95 % bound of the measurement of feature i. False for a point behind the camera.
 inline bool reprojects_well(const Eigen::Vector3d& p_c, const Pinhole& camera, const Features& features, uint32_t i) {
   if (!(p_c.z() > 0)) return false;
   const float u_right = features.u_right[i];

@@ -9,7 +9,7 @@ namespace covis {
 std::optional<PredictedView> predict_view(const PointSet& points, size_t k, const SE3& T_cw,
                                           const Eigen::Vector3d& centre_w, const Pinhole& camera,
                                           const Features& features) {
-  constexpr float kNearestShare = 0.8f, kFarthestShare = 1.2f;  // of the range of distances
+  constexpr float kNearestShare = 0.8f, kFarthestShare = 1.2f;  // shares of the range of distances
   constexpr float kMinCosine = 0.5f;                  // 60 degrees
   const Eigen::Vector3d position = points.position(k);
   const Eigen::Vector3d p_c = T_cw * position;

@@ -23,10 +23,10 @@ enum class LevelRule {
   seen_or_finer,   // that level and all finer ones: the camera moves back
 };
 
-// Whether a matched keypoint must lie within the 95 % bound of its measurement error.
+// Says if a matched keypoint must lie within the 95 % bound of its measurement error.
 enum class MatchError { not_asked, within_bound };
 
-// What a match has to fulfil. Windows are half their side, pixels x scale of the level.
+// The conditions of a match. Windows are half their side, pixels x scale of the level.
 struct MatchGate {
   double window = 4;
   double window_frontal = 4;  // for points seen nearly as before (cosine above 0.998)
@@ -61,7 +61,7 @@ struct PredictedView {
   int level = 0;       // predicted pyramid level
 };
 
-// Nothing when point k is behind the camera, outside the image, outside 0.8 d_min … 1.2 d_max, or seen at more than 60
+// No view when point k is behind the camera, outside the image, outside 0.8 d_min … 1.2 d_max, or seen at more than 60
 // degrees from its mean viewing direction (ORB-SLAM, V-D). `centre_w` is that of T_cw.
 std::optional<PredictedView> predict_view(const PointSet& points, size_t k, const SE3& T_cw,
                                           const Eigen::Vector3d& centre_w, const Pinhole& camera,

@@ -12,7 +12,7 @@
 
 namespace covis {
 
-// What is looked for, and where. Pixels are undistorted.
+// A descriptor that is looked for, and the window. Pixels are undistorted.
 struct WindowQuery {
   float u = 0, v = 0;
   float u_right = -1;  // expected column in the right image; negative: not checked
@@ -45,7 +45,7 @@ class WindowMatcher {
 };
 
 // Drops matches whose change of orientation disagrees with the bulk: of a histogram of the angle differences (30 bins
-// round the circle), only the three neighbouring bins that hold most stay. angle_a[k] and angle_b[k] (radians) belong
+// around the circle), only the three neighbouring bins that hold most stay. angle_a[k] and angle_b[k] (radians) belong
 // to match k; matches with keep[k] == 0 are not looked at, keep[k] becomes 0 for the dropped. Returns the number kept.
 int check_rotation(std::span<const float> angle_a, std::span<const float> angle_b, std::vector<uint8_t>& keep);
 

@@ -33,6 +33,7 @@ MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic
   apply_adjustment(report);
   close_loop(report);
   refine_focal(report.key_frame);
+  forget_replaced_points(report.key_frame);
   report.loop_ms = watch.ms();
   report.total_ms = total.ms();
   return report;
@@ -70,6 +71,14 @@ void Backend::refine_focal(KeyFrameId current) {
   const auto map = map_.read();
   if (const std::optional<int> key_frames = focal_.ask(*map))
     background_.start(FocalRefinement::of(*map, current, given_fx_), *key_frames);
+}
+
+// Handles are held by the tracker (points of the last frame and counts, reported with the next key frame), by requests in
+// the inbox, and by the mapper's recent points: a few key frames.
+void Backend::forget_replaced_points(KeyFrameId current) {
+  constexpr uint32_t kKept = 100, kEvery = 20;  // key frames
+  const uint32_t serial = map_.read()->at(current).serial;
+  if (serial > kKept && serial % kEvery == 0) map_.write()->forget_forwarding(serial - kKept);
 }
 
 void Backend::finish() {

@@ -24,7 +24,7 @@ struct BackendOptions {
   MapperOptions mapper;
   LoopOptions loop;
   double close_depth_baselines = 0;  // TrackerOptions::key_frame.close_depth_baselines
-  int seed = 0;                      // of the random choices
+  int seed = 0;                      // seed of the random choices
   Schedule schedule = Schedule::deterministic;
 
   explicit BackendOptions(const SystemOptions& options);
@@ -47,6 +47,7 @@ class Backend {
   void apply_adjustment(MappingReport& report);
   void close_loop(MappingReport& report);
   void refine_focal(KeyFrameId current);
+  void forget_replaced_points(KeyFrameId current);
 
   SharedMap& map_;
   const BackendOptions options_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the back end is asked besides key frames, and what it reports of one.
+// The requests to the back end besides key frames, and its report on a key frame.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,8 @@ using BackendRequest = std::variant<KeyFrameRequest, InitialMapRequest, DiscardS
 // The answer to a KeyFrameRequest or an InitialMapRequest.
 struct MappingReport : MapperReport {
   LoopReport loop;
-  double loop_ms = 0;             // of loop closing, and of applying and starting jobs in the background
-  double full_adjustment_ms = 0;  // of the full bundle adjustment whose result was applied with this key frame
+  double loop_ms = 0;             // loop closing, and applying and starting jobs in the background
+  double full_adjustment_ms = 0;  // the full bundle adjustment whose result was applied with this key frame
   double total_ms = 0;
 };
 
