@@ -19,7 +19,7 @@ cv::Mat in_colour(const ImageU8& image) {
   return colour;
 }
 
-// Near red, far blue.
+// Colours near depths red and far depths blue.
 cv::Scalar depth_colour(double depth, double nearest, double farthest) {
   const double s = std::clamp((1 / depth - 1 / farthest) / (1 / nearest - 1 / farthest), 0.0, 1.0);
   return {255 * (1 - s), 255 * (1 - std::abs(2 * s - 1)), 255 * s};
@@ -44,7 +44,8 @@ cv::Mat CheckPicture::Impl::draw_stereo(const io::Frame& frame, const Features& 
   cv::Mat both;
   cv::hconcat(in_colour(frame.image), in_colour(frame.right), both);
   for (int y = 15; y < both.rows; y += 30) cv::line(both, {0, y}, {both.cols, y}, {0, 160, 0}, 1);
-  const double nearest = camera.pinhole.bf / 100, farthest = camera.pinhole.bf / 2;  // disparities of 100 and 2 pixels
+  // The depths at disparities of 100 and 2 pixels.
+  const double nearest = camera.pinhole.bf / 100, farthest = camera.pinhole.bf / 2;
   for (int i = 0; i < f.size(); ++i) {
     const auto k = static_cast<size_t>(i);
     if (!f.has_depth(i)) continue;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture `covis check` leaves: for stereo both images with rows across and matched keypoints joined (rows must
-// meet the same things), for RGB-D the depth laid over the image (edges must meet), for one camera its keypoints.
+// The picture written by `covis check`: for stereo both images with horizontal lines and matched keypoints joined (a
+// line must cross the same objects in both), for RGB-D the depth laid over the image (edges must coincide), for
+// monocular the keypoints.
 #pragma once
 
 #include <filesystem>
@@ -16,11 +17,11 @@ namespace covis::app {
 
 class CheckPicture {
  public:
-  static constexpr int kFrames = 4;  // drawn, one below the other
+  static constexpr int kFrames = 4;  // number of frames drawn, one below the other
 
   CheckPicture(const Camera& camera, Sensor sensor);
   ~CheckPicture();
-  // Of a stereo pair: the share of the left keypoints that have a match on the same row of the right image.
+  // Returns for a stereo pair the share of the left keypoints that have a match in the same row of the right image.
   std::optional<double> add(const io::Frame& frame);
   Result<void> write(const std::filesystem::path& file) const;
   std::string caption() const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// covis check: what a recording is, and what is wrong with it.
+// covis check: describes a recording and reports its defects.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -44,7 +44,7 @@ double depth_share(const ImageF& depth) {
   return static_cast<double>(valid) / depth.width() / depth.height();
 }
 
-// What a frame lacks that can be seen without tracking it.
+// Reports defects of a frame that are visible without tracking it.
 void look_at(const io::Frame& frame, std::vector<Problem>& problems) {
   const double grey = mean_grey(frame.image);
   if (grey < 8)
@@ -55,7 +55,7 @@ void look_at(const io::Frame& frame, std::vector<Problem>& problems) {
     problems.push_back({frame.index, "the depth image is nearly empty"});
 }
 
-// Gaps of more than twice and a half the usual step.
+// Reports gaps of more than two and a half times the median interval.
 void look_for_gaps(const std::vector<Timestamp>& stamps, std::vector<Problem>& problems,
                    const std::vector<int64_t>& frames) {
   std::vector<double> gaps;  // seconds
@@ -82,11 +82,11 @@ void print(const nlohmann::json& found) {
   std::printf("%zu problem%s\n", found["problems"].size(), found["problems"].size() == 1 ? "" : "s");
 }
 
-// What reading all frames shows.
+// Results of reading all frames.
 struct Findings {
   std::vector<Problem> problems;
-  std::vector<Timestamp> stamps;  // of the frames that could be read
-  std::vector<int64_t> frames;    // their indices
+  std::vector<Timestamp> stamps;  // stamps of the readable frames
+  std::vector<int64_t> frames;    // indices of the readable frames
   int64_t unreadable = 0;
 };
 
@@ -171,7 +171,8 @@ int run(const CheckArguments& a) {
 void add_check_command(CLI::App& app, int& exit_code) {
   using namespace covis::app;
   auto a = std::make_shared<CheckArguments>();
-  CLI::App* command = app.add_subcommand("check", "Say what a recording is and what is wrong with it, with a picture");
+  CLI::App* command =
+      app.add_subcommand("check", "Describe a recording and report what is wrong with it, with a picture");
   command->add_option("PATH", a->path, "folder (TUM RGB-D, KITTI, EuRoC, images), video file, or camera number")
       ->required();
   add_reading_options(*command, a->reading);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// covis eval: how far a trajectory is from the truth.
+// covis eval: the deviation of a trajectory from the ground truth.
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <map>
@@ -71,9 +71,8 @@ void add_eval_command(CLI::App& app, int& exit_code) {
                    "the truth: TUM, KITTI or EuRoC file (of the camera; EuRoC's own truth is of the body)")
       ->required();
   command
-      ->add_option(
-          "--align", a->align,
-          "se3, sim3 (with scale: monocular), none, or first, first-sim3 (by the first pose: how far it strays)")
+      ->add_option("--align", a->align,
+                   "se3, sim3 (with scale: monocular), none, or first, first-sim3 (by the first pose: shows the drift)")
       ->capture_default_str()
       ->check(CLI::IsMember(keys(kAligns)));
   command->add_flag("--json", a->json, "JSON on stdout");
@@ -83,7 +82,7 @@ void add_eval_command(CLI::App& app, int& exit_code) {
   command->add_option("--max-difference", a->max_difference, "seconds between a pose and its truth")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
-  command->add_option("--delta", a->delta, "of the relative pose error")
+  command->add_option("--delta", a->delta, "step of the relative pose error")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   command->add_option("--delta-unit", a->delta_unit, "frames, s or m")

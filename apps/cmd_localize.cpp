@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// covis localize: where single images were taken, each on its own, in a saved map.
+// covis localize: locates single images, each on its own, in a saved map.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
@@ -27,7 +27,7 @@ struct LocalizeArguments {
 };
 
 struct Found {
-  std::vector<Trajectory> of_map;  // poses, by the map they are in
+  std::vector<Trajectory> of_map;  // poses, grouped by the map they belong to
   int64_t frames = 0, unreadable = 0;
   std::vector<double> times;  // ms
   size_t localized() const {
@@ -105,12 +105,12 @@ int localize(const LocalizeArguments& arguments) {
 void add_localize_command(CLI::App& app, int& exit_code) {
   using namespace covis::app;
   auto arguments = std::make_shared<LocalizeArguments>();
-  CLI::App* command = app.add_subcommand("localize", "Find single images in a saved map, each from nothing");
+  CLI::App* command = app.add_subcommand("localize", "Locate single images in a saved map, each on its own");
   command->add_option("PATH", arguments->path, "images: a recording's folder or a video")->required();
   command->add_option("--map", arguments->map, "saved map (covis run --save-map)")->required();
   command->add_option("--out", arguments->out, "poses found, TUM format, in the map's world")->capture_default_str();
   add_reading_options(*command, arguments->reading);
-  command->add_option("--vocabulary", arguments->vocabulary, "vocabulary (default: the one that comes along)");
+  command->add_option("--vocabulary", arguments->vocabulary, "vocabulary (default: the one that ships)");
   command->add_option("--features", arguments->features, "keypoints an image")->check(CLI::Range(50, 30000));
   command->add_flag("--json", arguments->json, "the summary as JSON on stdout");
   command->footer("Examples:\n  covis localize office2 --map office.m --out found.txt");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// covis map: what a saved map holds, and whether it is whole.
+// covis map: describes a saved map and checks its integrity.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
@@ -77,13 +77,13 @@ int run_check(const MapArguments& a) {
 void add_map_command(CLI::App& app, int& exit_code) {
   using namespace covis::app;
   auto a = std::make_shared<MapArguments>();
-  CLI::App* command = app.add_subcommand("map", "Say what a saved map holds, and whether it is whole");
+  CLI::App* command = app.add_subcommand("map", "Describe a saved map, or check its integrity");
   command->require_subcommand(1);
   CLI::App* info = command->add_subcommand("info", "Version, camera, sensor, counts, extent, duration and size");
   info->add_option("FILE", a->file, "a saved map")->required();
   info->add_flag("--json", a->json, "JSON on stdout");
   info->callback([a, &exit_code] { exit_code = run_info(*a); });
-  CLI::App* check = command->add_subcommand("check", "Load it, look at everything, and say what is wrong");
+  CLI::App* check = command->add_subcommand("check", "Load the map, check all of it, and report what is wrong");
   check->add_option("FILE", a->file, "a saved map")->required();
   check->callback([a, &exit_code] { exit_code = run_check(*a); });
   command->footer(

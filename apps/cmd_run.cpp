@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// covis run: a recording or a camera in, a trajectory and a map out.
+// covis run: reads a recording or a camera, and writes a trajectory and a map.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -44,7 +44,7 @@ struct RunArguments {
 const std::map<std::string, io::TrajectoryFormat> kWriteFormats{
     {"tum", io::TrajectoryFormat::tum}, {"kitti", io::TrajectoryFormat::kitti}, {"euroc", io::TrajectoryFormat::euroc}};
 
-// The settings as the file, --set and the other options have them.
+// Combines the settings from the file, --set and the other options.
 Result<void> apply_settings(const RunArguments& arguments, const Fields& known, SystemOptions& options) {
   if (!arguments.config.empty()) {
     if (auto loaded = io::load_settings(arguments.config, known); !loaded) return loaded;
@@ -75,7 +75,7 @@ Result<void> open_output_folder(const std::string& folder) {
   return {};
 }
 
-// Nothing when there is none, or it can't be read: then a warning says why.
+// Returns nullopt when there is no ground truth, or when it cannot be read; the latter logs a warning.
 std::optional<Trajectory> read_truth(const io::Sequence& sequence) {
   if (!sequence.truth()) return std::nullopt;
   auto truth = io::load_truth(sequence);
@@ -84,7 +84,7 @@ std::optional<Trajectory> read_truth(const io::Sequence& sequence) {
   return std::nullopt;
 }
 
-// Computes the summary and writes the run's files, and the map where it is asked for.
+// Computes the summary and writes the run's files, and the map if requested.
 Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, const System& system,
                         const io::Sequence& sequence, const storage::MapHeader& header) {
   const std::optional<Trajectory> truth = read_truth(sequence);
@@ -111,9 +111,9 @@ int conclude(const RunArguments& arguments, const RunSummary& summary, io::Seque
   } else if (!arguments.quiet) {
     std::fputs(summary_text(summary, arguments.out).c_str(), stdout);
   }
-  // Nothing but Ctrl-C ends a camera; a recording that was cut short is told by the shell's code for the signal.
+  // Ctrl-C is the normal end of a camera; for a recording the exit code is the shell's code for the signal.
   if (summary.interrupted && kind != io::SequenceKind::camera) {
-    log(LogLevel::warning, "interrupted; what was done until then is written");
+    log(LogLevel::warning, "interrupted; the results so far are written");
     return 128 + interrupted;
   }
   return summary.frames.tracked > 0 ? 0 : 1;
@@ -123,7 +123,7 @@ LoopOptions loop_options(const RunArguments& arguments, const SystemOptions& opt
   LoopOptions loop;
   loop.first = arguments.reading.first;
   loop.stride = arguments.reading.stride;
-  // A camera's frames come at their own times anyway.
+  // A camera's frames arrive in real time anyway.
   if (arguments.realtime && kind != io::SequenceKind::camera) loop.pacing = Pacing::recorded;
   if (options.localize) loop.mode = RunMode::localization;
   loop.show_progress = !arguments.quiet;
@@ -142,7 +142,7 @@ int run(const RunArguments& arguments) {
   if (const auto chosen = choose_instructions(arguments.simd); !chosen) return fail_with(chosen.error());
   if (arguments.path.empty())
     return fail_with("run: PATH is missing: a recording's folder, a video file or a camera's number");
-  // From here on Ctrl-C is an end like the recording's own.
+  // From here on Ctrl-C ends the run like the end of the recording.
   end_well_on_signals();
   const auto sequence = io::open_sequence(arguments.path, arguments.reading.options());
   if (!sequence) return fail_with(sequence.error());
@@ -190,17 +190,17 @@ void add_run_command(CLI::App& app, int& exit_code) {
                       "folder (TUM RGB-D, KITTI, EuRoC, images), video file, or camera number");
   add_reading_options(*command, arguments->reading);
   command->add_option("--out", arguments->out, "folder for the results")->capture_default_str();
-  command->add_option("--map", arguments->map, "saved map to go on with; the camera is looked for in it");
+  command->add_option("--map", arguments->map, "saved map to continue; the camera is located in it");
   command->add_flag("--localize", arguments->localize, "localise only: the map given by --map is not changed");
   command->add_option("--save-map", arguments->save_map, "file to save the map to (docs/map-format.md)");
   command->add_option("--vocabulary", arguments->vocabulary,
-                      "vocabulary to recognise places by; none: not at all (default: the one that comes along)");
+                      "vocabulary for recognising places; none: do not recognise any (default: the one that ships)");
   command->add_flag("--realtime", arguments->realtime,
-                    "frames come at their own times; late ones are dropped and counted");
+                    "process frames at their own times; late ones are dropped and counted");
   command->add_option("--format", arguments->format, "trajectory format: tum, kitti or euroc")
       ->capture_default_str()
       ->check(CLI::IsMember(keys(kWriteFormats)));
-  command->add_option("--features", arguments->features, "keypoints an image (short for --set orb.features=N)")
+  command->add_option("--features", arguments->features, "keypoints per image (short for --set orb.features=N)")
       ->check(CLI::Range(50, 30000));
   command
       ->add_option("--simd", arguments->simd,
@@ -219,7 +219,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "  covis run video.mp4 --camera phone.yaml --out video\n"
       "  covis run 0 --camera webcam.yaml --realtime --out live\n"
       "  covis run office1 --out o1 --save-map office.m\n"
-      "  covis run office2 --out o2 --map office.m --save-map office.m      go on with the map\n"
+      "  covis run office2 --out o2 --map office.m --save-map office.m      continue the map\n"
       "  covis run office3 --out o3 --map office.m --localize");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }

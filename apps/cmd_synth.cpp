@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// covis synth: renders a recording of a synthetic world, with exact truth.
+// covis synth: renders a recording of a synthetic world, with exact ground truth.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -24,7 +24,7 @@ namespace {
 
 struct SynthArguments {
   SynthOptions options;
-  std::map<std::string, std::string> settings;  // field name to text, of the flags given
+  std::map<std::string, std::string> settings;  // field name to text, for the given flags
   std::string out;
   bool overwrite = false, quiet = false, json = false;
 };
@@ -52,7 +52,8 @@ int synth(SynthArguments arguments) {
     }
     return interrupted == 0;
   };
-  const auto report = write_sequence(*world, arguments.out, arguments.overwrite, progress);
+  const Existing existing = arguments.overwrite ? Existing::replace : Existing::refuse;
+  const auto report = write_sequence(*world, arguments.out, existing, progress);
   if (shown) std::fputs("\n", stderr);
   if (!report) return fail_with(report.error());
 

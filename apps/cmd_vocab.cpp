@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// covis vocab train | info | convert: vocabularies, by which places are recognised.
+// covis vocab train | info | convert: vocabularies for place recognition.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -29,7 +29,7 @@ namespace {
 struct TrainArguments {
   TrainOptions options;
   OrbOptions orb;
-  std::map<std::string, std::string> settings;  // field name to text, of the flags given
+  std::map<std::string, std::string> settings;  // field name to text, for the given flags
   std::vector<std::string> inputs;
   std::string out;
   bool overwrite = false, quiet = false, json = false;
@@ -63,26 +63,27 @@ Result<void> may_write(const std::string& file, bool overwrite) {
   return {};
 }
 
-// A line on a terminal that is written again and again.
+// A line on a terminal that is updated in place.
 class ProgressLine {
  public:
-  explicit ProgressLine(bool shown) : shown_(shown) {}
+  explicit ProgressLine(std::FILE* out) : out_(out) {}  // nullptr: not shown
   ~ProgressLine() {
-    if (begun_) std::fputs("\n", stderr);
+    if (begun_) std::fputs("\n", out_);
   }
-  // Whether to go on.
+  // Returns false when the user asked to stop.
   bool operator()(const char* what, double done) {
-    if (shown_ && (!begun_ || since_.ms() >= 100 || done >= 1)) {
+    if (out_ != nullptr && (!begun_ || since_.ms() >= 100 || done >= 1)) {
       since_.restart();
       begun_ = true;
-      std::fprintf(stderr, "\r\033[K%s %.0f %%  %.0f s", what, 100 * done, all_.ms() / 1000);
-      std::fflush(stderr);
+      std::fprintf(out_, "\r\033[K%s %.0f %%  %.0f s", what, 100 * done, all_.ms() / 1000);
+      std::fflush(out_);
     }
     return interrupted == 0;
   }
 
  private:
-  bool shown_, begun_ = false;
+  std::FILE* out_;
+  bool begun_ = false;
   Stopwatch all_, since_;
 };
 
@@ -136,7 +137,7 @@ int train(TrainArguments arguments) {
   const Stopwatch extraction;
   ExtractionReport report;
   {
-    ProgressLine progress(shown);
+    ProgressLine progress(shown ? stderr : nullptr);
     report = extract_images(*files, arguments.orb, options.threads, set, [&](size_t done) {
       return progress("images", static_cast<double>(done) / static_cast<double>(files->size()));
     });
@@ -144,13 +145,13 @@ int train(TrainArguments arguments) {
   if (report.stopped) return fail_with("stopped; nothing was written");
   if (!report.skipped.empty()) {
     log(LogLevel::warning, std::to_string(report.skipped.size()) + " of " + std::to_string(files->size()) +
-                               " images were passed over, the first because: " + report.skipped.front());
+                               " images were skipped, the first because: " + report.skipped.front());
   }
   const double extraction_s = extraction.ms() / 1000;
   const Stopwatch training;
   Result<std::shared_ptr<const Vocabulary>> vocabulary;
   {
-    ProgressLine progress(shown);
+    ProgressLine progress(shown ? stderr : nullptr);
     vocabulary = train_vocabulary(set.descriptors(), set.offsets(), options,
                                   [&](double done) { return progress("training", done); });
   }
@@ -214,12 +215,11 @@ void add_train(CLI::App& vocab, int& exit_code) {
 }  // namespace covis::app
 
 void add_vocab_command(CLI::App& app, int& exit_code) {
-  CLI::App* vocab =
-      app.add_subcommand("vocab", "Train, look at or convert a vocabulary, by which places are recognised");
+  CLI::App* vocab = app.add_subcommand("vocab", "Train, inspect or convert a vocabulary for recognising places");
   vocab->require_subcommand(1);
   covis::app::add_train(*vocab, exit_code);
   auto arguments = std::make_shared<covis::app::FileArguments>();
-  CLI::App* info_command = vocab->add_subcommand("info", "Tell what a vocabulary is and whether it is whole");
+  CLI::App* info_command = vocab->add_subcommand("info", "Describe a vocabulary and check its integrity");
   info_command->add_option("FILE", arguments->in, "vocabulary, binary or text")->required();
   info_command->add_flag("--json", arguments->json, "as JSON on stdout");
   info_command->callback([arguments, &exit_code] { exit_code = covis::app::info(*arguments); });

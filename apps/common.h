@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the commands share: names of settings, which frames to read, errors, Ctrl-C.
+// Shared by the commands: names of settings, frame selection, errors, Ctrl-C.
 #pragma once
 
 #include <atomic>
@@ -37,7 +37,7 @@ std::string name_of(const std::map<std::string, Value>& map, Value wanted) {
   return {};
 }
 
-// What of a recording is read, and how.
+// Selection of the frames of a recording, and how they are read.
 struct Reading {
   std::string sensor, kind, camera;
   int64_t first = 0, count = -1;
@@ -45,20 +45,20 @@ struct Reading {
 
   io::SequenceOptions options() const;
 };
-// --sensor, --kind, --camera, --first, --count and --stride.
+// Adds --sensor, --kind, --camera, --first, --count and --stride.
 void add_reading_options(CLI::App& command, Reading& reading);
 
 nlohmann::json camera_json(const Camera& camera);
 
-// Say what went wrong and return the exit code for it.
+// Prints the error and returns the exit code for it.
 int fail_with(const std::string& message);
 int fail_with(const Error& error);
 
-// The number of the signal (Ctrl-C or SIGTERM) that asked the command to end well; 0: none did. The handler may run on
-// any thread, so a sig_atomic_t would not do.
+// The number of the signal (Ctrl-C or SIGTERM) that requested a regular end; 0: none. It is atomic because the handler
+// may run on any thread, so a sig_atomic_t would not suffice.
 extern std::atomic<int> interrupted;
 static_assert(std::atomic<int>::is_always_lock_free);
-// From now on the first signal sets `interrupted`, and the second ends the process.
+// Makes the first signal set `interrupted`, and the second end the process.
 void end_well_on_signals();
 
 }  // namespace covis::app

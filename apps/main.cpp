@@ -19,7 +19,7 @@
 
 namespace {
 
-// The library's messages go to stderr; stdout is for results.
+// The library's messages go to stderr; stdout is reserved for results.
 void connect_log() {
   auto logger = spdlog::stderr_color_mt("covis");
   logger->set_pattern("%^%l%$: %v");
@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string("covis ") + covis::version());
   app.require_subcommand(1);
   app.footer(
-      "covis COMMAND --help tells more, with examples.\nExit codes: 0 done; 1 the input or the result is not right; 2 "
+      "covis COMMAND --help shows details and examples.\nExit codes: 0 done; 1 the input or the result is not right; 2 "
       "wrong usage; 130 `run` ended by Ctrl-C, all its files written.");
   int exit_code = 0;
   add_run_command(app, exit_code);
@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
   add_map_command(app, exit_code);
   add_vocab_command(app, exit_code);
   add_localize_command(app, exit_code);
-  // CLI11 alone would not say which word it did not know.
+  // CLI11 alone would not name the unknown word.
   std::vector<std::string> commands;
   for (const CLI::App* command : app.get_subcommands(nullptr)) commands.push_back(command->get_name());
   if (const std::string word = argc > 1 ? argv[1] : "-";
@@ -66,7 +66,7 @@ int main(int argc, char** argv) {
     covis::log(covis::LogLevel::error, error.what());
     return 1;
   }
-  // Results that did not get out (a full disk, a closed pipe) are not done.
+  // Results that could not be written (a full disk, a closed pipe) are a failure.
   if (std::fflush(stdout) != 0 || std::ferror(stdout)) {
     covis::log(covis::LogLevel::error, std::string("stdout: it can't be written: ") + std::strerror(errno));
     return exit_code != 0 ? exit_code : 1;

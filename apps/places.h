@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the commands that run the system share: a vocabulary, and the header of a saved map.
+// Shared by the commands that run the system: loading a vocabulary, and the header of a saved map.
 #pragma once
 
 #include <filesystem>
@@ -14,11 +14,11 @@
 
 namespace covis::app {
 
-// The vocabulary named; with an empty name the default one, which lies in share/covis beside the installed command or
-// in the source tree; null for "none".
+// Loads the named vocabulary. An empty name selects the default one, in share/covis beside the installed command or in
+// the source tree; "none" gives null.
 Result<std::shared_ptr<const Vocabulary>> open_vocabulary(const std::string& name);
 
-// What a map of this run is made with.
+// Returns the header of a map made in this run.
 storage::MapHeader map_header(const Camera& camera, const SystemOptions& options, const Vocabulary* vocabulary);
 
 }  // namespace covis::app

@@ -6,7 +6,7 @@
 
 namespace covis::app {
 
-// Views of the frame's images.
+// Returns views of the frame's images.
 inline System::Input input_of(const io::Frame& frame) {
   return {.frame = frame.index,
           .stamp = frame.stamp,

@@ -18,9 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSizes[] = {640, 1280, 2560};  // longest sides
-constexpr int kPiece = 640;                  // of a piece, about
-constexpr int kLeast = 160;                  // shorter sides hold no pyramid worth having
+constexpr int kSizes[] = {640, 1280, 2560};  // lengths of the longest side, pixels
+constexpr int kPiece = 640;                  // approximate size of a piece, pixels
+constexpr int kLeast = 160;                  // images with a shorter side give no useful pyramid
 
 bool is_image_name(const fs::path& file) {
   static constexpr std::array<std::string_view, 10> kNames = {".bmp", ".jpeg", ".jpg",  ".pgm",  ".png",
@@ -47,9 +47,9 @@ Result<void> add_folder(const fs::path& folder, std::vector<fs::path>& files) {
   return {};
 }
 
-using Pieces = std::vector<std::vector<Descriptor>>;  // the descriptors of each piece of an image
+using Pieces = std::vector<std::vector<Descriptor>>;  // descriptors of each piece of an image
 
-// What a thread works with.
+// Per-thread scratch memory and extractor.
 class Worker {
  public:
   explicit Worker(const OrbOptions& options) : extractor_(options) {}
@@ -81,7 +81,7 @@ class Worker {
     for (int r = 0; r < rows; ++r) {
       for (int c = 0; c < columns; ++c) {
         const int x = image.cols * c / columns, y = image.rows * r / rows;
-        // With memory behind its last row, as the extractor needs it.
+        // The extractor needs readable memory behind the last row.
         piece_.resize(image.cols * (c + 1) / columns - x, image.rows * (r + 1) / rows - y);
         for (int row = 0; row < piece_.height(); ++row) {
           std::copy_n(image.ptr<uint8_t>(y + row) + x, piece_.width(), piece_.row(row));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The images a vocabulary is trained from: found, scaled, cut into pieces, their descriptors extracted.
+// The training images of a vocabulary: finds them, scales them, cuts them into pieces and extracts their descriptors.
 #pragma once
 
 #include <filesystem>
@@ -13,18 +13,18 @@
 
 namespace covis::app {
 
-// Files as they are given, and what folders hold below them by name (jpg, png …) in the order of names; folders called
-// "depth" are passed over.
+// Returns the given files, and the images (jpg, png …) at any depth below the given folders, sorted by name. Folders
+// called "depth" are skipped.
 Result<std::vector<std::filesystem::path>> find_images(const std::vector<std::string>& files_or_folders);
 
 struct ExtractionReport {
-  std::vector<std::string> skipped;  // what is wrong with images that could not be used
+  std::vector<std::string> skipped;  // errors of images that could not be used
   bool stopped = false;
 };
 
-// Adds the descriptors of each image, in their order whatever the number of threads. An image is scaled to a longest
-// side of 640, 1280 and 2560 pixels as far as it is larger, and each of these is cut into pieces of about 640 pixels;
-// each piece counts as an image of its own. progress is told how many images are done; false stops.
+// Adds the descriptors of each image, in their order whatever the number of threads. An image is scaled to longest
+// sides of 640, 1280 and 2560 pixels as far as it is larger, and each of these is cut into pieces of about 640 pixels;
+// each piece counts as an image of its own. `progress` receives the number of images done; returning false stops.
 ExtractionReport extract_images(const std::vector<std::filesystem::path>& files, const OrbOptions& options, int threads,
                                 TrainingSet& set, const std::function<bool(size_t)>& progress);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels one by one, on a procedural picture and random problems; cv::ORB beside our extraction in the same run.
+// Micro-benchmarks of the kernels, on a procedural image and random problems, with cv::ORB for comparison.
 #include <benchmark/benchmark.h>
 
 #include <opencv2/features2d.hpp>
@@ -102,7 +102,7 @@ void BM_Pose(benchmark::State& state) {
 }
 BENCHMARK(BM_Pose)->Unit(benchmark::kMillisecond);
 
-// poses, points: every point is seen from five poses in a row.
+// Arguments: poses, points. Every point is observed from five consecutive poses.
 void BM_BundleAdjustment(benchmark::State& state) {
   Random random(3);
   BundleProblem problem;

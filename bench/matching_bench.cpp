@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Matching by words (the vocabulary's direct index) beside what Covis does: every descriptor against every other
-// (loops; with other gates the reference key frame and relocalisation) and epipolar search (new points). Pairs of
-// rendered views with exact depth, some apart; a match is right when it lies within 3 pixels x scale of where the truth
-// puts the point.
+// Compares matching by words (the vocabulary's direct index) with the methods that Covis uses: comparison of all
+// descriptors (loops and, with other thresholds, the reference key frame and relocalisation) and epipolar search (new
+// points). Uses pairs of rendered views with exact depth, some time apart; a match is right when it lies within 3
+// pixels x scale of the true position of the point.
 //   matching_bench             counters, means over the pairs: right matches, the share of right ones among the matches
 #include <benchmark/benchmark.h>
 
@@ -33,7 +33,7 @@ const Vocabulary& vocabulary() {
   return *loaded;
 }
 
-// Pairs of views `apart` seconds from each other, of worlds of another seed than the vocabulary was trained with.
+// Returns pairs of views `apart` seconds from each other, from worlds with a seed not used to train the vocabulary.
 const std::vector<Pair>& pairs(double apart) {
   static std::map<double, std::vector<Pair>> made;
   std::vector<Pair>& all = made[apart];
@@ -77,7 +77,7 @@ bool is_right(const Pair& pair, const FeatureMatch& match) {
   return std::hypot(at.x() - b.x[j], at.y() - b.y[j]) < 3 * b.pyramid->scale[b.level[j]];
 }
 
-// Nearest both ways among the features under the same node, by the same gates as match_descriptors.
+// Mutual nearest neighbours among the features under the same node, with the same thresholds as match_descriptors.
 std::vector<FeatureMatch> match_by_words(const Pair& pair, const std::vector<uint8_t>& use,
                                          const DescriptorMatchOptions& options) {
   const DirectIndex &wa = pair.index_a, &wb = pair.index_b;
@@ -147,7 +147,7 @@ void measure(benchmark::State& state, Match&& match) {
   state.counters["share_right"] = right / found;
 }
 
-// Those of loops. The reference key frame asks for 0.7, relocalisation for 0.9 and a distance of 64.
+// Thresholds of loop closing. The reference key frame uses 0.7, relocalisation 0.9 and a distance of 64.
 constexpr DescriptorMatchOptions kGates{.max_distance = kHammingLow, .ratio = 0.75f};
 
 void every_descriptor(benchmark::State& state) {
@@ -160,14 +160,14 @@ void by_words(benchmark::State& state) {
   measure(state, [](const Pair& pair, const std::vector<uint8_t>& use) { return match_by_words(pair, use, kGates); });
 }
 
-// For new points: the pose is known.
+// The method for new points, which uses the known pose.
 void epipolar(benchmark::State& state) {
   measure(state, [](const Pair& pair, const std::vector<uint8_t>& use) {
     return match_epipolar(pair.camera, *pair.a, use, *pair.b, {}, pair.T_ba, {});
   });
 }
 
-// What the direct index would cost for each frame.
+// Measures the cost of building the direct index for each frame.
 void making_the_index(benchmark::State& state) {
   const std::vector<Pair>& all = pairs(0.5);
   size_t next = 0;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Relocalisation by the truth: maps the first frames of an RGB-D recording, then places each of the others on its own,
-// from nothing, in that map loaded anew (as `covis localize` does), and tells recall and error beside how much of each
-// frame's view the first ones had seen.
+// Relocalisation measured against the ground truth: maps the first frames of an RGB-D recording, then locates each of
+// the other frames on its own, from scratch, in that map loaded anew (as `covis localize` does), and reports recall and
+// error by the share of each frame's view that the first frames had seen.
 //   relocalisation_bench RECORDING CAMERA.yaml FRAMES_TO_MAP [NAME=VALUE …]
-// Seen: of the frame's depth, put where the truth says, the largest share that one mapping frame sees too: in its
-// image, not hidden (by 5 % of the depth), and along rays at most 20 degrees apart. The map is put into the truth's
-// world by the mean over the mapping frames' poses; a frame found in another map, begun after a loss, counts as not
-// found. As truths have errors too, each is compared with a run of all frames as well, and the frames of that run and
-// of the mapping one, as they were tracked, with the truth; and how far that run turns between two frames with how far
-// the truth does, which no choice of world changes.
+// The share seen is the largest share of the frame's depth points, placed by the ground truth, that one mapping frame
+// sees too: in its image, not hidden (by 5 % of the depth), and along rays at most 20 degrees apart. The map is aligned
+// to the ground truth by the mean over the mapping frames' poses; a frame found in another map, begun after a loss,
+// counts as not found. As ground truth has errors too, each pose is also compared with a run of all frames. In addition
+// the tracked frames of that run and of the mapping run are compared with the ground truth, and so are that run's
+// rotations between two frames, which no choice of world changes.
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
@@ -31,9 +31,10 @@
 namespace covis {
 namespace {
 
-constexpr int kGrid = 20;         // pixels between the depths that are looked at
-constexpr int kEvery = 5;         // mapping frames looked at
-constexpr double kCosine = 0.94;  // of 20 degrees, between the rays of both cameras to what both see
+constexpr int kGrid = 20;  // distance of the sampled depths, pixels
+constexpr int kEvery = 5;  // interval of the mapping frames compared
+// Cosine of 20 degrees, the greatest angle between the two cameras' rays to a common point.
+constexpr double kCosine = 0.94;
 
 struct Settings {
   std::string path, camera_file;
@@ -58,20 +59,20 @@ Result<Settings> parse(const std::vector<std::string>& arguments) {
   return settings;
 }
 
-// Poses by their stamps: the true ones, or those of a run.
+// Poses by stamp: the true ones, or those of a run.
 class Poses {
  public:
   explicit Poses(const Trajectory& poses) {
     for (const auto& pose : poses) T_wc_.emplace(pose.stamp, pose.T_wc);
   }
-  // Of its first map.
+  // Takes the poses of the run's first map.
   explicit Poses(const System& run) {
     const auto snapshot = run.snapshot();
     for (const PoseOfFrame& pose : snapshot->trajectory) {
       if (pose.submap == snapshot->submaps.front().id) T_wc_.emplace(pose.stamp, pose.T_wc);
     }
   }
-  // Within 5 ms; nullptr: there is none.
+  // Returns the pose within 5 ms of the stamp, or nullptr.
   const SE3* at(Timestamp stamp) const {
     constexpr Timestamp kNear = 5'000'000;
     const auto found = T_wc_.lower_bound(stamp - kNear);
@@ -119,8 +120,8 @@ double share_seen(const Camera& camera, const SE3& T_wc, const ImageF& depth, co
   return all > 0 ? static_cast<double>(seen) / all : 0;
 }
 
-// From the estimate's world to the truth's: the mean over poses. (The places of a short walk alone would leave the
-// orientation open by degrees.)
+// Returns the transform from the estimate's world to the ground truth's as the mean over the poses. (The positions of a
+// short walk alone would leave the orientation uncertain by degrees.)
 SE3 mean_motion(const std::vector<std::pair<SE3, SE3>>& poses) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   Eigen::Vector3d estimate = Eigen::Vector3d::Zero(), truth = Eigen::Vector3d::Zero();
@@ -139,7 +140,7 @@ struct PoseError {
   bool small() const { return metres < 0.05 && degrees < 2; }
 };
 
-// By how many degrees camera b is turned as camera a sees it, and about which axis.
+// Returns the rotation of camera b in the frame of camera a as a rotation vector, degrees.
 Eigen::Vector3d turn(const SE3& a_T_wc, const SE3& b_T_wc) {
   return so3_log(a_T_wc.R().transpose() * b_T_wc.R()) * 180 / std::numbers::pi;
 }
@@ -162,7 +163,7 @@ void print(const std::vector<PoseError>& errors) {
 struct Placed {
   double seen = 0;
   bool found = false;
-  PoseError of_truth, of_run;  // of what was found
+  PoseError of_truth, of_run;  // errors of a found frame
 };
 
 void print(const char* name, const std::vector<Placed>& frames) {
@@ -180,7 +181,7 @@ void print(const char* name, const std::vector<Placed>& frames) {
   std::puts("");
 }
 
-// Calls visit(frame) for each frame that can be read.
+// Calls visit(frame) for each readable frame.
 template <class Visit>
 void for_each_frame(io::Sequence& sequence, Visit&& visit) {
   while (true) {
@@ -191,7 +192,7 @@ void for_each_frame(io::Sequence& sequence, Visit&& visit) {
   }
 }
 
-// Maps them all; returns what some of them saw, from where they truly were.
+// Maps all frames; returns the views of some of them at their true poses.
 std::vector<View> map_frames(io::Sequence& sequence, const Poses& truth, System& system) {
   std::vector<View> views;
   for_each_frame(sequence, [&](io::Frame& frame) {
@@ -203,7 +204,7 @@ std::vector<View> map_frames(io::Sequence& sequence, const Poses& truth, System&
   return views;
 }
 
-// From a run's world to that of other poses of its frames.
+// Returns the transform from a run's world to that of other poses of the same frames.
 Result<SE3> to_world_of(const Poses& poses, const Poses& run) {
   std::vector<std::pair<SE3, SE3>> pairs;
   for (const auto& [stamp, T_wc] : run) {
@@ -213,7 +214,7 @@ Result<SE3> to_world_of(const Poses& poses, const Poses& run) {
   return mean_motion(pairs);
 }
 
-// Of a run's frames as they were tracked, once its world is put onto the truth's.
+// Returns the errors of a run's tracked frames after alignment to the ground truth.
 std::vector<PoseError> tracked_errors(const Poses& truth, const Poses& run, const SE3& T_truth_run) {
   std::vector<PoseError> errors;
   for (const auto& [stamp, T_wc] : run) {
@@ -222,11 +223,11 @@ std::vector<PoseError> tracked_errors(const Poses& truth, const Poses& run, cons
   return errors;
 }
 
-// How far the run turns between two frames, over how far the truth does: median, for the turns of more than 10 degrees
-// that are about the camera's x (pitch), y (yaw) and z (roll). A focal length that is wrong, on either side, changes
-// the first two only.
+// Returns the median ratio of the run's rotation between two frames to the true rotation, for rotations of more than 10
+// degrees about the camera's x (pitch), y (yaw) and z (roll). A wrong focal length, of the run or of the ground truth,
+// changes only the first two.
 std::array<double, 3> turn_ratios(const Poses& truth, const Poses& run) {
-  std::vector<std::pair<SE3, SE3>> frames;  // the run's and the truth's
+  std::vector<std::pair<SE3, SE3>> frames;  // estimated and true pose of each frame
   size_t index = 0;
   for (const auto& [stamp, T_wc] : run) {
     const SE3* right = truth.at(stamp);
@@ -246,7 +247,7 @@ std::array<double, 3> turn_ratios(const Poses& truth, const Poses& run) {
   return {quantile(ratios[0], 0.5), quantile(ratios[1], 0.5), quantile(ratios[2], 0.5)};
 }
 
-// Poses to compare with, and the way to their world.
+// Poses to compare with, and the transform to their world.
 struct Reference {
   const Poses* poses;
   SE3 T_reference_map;
@@ -255,7 +256,7 @@ struct Reference {
 struct Placing {
   std::vector<Placed> frames;
   std::vector<double> times;                  // ms
-  std::vector<PoseError> mapped, run_of_all;  // their frames, as tracked, against the truth
+  std::vector<PoseError> mapped, run_of_all;  // errors of the tracked frames of both runs against the ground truth
   std::array<double, 3> turn_ratios{};
 };
 

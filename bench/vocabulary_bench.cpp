@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A vocabulary's times, and how well it finds places again: corridors and streets that no vocabulary was trained from,
-// rendered for two rounds; each frame of the second round asks for the most alike of the first (docs/vocabulary.md).
-//   COVIS_VOCABULARY=FILE vocabulary_bench     without it: the one that ships
+// The speed of a vocabulary, and its recall of places: corridors and streets not used for training are rendered for two
+// rounds, and each frame of the second round queries for the most similar frame of the first (docs/vocabulary.md).
+//   COVIS_VOCABULARY=FILE vocabulary_bench     default: the vocabulary that ships with Covis
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ struct Visit {
   AlignedVector<Descriptor> descriptors;
   Eigen::Vector3d position;
 };
-// Two rounds of a loop; the first has the frames before second[0].
+// Two rounds of a loop; frames before second[0] belong to the first round.
 struct Place {
   std::vector<Visit> first, second;
 };
@@ -85,7 +85,7 @@ struct Entry {
 };
 
 struct Best {
-  double near = 0, far = 0;  // greatest scores within 2 m, and beyond 10 m or elsewhere
+  double near = 0, far = 0;  // greatest scores within 2 m, and beyond 10 m or in another place
   double all = 0;
 };
 
@@ -101,15 +101,15 @@ Best query(const std::vector<Entry>& map, const Entry& asked) {
   return best;
 }
 
-// One in `step` of an image's features.
+// Returns the words of every `step`-th feature of an image.
 std::vector<WordWeight> words_of(const Vocabulary& vocabulary, const Visit& visit, size_t step) {
   AlignedVector<Descriptor> some;
   for (size_t i = 0; i < visit.descriptors.size(); i += step) some.push_back(visit.descriptors[i]);
   return vocabulary.transform(some).words;
 }
 
-// Args: how many of the places are in the map (all of them are asked for in maps of that many); how many of 1000
-// features are used.
+// Arguments: the number of places in a map (all places are queried, in maps of that many); the number of features used
+// out of 1000.
 void BM_Recall(benchmark::State& state) {
   const auto voc = vocabulary(state);
   if (!voc) return;

@@ -33,7 +33,7 @@ std::string format(const char* pattern, auto... values) {
 class ImageWriter {
  public:
   ImageWriter() : queue_(kQueued), thread_([this] { run(); }) {}
-  ~ImageWriter() { queue_.close(); }  // and the thread's destructor joins it
+  ~ImageWriter() { queue_.close(); }  // the thread is joined by its own destructor
 
   // Returns false once an image could not be written.
   bool write(fs::path file, cv::Mat image) { return queue_.push({std::move(file), std::move(image)}); }
@@ -95,13 +95,14 @@ cv::Mat depth_image(const ImageF& depth, double scale) {
   return mat;
 }
 
-Result<void> prepare_folder(const fs::path& folder, bool overwrite, const std::vector<std::string>& subfolders) {
+Result<void> prepare_folder(const fs::path& folder, Existing existing, const std::vector<std::string>& subfolders) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder))
     return fail("folder " + folder.string() + " can't be made: " + (error ? error.message() : "it is a file"));
   if (!fs::is_empty(folder, error)) {
-    if (!overwrite) return fail("folder " + folder.string() + " is not empty; choose another, or say --overwrite");
+    if (existing == Existing::refuse)
+      return fail("folder " + folder.string() + " is not empty; choose another, or say --overwrite");
     for (const char* ours : {"rgb", "depth", "images", "image_0", "image_1", "rgb.txt", "depth.txt", "associations.txt",
                              "groundtruth.txt", "camera.yaml", "calib.txt", "times.txt", "poses.txt"}) {
       fs::remove_all(folder / ours, error);
@@ -168,14 +169,14 @@ Result<void> write_description(const Synth& synth, const fs::path& folder, const
 
 }  // namespace
 
-Result<SynthReport> write_sequence(Synth& synth, const fs::path& folder, bool overwrite,
+Result<SynthReport> write_sequence(Synth& synth, const fs::path& folder, Existing existing,
                                    const std::function<bool(int)>& progress) {
   const Sensor sensor = synth.sensor();
   const std::vector<std::string> subfolders = sensor == Sensor::rgbd ? std::vector<std::string>{"rgb", "depth"}
                                               : sensor == Sensor::stereo
                                                   ? std::vector<std::string>{"image_0", "image_1"}
                                                   : std::vector<std::string>{"images"};
-  if (auto ok = prepare_folder(folder, overwrite, subfolders); !ok) return tl::unexpected(ok.error());
+  if (auto ok = prepare_folder(folder, existing, subfolders); !ok) return tl::unexpected(ok.error());
   SynthReport report;
   Trajectory truth;
   for (int i = 0; i < synth.frames(); ++i) {

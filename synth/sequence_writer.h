@@ -18,11 +18,14 @@ struct SynthReport {
   uint64_t bytes = 0;  // size of all images
 };
 
-// Renders all frames of `synth` into `folder`, which is created if needed. A folder that is not empty is refused or,
-// with `overwrite`, cleared of the files of an earlier recording of any kind. `progress` receives the number of frames
-// done and may be empty; when it returns false, writing ends with an error. Images are encoded and written in a second
+// The treatment of a folder that is not empty.
+enum class Existing { refuse, replace };
+
+// Renders all frames of `synth` into `folder`, which is created if needed. A folder that is not empty is refused or, to
+// be replaced, cleared of the files of an earlier recording of any kind. `progress` receives the number of frames done
+// and may be empty; when it returns false, writing ends with an error. Images are encoded and written in a second
 // thread.
-Result<SynthReport> write_sequence(Synth& synth, const std::filesystem::path& folder, bool overwrite,
+Result<SynthReport> write_sequence(Synth& synth, const std::filesystem::path& folder, Existing existing,
                                    const std::function<bool(int)>& progress);
 
 }  // namespace covis

@@ -90,7 +90,7 @@ void expect_read_back(Synth& synth, const fs::path& folder, io::SequenceKind kin
 
 TEST_F(SequenceWriter, RgbdIsATumFolder) {
   Synth synth = make("rgbd", 3, 0.5);
-  const auto report = write_sequence(synth, folder_, false, {});
+  const auto report = write_sequence(synth, folder_, Existing::refuse, {});
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_EQ(report->frames, 3);
   EXPECT_GT(report->bytes, 10000u);
@@ -99,27 +99,27 @@ TEST_F(SequenceWriter, RgbdIsATumFolder) {
 
 TEST_F(SequenceWriter, StereoIsAKittiFolder) {
   Synth synth = make("stereo", 3);
-  const auto report = write_sequence(synth, folder_, false, {});
+  const auto report = write_sequence(synth, folder_, Existing::refuse, {});
   ASSERT_TRUE(report) << report.error().message;
   expect_read_back(synth, folder_, io::SequenceKind::kitti);
 }
 
 TEST_F(SequenceWriter, MonoIsAnImageFolder) {
   Synth synth = make("mono", 4, 1);
-  const auto report = write_sequence(synth, folder_, false, {});
+  const auto report = write_sequence(synth, folder_, Existing::refuse, {});
   ASSERT_TRUE(report) << report.error().message;
   expect_read_back(synth, folder_, io::SequenceKind::images);
 }
 
 TEST_F(SequenceWriter, KeepsWhatIsThereUnlessToldToReplaceIt) {
   Synth stereo = make("stereo", 4), rgbd = make("rgbd", 2);
-  ASSERT_TRUE(write_sequence(stereo, folder_, false, {}));
-  const auto refused = write_sequence(rgbd, folder_, false, {});
+  ASSERT_TRUE(write_sequence(stereo, folder_, Existing::refuse, {}));
+  const auto refused = write_sequence(rgbd, folder_, Existing::refuse, {});
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("not empty"));
   EXPECT_TRUE(fs::exists(folder_ / "image_1"));
   std::ofstream(folder_ / "mine.txt") << "kept";
-  ASSERT_TRUE(write_sequence(rgbd, folder_, true, {}));
+  ASSERT_TRUE(write_sequence(rgbd, folder_, Existing::replace, {}));
   EXPECT_FALSE(fs::exists(folder_ / "image_1"));
   EXPECT_TRUE(fs::exists(folder_ / "mine.txt"));
   expect_read_back(rgbd, folder_, io::SequenceKind::tum);
@@ -129,7 +129,7 @@ TEST_F(SequenceWriter, SaysThatTheFolderCannotBeMade) {
   Synth synth = make("mono", 1);
   fs::create_directories(folder_);
   std::ofstream(folder_ / "file") << "x";
-  const auto report = write_sequence(synth, folder_ / "file" / "inside", false, {});
+  const auto report = write_sequence(synth, folder_ / "file" / "inside", Existing::refuse, {});
   ASSERT_FALSE(report);
   EXPECT_THAT(report.error().message, HasSubstr("can't be made"));
 }
@@ -143,7 +143,7 @@ TEST_F(SequenceWriter, SaysThatAFileCannotBeWritten) {
   limit = old_limit;
   limit.rlim_cur = 4096;
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
-  const auto report = write_sequence(synth, folder_, false, {});
+  const auto report = write_sequence(synth, folder_, Existing::refuse, {});
   setrlimit(RLIMIT_FSIZE, &old_limit);
   std::signal(SIGXFSZ, old_handler);
   ASSERT_FALSE(report);
@@ -154,7 +154,7 @@ TEST_F(SequenceWriter, SaysThatAFileCannotBeWritten) {
 TEST_F(SequenceWriter, StopsWhenToldTo) {
   Synth synth = make("mono", 50);
   int most = 0;
-  const auto report = write_sequence(synth, folder_, false, [&](int done) {
+  const auto report = write_sequence(synth, folder_, Existing::refuse, [&](int done) {
     most = done;
     return done < 3;
   });

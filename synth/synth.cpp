@@ -34,14 +34,14 @@ Fields fields(SynthOptions& o) {
       {"synth.sensor", &o.sensor, "camera to imitate: mono, stereo, rgbd"},
       {"synth.seed", &o.seed, "seed of the world, the path and all noise", 0, 2147483647},
       {"synth.frames", &o.frames, "number of frames; 0: as many as the world's path takes", 0, 1000000},
-      {"synth.way", &o.way, "about how long the way around the street's block is, metres; 0: its own, some 310", 0,
-       20000},
-      {"synth.fps", &o.fps, "frames a second; 0: the world's own (30; street 10)", 0, 1000},
+      {"synth.way", &o.way, "approximate length of the street's loop, metres; 0: the default, some 310", 0, 20000},
+      {"synth.fps", &o.fps, "frames per second; 0: the world's default (30; street 10)", 0, 1000},
       {"synth.width", &o.width, "image width, pixels", 64, 4096},
       {"synth.height", &o.height, "image height, pixels", 64, 4096},
       {"synth.focal", &o.focal, "focal length, pixels; 0: 0.625 of the image diagonal (500 for 640x480)", 0, 20000},
       {"synth.baseline", &o.baseline,
-       "distance of the stereo cameras, or the virtual one of an RGB-D camera, metres; 0: the world's own (0.11 and "
+       "distance of the stereo cameras, or the virtual one of an RGB-D camera, metres; 0: the world's default (0.11 "
+       "and "
        "0.08; street 0.54)",
        0, 10},
       {"synth.noise", &o.noise, "standard deviation of image noise at middle grey, grey levels", 0, 50},

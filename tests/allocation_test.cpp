@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tracking allocates nothing in a steady state: every operator new of the process is counted, by thread. (Eigen's own
-// allocations of large dynamic matrices call malloc, and are not.)
+// Tracking allocates nothing in the steady state: every operator new of the process is counted, by thread. (Eigen
+// allocates large dynamic matrices by malloc, which is not counted.)
 #include <gtest/gtest.h>
 
 #include "covis/core/test_allocations.h"
@@ -11,15 +11,15 @@ namespace {
 
 class Allocations : public ::testing::TestWithParam<Sensor> {};
 
-// Frames that make no key frame: none by the tracking thread, and, while mapping rests, none by any thread of the
-// system. Where the report tells what mapping made of a key frame, that is put into a list: one.
+// For frames that make no key frame: the tracking thread allocates nothing, and while mapping is idle no thread of the
+// system does. One allocation is allowed for the list in which a report returns the results of mapping.
 TEST_P(Allocations, TrackingMakesNoneInASteadyState) {
   constexpr int kFrames = 150, kWarmUp = 60;
   Recording recording(GetParam(), kFrames, 30);
   SystemOptions options = options_for(GetParam());
-  options.mapper.refine_focal = false;  // a thread of its own, which may allocate while mapping rests
+  options.mapper.refine_focal = false;  // it has its own thread, which may allocate while mapping is idle
   System system(recording.synth.camera(), options);
-  bool mapping = false;  // a key frame is being worked on
+  bool mapping = false;  // mapping of a key frame is in progress
   int counted = 0, quiet = 0, key_frames = 0;
   long of_key_frames = 0;
   for (int i = 0; i < kFrames; ++i) {

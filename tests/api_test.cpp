@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The public interface, as a program sees it, on rendered recordings. What it refuses is in src/covis/api/slam_test.cpp.
+// The public interface, as a program sees it, on rendered recordings. What it refuses is in
+// src/covis/api/slam_test.cpp.
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
@@ -33,7 +34,7 @@ CameraParameters parameters_of(const Camera& camera, Sensor sensor) {
 GreyImage grey(const ImageView<const uint8_t>& v) { return {v.data, v.width, v.height, v.stride}; }
 DepthImage depth(const ImageView<const float>& v) { return {v.data, v.width, v.height, v.stride}; }
 
-// The message, or nothing when there is none.
+// Returns the error message, or "" when there is no error.
 template <class Result>
 std::string error_of(const Result& result) {
   return result ? std::string() : result.error();
@@ -45,14 +46,14 @@ double turned_deg(const Pose& a, const Pose& b) {
 }
 double apart(const Pose& a, const Pose& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
 
-// From the first pose to each of the others the camera turned as it really did.
+// Checks that the rotation from the first pose to each of the others equals the true one.
 void expect_turned_as(const Synth& synth, const std::vector<StampedPoseResult>& poses) {
   const auto truth = [&](const StampedPoseResult& pose) {
     int i = 0;
     while (i + 1 < synth.frames() && synth.stamp(i) < pose.stamp) ++i;
     return Eigen::Quaterniond(synth.T_wc(i).R());
   };
-  double most = 0;  // turned
+  double most = 0;  // greatest true rotation, degrees
   for (const StampedPoseResult& pose : poses) {
     EXPECT_NEAR(orientation(pose.pose).norm(), 1, 1e-9);
     const Eigen::Quaterniond turn = orientation(poses[0].pose).inverse() * orientation(pose.pose),
@@ -118,7 +119,7 @@ TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
   const auto trajectory = (*slam)->trajectory();
   ASSERT_GE(trajectory.size(), 15u);
   expect_turned_as(recording.synth, trajectory);
-  // Key frames are frames, and are where those are.
+  // Every key frame is a frame of the trajectory and has the same pose.
   const auto key_frames = (*slam)->key_frames();
   ASSERT_FALSE(key_frames.empty());
   for (const StampedPoseResult& key_frame : key_frames) {
@@ -129,7 +130,7 @@ TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
     EXPECT_LT(turned_deg(same->pose, key_frame.pose), 1e-4);
   }
 
-  // What was tracked is found again from the image alone, at the same place; a black image is not.
+  // The last tracked image is found again from the image alone, at the same place; a black image is not.
   const auto last = trajectory.back();
   const auto found = locate(**slam, recording.frame(recording.size() - 1));
   ASSERT_TRUE(found && *found);
@@ -139,7 +140,7 @@ TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
   ASSERT_TRUE(nowhere) << nowhere.error();
   EXPECT_FALSE(*nowhere);
 
-  // Errors change nothing.
+  // An error changes nothing.
   const System::Input again = recording.frame(3);
   EXPECT_THAT(error_of(track(**slam, again)), HasSubstr("stamps must rise"));
   const GreyImage small{again.image.data, 100, 100, 100};
@@ -153,7 +154,8 @@ TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
   EXPECT_EQ((*slam)->trajectory().size(), trajectory.size());
 }
 
-// A viewer asks for all there is while frames are tracked: each answer is sound, and the thread sanitizer finds no race.
+// A viewer asks for all there is while frames are tracked: each answer is sound, and the thread sanitizer finds no
+// race.
 TEST(ApiThreads, AnyThreadMayAskWhileFramesAreTracked) {
   Recording recording(Sensor::rgbd, 30, 15, "desk");
   const auto slam =
@@ -219,7 +221,7 @@ TEST(ApiMaps, APoseSaysInWhichMapItIs) {
   }
 }
 
-// A jump to where it was 40 frames before: found again, with doubt for a second.
+// After a jump back to the place 40 frames earlier the camera relocalises, and its poses are tentative for a second.
 TEST(ApiMaps, APoseAfterAJumpIsDoubtfulForASecond) {
   Recording recording(Sensor::rgbd, 61);
   const auto slam =

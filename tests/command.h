@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For tests: the covis command as people run it, in a process of its own.
+// For tests: the covis command as users run it, in a process of its own.
 #pragma once
 
 #include <fcntl.h>
@@ -31,16 +31,16 @@ inline std::string text_of(const fs::path& file) {
   return text.str();
 }
 
-// A child process. Ends with its owner.
+// A child process. It ends with its owner.
 class Process {
  public:
-  // one_core: on the first core this process may use, as `taskset` does.
+  // one_core: run it on the first core that this process may use, like `taskset`.
   Process(const std::vector<std::string>& command, const fs::path& standard_out, const fs::path& standard_error,
           bool one_core = false) {
     std::vector<char*> arguments;
     for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
-    // Not fork(): this process, with a sanitizer's memory, would be copied for it.
+    // fork() would copy this process, which is large under a sanitizer.
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     redirect(files, standard_out, STDOUT_FILENO);
@@ -60,7 +60,7 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  // Nothing once it ended: 0 and -1 would be every process of the group or of the user.
+  // Sends nothing after the process ended: an id of 0 or -1 would address every process of the group or of the user.
   void send(int signal) const {
     if (id_ > 0) ::kill(id_, signal);
   }
@@ -68,7 +68,8 @@ class Process {
     if (id_ > 0 && waitpid(id_, &status_, WNOHANG) == id_) id_ = 0;
     return id_ <= 0;
   }
-  // The exit code; 128 and its number for the signal that ended it; -1 when it runs on after `limit`.
+  // Returns the exit code, 128 plus the number of the signal that ended the process, or -1 if it still runs after
+  // `limit`.
   int wait(std::chrono::duration<double> limit) {
     const auto until = std::chrono::steady_clock::now() + limit;
     while (!ended()) {
@@ -82,7 +83,7 @@ class Process {
   static void redirect(posix_spawn_file_actions_t& files, const fs::path& file, int descriptor) {
     posix_spawn_file_actions_addopen(&files, descriptor, file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   }
-  // For this thread, whose cores a child gets. allowed: what they were.
+  // Restricts this thread, whose core mask a child inherits. allowed: the previous mask.
   static void keep_one_core(cpu_set_t& allowed) {
     CPU_ZERO(&allowed);
     sched_getaffinity(0, sizeof allowed, &allowed);
@@ -101,13 +102,14 @@ class Process {
 
 struct Outcome {
   int code = 0;
-  std::string out, error;  // what it said on stdout and stderr
+  std::string out, error;  // output on stdout and stderr
 };
 
-// Each case has a folder of its own.
+// Each test case has a folder of its own.
 class CommandTest : public testing::Test {
  protected:
-  static constexpr std::chrono::seconds kPatience{240};  // a run under the thread sanitizer on a busy machine
+  // Enough for a run under the thread sanitizer on a busy machine.
+  static constexpr std::chrono::seconds kPatience{240};
 
   void SetUp() override {
     const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
@@ -127,7 +129,7 @@ class CommandTest : public testing::Test {
     const int code = process.wait(kPatience);
     return {code, text_of(folder / "stdout"), text_of(folder / "stderr")};
   }
-  // A recording in the case's folder.
+  // Renders a recording in the case's folder.
   fs::path render(const std::string& sensor, int frames, const std::string& world = "desk") const {
     const fs::path recording = folder / (world + "_" + sensor);
     const Outcome made = covis({"synth", world, "--sensor", sensor, "--frames", std::to_string(frames), "--width",

@@ -1,74 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command as people use it: its files, codes and messages, and that they do not depend on how busy the machine is.
-#include "command.h"
-
+// `covis run` as people use it: its files, and that they do not depend on how busy the machine is.
 #include <algorithm>
-#include <iterator>
-#include <map>
-#include <nlohmann/json.hpp>
+
+#include "command_results.h"
 
 namespace covis {
 namespace {
 
-using nlohmann::json;
 using testing::HasSubstr;
-
-const std::vector<std::string> kFiles{"trajectory.txt", "trajectory_online.txt", "keyframes.txt", "map.ply",
-                                      "stats.jsonl",    "summary.json",          "report.html"};
-
-json parsed(const fs::path& file) { return json::parse(text_of(file), nullptr, false); }
-
-// One object a line.
-std::vector<json> parsed_lines(const fs::path& file) {
-  std::vector<json> lines;
-  std::istringstream in(text_of(file));
-  for (std::string line; std::getline(in, line);) lines.push_back(json::parse(line, nullptr, false));
-  return lines;
-}
-
-int line_count(const fs::path& file) {
-  const std::string text = text_of(file);
-  int count = 0;
-  std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) count += !line.empty() && line[0] != '#';
-  return count;
-}
-
-// Every file is there and whole, and they agree with each other. Returns the number of frames taken.
-int expect_results(const fs::path& out) {
-  for (const std::string& name : kFiles) EXPECT_TRUE(fs::exists(out / name)) << name;
-  for (const auto& entry : fs::directory_iterator(out)) {
-    EXPECT_THAT(entry.path().filename().string(), testing::Not(HasSubstr("tmp"))) << "left behind";
-  }
-  const json summary = parsed(out / "summary.json");
-  EXPECT_TRUE(summary.is_object());
-  if (!summary.is_object()) return -1;
-  for (const char* key : {"frames", "frames_tracked", "keyframes", "map_points", "tracking_ms", "peak_rss_mb"})
-    EXPECT_TRUE(summary.contains(key)) << key;
-  EXPECT_TRUE(summary["tracking_ms"].contains("median"));
-  EXPECT_TRUE(summary["tracking_ms"].contains("p95"));
-  EXPECT_EQ(line_count(out / "trajectory.txt"), summary["frames_tracked"].get<int>());
-  EXPECT_EQ(line_count(out / "trajectory_online.txt"), summary["frames_tracked_online"].get<int>());
-  EXPECT_EQ(line_count(out / "keyframes.txt"), summary["keyframes"].get<int>());
-
-  const std::vector<json> stats = parsed_lines(out / "stats.jsonl");
-  const int frames = summary["frames"].get<int>();
-  EXPECT_EQ(static_cast<int>(stats.size()), frames);
-  for (const json& line : stats) {
-    EXPECT_TRUE(line.is_object());
-    if (!line.is_object()) break;
-    for (const char* key : {"frame", "stamp", "state", "reason"})
-      EXPECT_TRUE(line.contains(key)) << key << " is missing in " << line;
-    // What came too late (a busy machine, in real time) was not looked at.
-    for (const char* key : {"inliers", "features", "ms"})
-      EXPECT_EQ(line.contains(key), line["state"] != "late" && line["state"] != "unreadable") << key << " in " << line;
-    EXPECT_EQ(line["state"] == "tracking", line["reason"] == "") << line;
-  }
-  EXPECT_THAT(text_of(out / "map.ply"),
-              HasSubstr("element vertex " + std::to_string(summary["map_points"].get<int>()) + "\n"));
-  EXPECT_THAT(text_of(out / "report.html"), HasSubstr("</html>"));
-  return frames;
-}
 
 volatile std::sig_atomic_t own_signals = 0;
 
@@ -122,7 +61,7 @@ TEST_F(CommandRun, TakesPartOfARecording) {
   EXPECT_EQ(frames, (std::vector{4, 6, 8, 10, 12}));
 }
 
-// The trajectory files of one run.
+// Contents of the trajectory files of one run.
 std::string trajectories(const fs::path& out) {
   return text_of(out / "trajectory.txt") + text_of(out / "trajectory_online.txt") + text_of(out / "keyframes.txt");
 }
@@ -142,7 +81,7 @@ TEST_F(CommandRun, GivesTheSameBytesOnOneCoreAndOnABusyMachineLong) {
   }
 }
 
-// Four seconds cut out of a walk along equal posters: what is found first after them proves wrong.
+// A gap of four seconds in a walk along equal posters: the first place recognised after it proves wrong.
 TEST_F(CommandRun, TellsPosesThatWereTakenBackAsLostLong) {
   const fs::path recording = folder / "posters", out = folder / "out";
   ASSERT_EQ(covis({"synth", "posters", "--sensor", "rgbd", "--fps", "10", "--frames", "200", "--width", "320",
@@ -177,12 +116,13 @@ TEST_F(CommandRun, TellsPosesThatWereTakenBackAsLostLong) {
   EXPECT_EQ(tracked + lost, 160);
 }
 
-// A camera carried from a desk to another room on its way: two maps that are not joined.
+// A camera carried from a desk to another room during the recording, which makes two maps that are not joined.
 class CommandMaps : public CommandTest {
  protected:
-  static constexpr int kFrames = 36;  // of each: more than the second after which a place found is believed
+  // Frames of each place: more than the second for which a pose after a jump is tentative.
+  static constexpr int kFrames = 36;
 
-  // The room's frames come after the desk's, in one recording.
+  // Makes one recording in which the room's frames follow the desk's.
   fs::path record_both() const {
     const fs::path desk = render("rgbd", kFrames), room = render("rgbd", kFrames, "room");
     std::istringstream lines(text_of(room / "associations.txt"));
@@ -192,13 +132,13 @@ class CommandMaps : public CommandTest {
       double stamp = 0, depth_stamp = 0;
       std::string image, depth;
       std::istringstream fields(line);
-      if (!(fields >> stamp >> image >> depth_stamp >> depth)) continue;  // a comment
+      if (!(fields >> stamp >> image >> depth_stamp >> depth)) continue;  // a comment line
       all << std::fixed << stamp + 10 << " " << (room / image).string() << " " << depth_stamp + 10 << " "
           << (room / depth).string() << "\n";
     }
     return desk;
   }
-  // How many frames have a pose in which map.
+  // Number of frames with a pose, by map.
   static std::map<int, int> frames_by_map(const fs::path& out) {
     std::map<int, int> count;
     for (const json& line : parsed_lines(out / "stats.jsonl")) {
@@ -237,7 +177,7 @@ TEST_F(CommandMaps, AreWrittenSavedAndLocalisedInEachByItselfLong) {
   EXPECT_THAT(covis({"map", "info", map}).out, HasSubstr("maps            2, not joined"));
   EXPECT_EQ(covis({"map", "check", map}).code, 0);
 
-  // Image by image, and as a recording that leaves the map as it is.
+  // Locates the images one by one, then as a recording that leaves the map unchanged.
   const fs::path found = folder / "found.txt", found_in_1 = folder / "found_map1.txt";
   const Outcome localize = covis({"localize", recording, "--map", map, "--out", found, "--json"});
   ASSERT_EQ(localize.code, 0) << localize.error;
@@ -251,7 +191,7 @@ TEST_F(CommandMaps, AreWrittenSavedAndLocalisedInEachByItselfLong) {
   for (const json& m : summary["maps"]) EXPECT_EQ(m["loaded"], true);
   EXPECT_EQ(summary["keyframes"], parsed(out / "summary.json")["keyframes"]);
 
-  // With one map nothing of the second is left.
+  // A run with one map leaves no files of the second map behind.
   ASSERT_EQ(
       covis({"run", recording, "--count", std::to_string(kFrames), "--quiet", "--out", out, "--save-map", map}).code,
       0);
@@ -260,14 +200,13 @@ TEST_F(CommandMaps, AreWrittenSavedAndLocalisedInEachByItselfLong) {
   expect_results(out);
   ASSERT_EQ(covis({"localize", recording, "--map", map, "--out", found}).code, 0);
   EXPECT_FALSE(fs::exists(found_in_1));
-  // A map that is loaded is found and gone on with.
+  // The camera relocalises in a loaded map, which is continued.
   ASSERT_EQ(covis({"run", recording, "--count", "10", "--quiet", "--out", again, "--map", map}).code, 0);
   EXPECT_EQ(parsed(again / "summary.json")["maps"][0]["loaded"], true);
   EXPECT_FALSE(fs::exists(again / "trajectory_map1.txt"));
 }
 
-// Starts a run, interrupts it `after` seconds from the start of tracking (nothing: before the command is up), and
-// returns its exit code.
+// Starts a run, interrupts it `after` seconds from the start of tracking, and keeps its exit code.
 class CommandInterrupt : public CommandTest {
  protected:
   void interrupt(const std::vector<std::string>& words, double after, int signal = SIGINT) {
@@ -276,7 +215,7 @@ class CommandInterrupt : public CommandTest {
     std::vector<std::string> all{"run", "--out", out};
     all.insert(all.end(), words.begin(), words.end());
     Process process(command(all), folder / "stdout", folder / "stderr");
-    // The output folder is made just before tracking starts.
+    // The output folder is created just before tracking starts.
     while (!fs::exists(out) && !process.ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     std::this_thread::sleep_for(std::chrono::duration<double>(after));
     const auto sent = std::chrono::steady_clock::now();
@@ -299,16 +238,16 @@ class CommandInterrupt : public CommandTest {
   }
 
   int code = 0;
-  double seconds = 0;  // from the signal to the end
+  double seconds = 0;  // time from the signal to the end
 };
 
 TEST_F(CommandInterrupt, EndsSoonWithAllFilesAtAnyMoment) {
   const fs::path recording = render("stereo", 60);
-  // 60 frames at their own times take two seconds.
+  // 60 frames take two seconds in real time.
   for (const double after : {0.0, 0.2, 1.0, 1.8}) {
     SCOPED_TRACE(after);
     interrupt({recording, "--realtime"}, after);
-    // On a very busy machine the signal may come after the end.
+    // On a very busy machine the signal may arrive after the end.
     if (after < 0.5) {
       ASSERT_EQ(code, 128 + SIGINT) << text_of(folder / "stderr");
     }
@@ -343,170 +282,6 @@ TEST_F(CommandInterrupt, BeforeTheCommandIsUpLeavesNothingHalf) {
     ASSERT_THAT(ended, testing::AnyOf(128 + SIGINT, 0));
     if (fs::exists(out)) expect_results(out);
   }
-}
-
-using CommandEval = CommandTest;
-
-TEST_F(CommandEval, ComparesARunWithItsTruth) {
-  const fs::path recording = render("rgbd", 20), out = folder / "out";
-  ASSERT_EQ(covis({"run", recording, "--quiet", "--out", out}).code, 0);
-  const Outcome eval = covis({"eval", out / "trajectory.txt", recording / "groundtruth.txt", "--json"});
-  ASSERT_EQ(eval.code, 0) << eval.error;
-  const json found = json::parse(eval.out, nullptr, false);
-  EXPECT_NEAR(found["ate_m"]["rmse"].get<double>(), parsed(out / "summary.json")["ate_m"].get<double>(), 1e-6);
-  const Outcome text = covis({"eval", out / "trajectory.txt", recording / "groundtruth.txt", "--align", "sim3"});
-  EXPECT_EQ(text.code, 0);
-  EXPECT_THAT(text.out, HasSubstr("ATE"));
-  for (const char* name : {"errors.png", "errors.html"}) {
-    EXPECT_EQ(covis({"eval", out / "trajectory.txt", recording / "groundtruth.txt", "--plot", folder / name}).code, 0);
-    EXPECT_GT(fs::file_size(folder / name), 10'000u);
-  }
-  const Outcome other =
-      covis({"eval", out / "trajectory.txt", recording / "groundtruth.txt", "--plot", folder / "errors.gif"});
-  EXPECT_EQ(other.code, 1);
-  EXPECT_THAT(other.error, HasSubstr(".png or .html"));
-}
-
-using CommandCheck = CommandTest;
-
-TEST_F(CommandCheck, SaysWhatARecordingIs) {
-  for (const std::string sensor : {"mono", "stereo", "rgbd"}) {
-    SCOPED_TRACE(sensor);
-    const fs::path picture = folder / (sensor + ".png");
-    const Outcome check = covis({"check", render(sensor, 5), "--json", "--out", picture});
-    EXPECT_EQ(check.code, 0) << check.error << check.out;
-    const json found = json::parse(check.out, nullptr, false);
-    EXPECT_EQ(found["sensor"], sensor);
-    EXPECT_EQ(found["frames_read"], 5);
-    EXPECT_EQ(found["problems"], json::array());
-    EXPECT_EQ(text_of(picture).substr(1, 3), "PNG");
-  }
-}
-
-TEST_F(CommandCheck, NamesTheFrameThatCantBeRead) {
-  const fs::path recording = render("rgbd", 5);
-  std::vector<fs::path> images;
-  for (const auto& entry : fs::directory_iterator(recording / "rgb")) images.push_back(entry.path());
-  std::sort(images.begin(), images.end());
-  ASSERT_EQ(images.size(), 5u);
-  fs::resize_file(images[2], fs::file_size(images[2]) / 3);
-  const Outcome check = covis({"check", recording, "--json", "--out", folder / "c.png"});
-  EXPECT_EQ(check.code, 1);
-  const json found = json::parse(check.out, nullptr, false);
-  ASSERT_EQ(found["problems"].size(), 1u) << check.out;
-  EXPECT_EQ(found["problems"][0]["frame"], 2);
-  EXPECT_THAT(found["problems"][0]["problem"].get<std::string>(), HasSubstr(images[2].filename().string()));
-  // A run goes on without it, and says so.
-  const Outcome run = covis({"run", recording, "--quiet", "--out", folder / "out"});
-  EXPECT_EQ(run.code, 0);
-  EXPECT_THAT(run.error, HasSubstr(images[2].filename().string()));
-  EXPECT_EQ(parsed(folder / "out" / "summary.json")["frames_unreadable"], 1);
-}
-
-using CommandUsage = CommandTest;
-
-TEST_F(CommandUsage, WrongArgumentsAreNamedWithCode2) {
-  const struct {
-    std::vector<std::string> words;
-    const char* message;
-  } cases[] = {{{}, "subcommand is required"},
-               {{"rnu", "somewhere"}, "rnu: no such command; did you mean covis run?"},
-               {{"run", "somewhere", "--sensor", "sonar"}, "sonar not in {mono,rgbd,stereo}"},
-               {{"run", "somewhere", "--features", "1"}, "not in range 50 to 30000"},
-               {{"run", "somewhere", "--stride", "0"}, "--stride"},
-               {{"run", "somewhere", "--frobnicate"}, "--frobnicate"},
-               {{"run", "--format", "csv"}, "csv not in"},
-               {{"eval", "trajectory.txt"}, "TRUTH is required"},
-               {{"eval", "a", "b", "--align", "affine"}, "affine not in"},
-               {{"check"}, "PATH is required"},
-               {{"localize", "somewhere"}, "--map is required"},
-               {{"synth", "room"}, "--out is required"}};
-  for (const auto& c : cases) {
-    const Outcome outcome = covis(c.words);
-    EXPECT_EQ(outcome.code, 2) << c.message;
-    EXPECT_THAT(outcome.error, HasSubstr(c.message));
-    EXPECT_EQ(outcome.out, "");
-  }
-}
-
-TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
-  std::ofstream(folder / "file.txt") << "not a trajectory\n";
-  const std::string file = folder / "file.txt", gone = folder / "gone";
-  const struct {
-    std::vector<std::string> words;
-    std::string message;
-  } cases[] = {{{"run"}, "PATH is missing"},
-               {{"run", gone}, gone + ": it does not exist"},
-               {{"run", gone, "--set", "orb.featurs=3"}, "nearest known one is 'orb.features'"},
-               {{"run", gone, "--set", "orb.features=x"}, "whole number from 50"},
-               {{"run", gone, "--set", "orb.features"}, "NAME=VALUE"},
-               {{"run", gone, "--config", gone}, gone},
-               {{"run", gone, "--simd", "abacus"}, "no such instruction set here; there are best, "},
-               {{"localize", gone, "--map", gone}, gone + ": it does not exist"},
-               {{"map", "info", gone}, gone},
-               {{"eval", gone, gone}, gone},
-               {{"eval", file, file}, "file.txt"},
-               {{"check", gone}, gone},
-               {{"synth", "mars", "--out", gone}, "no world 'mars'"}};
-  for (const auto& c : cases) {
-    const Outcome outcome = covis(c.words);
-    EXPECT_EQ(outcome.code, 1) << c.message;
-    EXPECT_THAT(outcome.error, HasSubstr(c.message));
-  }
-  EXPECT_FALSE(fs::exists(gone));
-}
-
-TEST_F(CommandUsage, HelpAndVersionAreResults) {
-  const std::vector<std::string> commands[] = {{"run"},   {"localize"}, {"eval"},          {"check"},
-                                               {"synth"}, {"map"},      {"vocab", "train"}};
-  for (std::vector<std::string> words : commands) {
-    words.push_back("--help");
-    const Outcome help = covis(words);
-    EXPECT_EQ(help.code, 0);
-    EXPECT_THAT(help.out, HasSubstr("Examples:")) << words[0];
-  }
-  EXPECT_THAT(covis({"--version"}).out, testing::StartsWith("covis "));
-  const Outcome settings = covis({"run", "--dump-config"});
-  EXPECT_EQ(settings.code, 0);
-  std::ofstream(folder / "settings.yaml") << settings.out;
-  EXPECT_EQ(covis({"run", "--dump-config", "--config", folder / "settings.yaml"}).out, settings.out);
-}
-
-TEST_F(CommandUsage, AFolderThatCantBeWrittenToIsSaidBeforeTheRun) {
-  const fs::path recording = render("rgbd", 3);
-  std::ofstream(folder / "file") << "x";
-  const Outcome in_file = covis({"run", recording, "--quiet", "--out", folder / "file" / "out"});
-  EXPECT_EQ(in_file.code, 1);
-  EXPECT_THAT(in_file.error, HasSubstr("the output folder can't be made"));
-  if (geteuid() == 0) return;  // root may write anywhere
-  fs::create_directories(folder / "locked");
-  fs::permissions(folder / "locked", fs::perms::owner_read | fs::perms::owner_exec);
-  const Outcome locked = covis({"run", recording, "--quiet", "--out", folder / "locked"});
-  EXPECT_EQ(locked.code, 1);
-  EXPECT_THAT(locked.error, HasSubstr("can't be written to"));
-}
-
-TEST_F(CommandUsage, AFullDiskIsSaidAndTheOtherFilesAreWritten) {
-  if (!fs::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
-  const fs::path recording = render("rgbd", 10);
-  for (const std::string& full : kFiles) {
-    SCOPED_TRACE(full);
-    const fs::path out = folder / ("out_" + full);
-    fs::create_directories(out);
-    fs::create_symlink("/dev/full", out / full);
-    const Outcome run = covis({"run", recording, "--quiet", "--out", out});
-    EXPECT_EQ(run.code, 1);
-    EXPECT_THAT(run.error, testing::AllOf(HasSubstr(full), HasSubstr("No space left on device")));
-    for (const std::string& name : kFiles) {
-      if (name == full) continue;
-      EXPECT_GT(fs::file_size(out / name), 0u) << name;
-    }
-  }
-  // Results on stdout are no less results.
-  const fs::path truth = recording / "groundtruth.txt";
-  Process eval(command({"eval", truth, truth}), "/dev/full", folder / "stderr");
-  EXPECT_EQ(eval.wait(kPatience), 1);
-  EXPECT_THAT(text_of(folder / "stderr"), HasSubstr("stdout"));
 }
 
 }  // namespace

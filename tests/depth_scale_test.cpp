@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lengths measured by a depth camera: with exact depth a map must have the world's size.
+// The scale of a map made with a depth camera: with exact depth it must equal that of the world.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -10,8 +10,8 @@
 namespace covis {
 namespace {
 
-// Forwards through a hall of posters, door frames and skirtings: corners of outlines are in every view. Taken with the
-// depth of what is seen past them, they made the path longer by half a percent.
+// A walk forwards through a hall of posters, door frames and skirtings, with corners of outlines in every view. Using
+// the depth of the background behind those corners made the path longer by half a percent.
 TEST(DepthScale, OutlinesDoNotMakeThePathLonger) {
   Recording recording(Sensor::rgbd, 40, 6, "posters", {640, 480});
   System system(recording.synth.camera(), options_for(Sensor::rgbd));
@@ -23,10 +23,10 @@ TEST(DepthScale, OutlinesDoNotMakeThePathLonger) {
     exact.push_back(recording.synth.T_wc(static_cast<int>(pose.frame)).t());
   }
   ASSERT_EQ(static_cast<int>(estimated.size()), recording.size());
-  const auto alignment = align(estimated, exact, true);
+  const auto alignment = align(estimated, exact, Scale::free);
   ASSERT_TRUE(alignment);
   EXPECT_NEAR(alignment->scale, 1, 0.003);
-  EXPECT_LT(align(estimated, exact, false)->rmse, 0.006);
+  EXPECT_LT(align(estimated, exact, Scale::fixed)->rmse, 0.006);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One camera whose focal length is not what was said: refined as the map grows, kept with the map, one for all of it.
+// A single camera with a wrong initial focal length: it is refined as the map grows, saved with the map, and the same
+// for all key frames.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,11 +13,11 @@
 namespace covis {
 namespace {
 
-constexpr double kClaimed = 1.02;  // times the true focal length
-constexpr double kLeft = 0.008;    // of it, that may be left; half way would be 0.01
+constexpr double kClaimed = 1.02;  // relative to the true focal length
+constexpr double kLeft = 0.008;    // greatest relative error allowed at the end; half of the initial one would be 0.01
 constexpr int kFrames = 320;
 
-// The recording's camera, said to have `factor` times its focal length.
+// Returns the recording's camera with its focal length multiplied by `factor`.
 Camera camera_of(const Recording& recording, double factor) {
   Camera made = recording.synth.camera();
   made.pinhole.fx *= factor;
@@ -33,14 +34,14 @@ class FocalLength : public testing::Test {
   static Camera camera(double factor) { return camera_of(recording(), factor); }
   static Camera claimed() { return camera(kClaimed); }
   static SystemOptions options() { return options_for(Sensor::monocular); }
-  // Of the present camera, relative to the truth.
+  // The error of the present focal length, relative to the truth.
   static double off(const System& system) { return std::abs(system.camera().fx / camera(1).pinhole.fx - 1); }
   static int track(System& system, int from, int to) {
     int tracked = 0;
     for (int i = from; i < to; ++i) tracked += system.process(recording().frame(i)).track.state == TrackState::tracking;
     return tracked;
   }
-  // A map whose camera was refined, through a file.
+  // Returns a map with a refined camera, saved to a file and loaded again.
   static storage::SavedMap saved() {
     static const std::string file = [] {
       System system(claimed(), options(), vocabulary());
@@ -58,7 +59,7 @@ class FocalLength : public testing::Test {
   }
 };
 
-// However often the user waits for mapping in between, while an estimate is under way too.
+// The result must not depend on how often the user waits for mapping, even while an estimate is running.
 TEST_F(FocalLength, IsRefinedForAllOfTheMapLong) {
   for (const int every : {kFrames, 7}) {
     SCOPED_TRACE(every);
@@ -78,14 +79,15 @@ TEST_F(FocalLength, IsRefinedForAllOfTheMapLong) {
   }
 }
 
-// When it is taken over depends on the machine, and with it how well it is known.
+// When it is applied depends on the machine, and with it how well it is known.
 TEST_F(FocalLength, IsRefinedInRealTime) {
   constexpr double kHalf = 0.02;
   SystemOptions realtime = options();
   realtime.realtime = true;
   System system(camera(1 + 2 * kHalf), realtime, vocabulary());
   for (int i = 0; i < kFrames; ++i) {
-    // Locating waits for the key frame to be mapped, not for the refinement: else a slow machine would have a poor map.
+    // Locating waits for mapping of the key frame but not for the refinement; without it a slow machine would have a
+    // poor map.
     if (system.process(recording().frame(i)).track.key_frame) system.locate(recording().frame(i));
   }
   system.finish();
@@ -123,7 +125,7 @@ TEST_F(FocalLength, StaysAsGivenWhenToldToLong) {
   EXPECT_EQ(system.camera(), claimed().pinhole);
 }
 
-// Looking where an image was taken changes nothing of the run, whatever mapping does in the background.
+// Locating an image changes nothing of the run, whatever mapping does in the background.
 TEST_F(FocalLength, LocatingLeavesTheRunAsItIsLong) {
   std::string first;
   for (const bool locating : {false, true}) {
@@ -164,8 +166,8 @@ TEST_F(FocalLength, IsKeptWithASavedMapLong) {
   }
 }
 
-// A map of another camera can't be gone on with; places of it can be found, by a camera that is what it is.
-TEST_F(FocalLength, OfAnotherCameraIsNotTakenOverLong) {
+// A map of another camera can't be continued; places of it can be found, by a camera that is what it is.
+TEST_F(FocalLength, OfAnotherCameraIsNotAppliedLong) {
   const Camera other = camera(1.001);
   System goes_on(other, options(), vocabulary());
   storage::SavedMap map = saved();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Several maps: lost and found again, lost where it never was, joined.
+// Several maps: relocalisation after a loss, a new map in an unknown place, and joining of maps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace covis {
 namespace {
 
-// A recording cut and put together anew: which frame of it is seen at each step.
+// A recording cut and reassembled: `steps` holds the recording's frame for each step.
 struct Walk {
   Recording& recording;
   double fps;
@@ -29,7 +29,7 @@ struct Walk {
   SE3 truth(int64_t step) const { return recording.synth.T_wc(steps[static_cast<size_t>(step)]); }
 };
 
-// Its frames before `until`, then those from `from` on, before `to`.
+// The frames before `until`, followed by the frames from `from` up to (not including) `to`.
 Walk cut(Recording& recording, double fps, int until, int from, int to) {
   Walk walk{recording, fps, {}};
   walk.go(0, until);
@@ -37,38 +37,39 @@ Walk cut(Recording& recording, double fps, int until, int from, int to) {
   return walk;
 }
 
-// Runs a system along a walk and looks at the map after every step.
+// Runs a system along a walk and checks the map after every step.
 struct Walked {
   Walk& walk;
   System system;
   int merges = 0;
-  size_t most_maps = 0;           // at a time
-  size_t told = 0;                // frames told to be tracked
+  size_t most_maps = 0;            // at a time
+  size_t reported = 0;             // frames reported to be tracked
   std::vector<int64_t> tentative;  // of them
 
   Walked(Walk& the_walk, const SystemOptions& options)
       : walk(the_walk), system(walk.recording.synth.camera(), options, vocabulary()) {
     go_on();
   }
-  // What the walk got since.
+  // Tracks the steps the walk got since.
   void go_on() {
     for (; done_ < static_cast<int>(walk.steps.size()); ++done_) {
       const FrameReport report = system.process(walk.input(done_));
       count(report.mapping);
       most_maps = std::max(most_maps, system.submaps().size());
       EXPECT_EQ(system.map().read()->check(), "") << "after step " << done_;
-      told += report.track.state == TrackState::tracking;
+      reported += report.track.state == TrackState::tracking;
       if (report.track.tentative) tentative.push_back(done_);
       EXPECT_EQ(report.track.state == TrackState::tracking, report.track.reason.empty()) << report.track.reason;
     }
     count(system.finish());
     EXPECT_EQ(system.map().read()->check(), "");
   }
-  // Of the poses in one map, metres.
+  // The error of the poses in one map, metres.
   double error_of(int map, bool with_scale) const {
     const auto snapshot = system.snapshot();
     return error_to(
-        poses_in(snapshot->trajectory, snapshot->submaps.at(static_cast<size_t>(map)).id), [&](int64_t step) { return walk.truth(step); }, with_scale);
+        poses_in(snapshot->trajectory, snapshot->submaps.at(static_cast<size_t>(map)).id),
+        [&](int64_t step) { return walk.truth(step); }, with_scale);
   }
 
  private:
@@ -76,10 +77,10 @@ struct Walked {
     for (const MappingReport& report : reports) merges += report.loop.outcome == LoopOutcome::joined;
   }
 
-  int done_ = 0;  // steps
+  int done_ = 0;  // number of steps processed
 };
 
-// Half a second lost, and a map is begun.
+// A new map is begun after half a second without a pose.
 SystemOptions impatient(Sensor sensor) {
   SystemOptions options = options_for(sensor);
   options.tracker.start.new_map_after = 0.5;
@@ -93,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(Sensors, Maps, testing::Values(Sensor::rgbd),
 INSTANTIATE_TEST_SUITE_P(SensorsLong, Maps, testing::Values(Sensor::monocular, Sensor::stereo),
                          [](const auto& instance) { return sensor_name(instance.param); });
 
-// Part of a room is mapped; the camera jumps to where it never was and walks back to what is mapped.
+// Part of a room is mapped; the camera jumps to an unknown place and walks back to the mapped part.
 Walk jump_and_way_back(Recording& recording) {
   Walk walk{recording, 8, {}};
   walk.go(0, 40);
@@ -116,7 +117,7 @@ TEST_P(Maps, AnUnknownPlaceBeginsAMapThatIsJoinedToTheOldOne) {
   EXPECT_LT(run.error_of(0, sensor == Sensor::monocular), 0.1);
 }
 
-// Mapping beside tracking without waiting: the second map and the merge come at any time.
+// Mapping runs beside tracking without waiting, so the second map and the merge may come at any time.
 TEST_P(Maps, MapsAreJoinedInRealTimeToo) {
   const Sensor sensor = GetParam();
   Recording recording(sensor, 160);
@@ -125,7 +126,7 @@ TEST_P(Maps, MapsAreJoinedInRealTimeToo) {
   options.realtime = true;
   Walked run(walk, options);
   EXPECT_GE(run.most_maps, 2u);
-  // Key frames of a busy machine may have been too few to be sure: along all that is mapped, until it is.
+  // A busy machine may have made too few key frames for a sure decision: walk along all mapped places until the merge.
   for (int more = 0; more < 5 && run.system.submaps().size() > 1; ++more) {
     walk.go(2, 90);
     walk.go(90, 2);
@@ -135,7 +136,7 @@ TEST_P(Maps, MapsAreJoinedInRealTimeToo) {
   EXPECT_GE(run.merges, 1);
 }
 
-// Where a camera was carried away in the meantime: twelve steps before, thirty after it.
+// A walk of a camera that was carried away in the meantime: twelve steps before, thirty after it.
 Walk carried_away(Recording& recording) {
   Walk walk{recording, 8, {}};
   walk.go(0, 12);
@@ -143,7 +144,7 @@ Walk carried_away(Recording& recording) {
   return walk;
 }
 
-// The map of the first twelve steps.
+// Returns the map of the first twelve steps.
 Map map_before(Walk& walk, const SystemOptions& options) {
   System system(walk.recording.synth.camera(), options, vocabulary());
   for (int step = 0; step < 12; ++step) system.process(walk.input(step));
@@ -151,7 +152,7 @@ Map map_before(Walk& walk, const SystemOptions& options) {
   return Map::from_state(system.map_state()).value();
 }
 
-// Nothing is begun beside a map that is for localisation only, nor without a way to join it later.
+// No map is begun beside one that is for localisation only, nor without a way to join it later.
 TEST(FurtherMap, NoneIsBegunWhereItMustNot) {
   Recording recording(Sensor::rgbd, 160);
   Walk walk = carried_away(recording);
@@ -182,7 +183,7 @@ TEST(FurtherMap, NoneIsBegunWhereItMustNot) {
   }
 }
 
-// A loaded map that is not found is gone on beside, after the time set; the loaded one stays the first.
+// Beside a loaded map that is not found another is begun after the time set; the loaded one stays the first.
 TEST(FurtherMap, ALoadedMapStaysTheFirst) {
   Recording recording(Sensor::rgbd, 160);
   Walk walk = carried_away(recording);
@@ -200,10 +201,10 @@ TEST(FurtherMap, ALoadedMapStaysTheFirst) {
   EXPECT_TRUE(system.online_trajectory().empty()) << "of the first map alone";
 }
 
-// A recording cut and continued elsewhere in the same map.
+// A recording that jumps to another place in the same map.
 struct Cut {
   Sensor sensor;
-  int from, to;  // the last frame before, the first after it
+  int from, to;  // the last frame before the jump, and the first after it
 };
 
 class Kidnapped : public testing::TestWithParam<Cut> {};
@@ -218,7 +219,7 @@ INSTANTIATE_TEST_SUITE_P(CutsLong, Kidnapped,
                                          Cut{Sensor::stereo, 160, 45}, Cut{Sensor::rgbd, 160, 75}),
                          cut_name);
 
-// metres, degrees: how far a pose may be from that of the same frame before the cut.
+// metres, degrees: greatest difference of a pose from that of the same frame before the jump.
 void expect_found_again(const Cut& where, Size size, double metres, double degrees) {
   Recording recording(where.sensor, 160, 8, "room", size);
   Walk walk = cut(recording, 8, where.from, where.to, where.to + 20);
@@ -231,7 +232,7 @@ void expect_found_again(const Cut& where, Size size, double metres, double degre
   ASSERT_NE(first, poses.end());
   EXPECT_LT(first->frame, where.from + 10);
   EXPECT_GE(poses.end() - first, 10);
-  // No false pose: each is where the same frame was before. (Monocular: in units of the first median depth.)
+  // Each pose must be that of the same frame before the jump. (Monocular: in units of the first median depth.)
   for (auto pose = first; pose != poses.end(); ++pose) {
     const int frame = walk.steps[static_cast<size_t>(pose->frame)];
     const auto before =
@@ -246,7 +247,7 @@ TEST_P(Kidnapped, IsFoundAgainWithinTenFrames) { expect_found_again(GetParam(), 
 
 TEST_P(Kidnapped, IsFoundAgainWithinTenFramesLong) { expect_found_again(GetParam(), {640, 480}, 0.1, 3); }
 
-// A hall of equal posters: after a jump to its other end everything looks known, and nothing is.
+// A hall of equal posters: after a jump to its other end every view looks familiar, but none has been seen before.
 TEST_P(Maps, MapsAreNotJoinedByEqualPostersLong) {
   const Sensor sensor = GetParam();
   Recording recording(sensor, 265, 10, "posters", {400, 300});
@@ -261,8 +262,8 @@ TEST_P(Maps, MapsAreNotJoinedByEqualPostersLong) {
   }
 }
 
-// Four seconds cut out of a walk along that hall. (Without `tracker.min_expected_match_ratio` every sensor takes a poster for
-// another here.)
+// Four seconds cut out of a walk along that hall. (Without `tracker.min_expected_match_ratio` every sensor takes a
+// poster for another here.)
 Walk cut_along_posters(Recording& recording) { return cut(recording, 10, 60, 100, 160); }
 
 TEST_P(Maps, APosterIsNotTakenForAnother) {
@@ -281,7 +282,7 @@ TEST_P(Maps, APosterIsNotTakenForAnother) {
   EXPECT_EQ(run.system.trajectory().size(), frames);
 }
 
-// A busy machine's map is a poor one: far from the next poster is enough.
+// A busy machine makes a poor map, so the bound only excludes the next poster.
 TEST(Jump, IsNotToAnotherPosterInRealTimeEitherLong) {
   for (const Sensor sensor : {Sensor::stereo, Sensor::rgbd}) {
     SCOPED_TRACE(sensor_name(sensor));
@@ -302,20 +303,21 @@ TEST(Jump, IsNotToAnotherPosterInRealTimeEitherLong) {
   }
 }
 
-// Another cut of that walk leads to a poster that is believed for a while: those poses are tentative, and taken back.
+// Another gap in that walk leads to a wrong poster that is accepted for a while: those poses are tentative and
+// retracted.
 TEST(Jump, ThatProvesWrongIsTakenBack) {
   Recording recording(Sensor::rgbd, 135, 10, "posters");
   Walk walk = cut(recording, 10, 50, 90, 135);
   Walked run(walk, options_for(Sensor::rgbd));
   EXPECT_GT(run.tentative.size(), 0u);
   const std::vector<PoseOfFrame> poses = run.system.trajectory();
-  EXPECT_EQ(poses.size(), run.told - run.tentative.size());
+  EXPECT_EQ(poses.size(), run.reported - run.tentative.size());
   for (const PoseOfFrame& pose : poses)
     EXPECT_FALSE(std::binary_search(run.tentative.begin(), run.tentative.end(), pose.frame)) << pose.frame;
   EXPECT_LT(run.error_of(0, false), 0.1);
 }
 
-// Of a right place too little may have been seen from about there to tell by it alone.
+// Too little may have been seen from near a right place to recognise it by that alone.
 TEST(Jump, ThatIsRightIsBelievedLong) {
   Recording recording(Sensor::rgbd, 200, 10, "posters");
   Walk walk = cut(recording, 10, 100, 140, 200);
@@ -325,7 +327,7 @@ TEST(Jump, ThatIsRightIsBelievedLong) {
   EXPECT_LT(run.error_of(0, false), 0.1);
 }
 
-// What is lost while in doubt has no place near which it would be believed at once.
+// A camera lost while its place is tentative has no last place near which it would be believed at once.
 TEST(Jump, LostInDoubtIsInDoubtAgain) {
   Recording recording(Sensor::rgbd, 61);
   for (const bool realtime : {false, true}) {
@@ -340,7 +342,7 @@ TEST(Jump, LostInDoubtIsInDoubtAgain) {
       return system.process(input).track;
     };
     for (int i = 0; i <= 60; ++i) ASSERT_EQ(show(recording.frame(i)).state, TrackState::tracking) << i;
-    // To the first pose elsewhere.
+    // Shows frames from another place until the first pose.
     const auto jump = [&] {
       TrackResult result;
       for (int i = 20; i < 30 && result.state != TrackState::tracking; ++i) result = show(recording.frame(i));

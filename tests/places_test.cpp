@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places: relocalisation, saved maps, localisation only, loops; with the vocabulary that ships.
+// Places: relocalisation, saved maps, localisation only, loops; with the vocabulary that ships with Covis.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -12,7 +12,7 @@
 namespace covis {
 namespace {
 
-// All state of a map that localisation must leave alone.
+// Serialises all state of a map that localisation must not change.
 std::string bytes_of(const Map& map) {
   std::string text;
   const auto add = [&](const auto& value) { text.append(reinterpret_cast<const char*>(&value), sizeof value); };
@@ -45,16 +45,16 @@ class Places : public testing::TestWithParam<Sensor> {
 
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) /
                                      ("covis_places_" + sensor_name(GetParam()) + "_" + std::to_string(getpid()));
-  const bool with_scale = GetParam() == Sensor::monocular;  // errors are of poses brought to the truth's scale
+  const bool with_scale = GetParam() == Sensor::monocular;  // align with scale before computing errors
 };
 
 INSTANTIATE_TEST_SUITE_P(Sensors, Places, testing::Values(Sensor::monocular, Sensor::stereo, Sensor::rgbd),
                          [](const auto& instance) { return sensor_name(instance.param); });
 
-// A desk, mapped and saved; then more of it is seen.
+// A desk is mapped and saved; later runs see more of it.
 class SavedDesk : public Places {
  protected:
-  // Of frames 0 to 29. Each image of the last ten is found on its own, from nothing, where the run was.
+  // Maps frames 0 to 29. Each image of the last ten is found on its own, from nothing, where the run was.
   void map_and_save() {
     System system(recording.synth.camera(), options, vocabulary());
     for (int i = 0; i < 30; ++i) system.process(recording.frame(i));
@@ -75,7 +75,7 @@ class SavedDesk : public Places {
     ASSERT_TRUE(storage::save_map(file, system.map_state(), header_of(recording, options)));
     saved_bytes = bytes_of(*system.map().read());
   }
-  // The map is left alone, and a black image is not invented a pose for.
+  // The map is not changed, and a black image gets no pose.
   void localise() {
     SystemOptions localize = options;
     localize.localize = true;
@@ -90,7 +90,7 @@ class SavedDesk : public Places {
     EXPECT_GE(tracked, 12);
     EXPECT_EQ(bytes_of(*system.map().read()), saved_bytes);
   }
-  // The new key frames join the old ones.
+  // The new key frames are connected to the old ones.
   void go_on() {
     System system(recording.synth.camera(), options, vocabulary());
     auto saved = storage::load_map(file);
@@ -116,13 +116,13 @@ class SavedDesk : public Places {
 INSTANTIATE_TEST_SUITE_P(Sensors, SavedDesk, testing::Values(Sensor::monocular, Sensor::stereo, Sensor::rgbd),
                          [](const auto& instance) { return sensor_name(instance.param); });
 
-TEST_P(SavedDesk, IsLocalisedInAndGoneOnWith) {
+TEST_P(SavedDesk, IsLocalisedInAndContinued) {
   ASSERT_NO_FATAL_FAILURE(map_and_save());
   ASSERT_NO_FATAL_FAILURE(localise());
   ASSERT_NO_FATAL_FAILURE(go_on());
 }
 
-// Saves a system's map beside its run again and again, and looks at what it got.
+// Saves a system's map repeatedly during its run, and checks each saved state.
 class Saver {
  public:
   Saver(const System& system, std::filesystem::path file, const storage::MapHeader& header)
@@ -130,7 +130,7 @@ class Saver {
           while (!stop.stop_requested()) save(system, file, header);
           save(system, file, header);
         }) {}
-  // The number of maps saved.
+  // Returns the number of maps saved.
   int stop() {
     thread_.request_stop();
     thread_.join();
@@ -153,7 +153,7 @@ class Saver {
   std::jthread thread_;
 };
 
-// Runs along the room until its loop has closed, with a Saver beside.
+// Runs around the room until its loop has closed, with a Saver in parallel.
 void expect_loop_closed_while_saved(Recording recording, const std::filesystem::path& file) {
   const bool with_scale = recording.synth.sensor() == Sensor::monocular;
   SystemOptions options = options_for(recording.synth.sensor());
@@ -187,7 +187,7 @@ TEST_P(LoopSaved, ALoopIsClosedWhileTheMapIsSaved) {
   expect_loop_closed_while_saved(Recording(GetParam(), stereo ? 128 : monocular ? 190 : 170, fps), file);
 }
 
-// Once round the room: the loop is closed, the map stays sound at every step, and two runs agree to the last bit.
+// Once around the room: the loop is closed, the map stays sound at every step, and two runs agree to the last bit.
 TEST_P(Places, ALoopIsClosedLong) {
   const Sensor sensor = GetParam();
   Recording recording(sensor, 300, 15, "room", {640, 480});

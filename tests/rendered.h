@@ -25,7 +25,7 @@ struct Size {
   int width = 320, height = 240;
 };
 
-// Rendered frames, kept: rendering is the larger part of a test's time under the sanitizers.
+// A cache of rendered frames: rendering takes most of a test's time under the sanitizers.
 class Recording {
  public:
   explicit Recording(Sensor sensor, int frames, double fps = 8, const std::string& world = "room", Size size = {})
@@ -37,7 +37,7 @@ class Recording {
     if (images.left.empty()) render(i, images);
     return input(i, images);
   }
-  // A lens cap.
+  // Returns a black image, as with the lens covered.
   System::Input black(int i) {
     if (black_.left.empty()) render(0, black_);
     for (ImageU8* image : {&black_.left, &black_.right}) {
@@ -87,8 +87,8 @@ inline SystemOptions options_for(Sensor sensor) {
   return options;
 }
 
-// Root mean square distance to the truth after the best alignment (with scale when monocular), metres.
-// truth: the pose of a frame by its number.
+// Root mean square distance to the ground truth after the best alignment (with scale when monocular), metres. truth:
+// maps a frame's number to its pose.
 template <class Truth>
 double error_to(const std::vector<PoseOfFrame>& poses, Truth truth, bool with_scale) {
   std::vector<Eigen::Vector3d> estimate, wanted;
@@ -96,7 +96,7 @@ double error_to(const std::vector<PoseOfFrame>& poses, Truth truth, bool with_sc
     estimate.push_back(pose.T_wc.t());
     wanted.push_back(truth(pose.frame).t());
   }
-  const auto alignment = align(estimate, wanted, with_scale);
+  const auto alignment = align(estimate, wanted, with_scale ? Scale::free : Scale::fixed);
   return alignment ? alignment->rmse : std::numeric_limits<double>::quiet_NaN();
 }
 inline double error(const std::vector<PoseOfFrame>& poses, const Synth& synth, bool with_scale) {
@@ -108,13 +108,13 @@ inline double angle_deg(const SE3& a, const SE3& b) {
   return so3_log(a.R() * b.R().transpose()).norm() * 180 / std::numbers::pi;
 }
 
-// The vocabulary that ships.
+// Returns the vocabulary that ships with Covis.
 inline std::shared_ptr<const Vocabulary> vocabulary() {
   static const auto loaded = Vocabulary::load(std::filesystem::path(COVIS_SOURCE_DIR) / "vocabulary/default.covis-voc");
   return loaded.value();
 }
 
-// The bytes of a trajectory: equal only when every bit is.
+// Returns the bytes of a trajectory, which are equal only when every bit is.
 inline std::string bytes(const std::vector<PoseOfFrame>& poses) {
   std::string text;
   for (const PoseOfFrame& pose : poses) {

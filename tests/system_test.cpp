@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole system, threads and all, on rendered recordings with exact truth.
+// The whole system with all its threads, on rendered recordings with exact ground truth.
 #include <gmock/gmock.h>
 
 #include "rendered.h"
@@ -12,7 +12,7 @@ class EachSensor : public testing::TestWithParam<Sensor> {};
 INSTANTIATE_TEST_SUITE_P(Sensors, EachSensor, testing::Values(Sensor::monocular, Sensor::stereo, Sensor::rgbd),
                          [](const auto& instance) { return sensor_name(instance.param); });
 
-// Tracks the recording and looks at every frame's report and map. `bound` is of the final error, metres.
+// Tracks the recording and checks every frame's report and map. `bound` limits the final error, metres.
 void expect_tracked(Recording& recording, Sensor sensor, double bound) {
   System system(recording.synth.camera(), options_for(sensor));
   int tracked = 0, mapped = 0;
@@ -61,11 +61,11 @@ TEST(System, WhatMappingMadeShowsAfterItsDelayOrAtOnceNearALoss) {
   SystemOptions options = options_for(Sensor::rgbd);
   options.mapping_delay = kDelay;
   options.tracker.local_map.min_inliers = 200;
-  options.tracker.key_frame.min_close_points = 500;  // to be content with: rarely reached
+  options.tracker.key_frame.min_close_points = 500;  // rarely reached, so that key frames are made often
   options.tracker.key_frame.new_close_points = 0;
   Recording recording(Sensor::rgbd, 32);
   System system(recording.synth.camera(), options);
-  int waited = 0, late = 0, at_once = 0;  // frames since a key frame whose mapping is not to be seen yet; 0: none
+  int waited = 0, late = 0, at_once = 0;  // waited: frames since a key frame whose mapping is not visible yet; 0: none
   bool near_loss = false;
   for (int i = 0; i < recording.size(); ++i) {
     const FrameReport report = system.process(recording.frame(i));

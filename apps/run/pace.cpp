@@ -14,7 +14,7 @@ Due Pace::wait_until_due(Timestamp stamp, double frame_seconds) {
   const auto due = *start_ + std::chrono::nanoseconds(stamp - first_);
   if (now > due + std::chrono::duration<double>(frame_seconds)) return Due::late;
   std::unique_lock lock(mutex_);
-  // Nobody notifies: the due time or `stop` ends the wait.
+  // There are no notifications: the due time or `stop` ends the wait.
   while (stop_ == 0 && Clock::now() < due)
     waiting_.wait_until(lock, std::min(due, Clock::now() + std::chrono::milliseconds(100)));
   return Due::in_time;

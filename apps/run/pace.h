@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recorded frames at their own times.
+// Plays recorded frames at their own times.
 #pragma once
 
 #include <atomic>
@@ -12,14 +12,14 @@
 
 namespace covis::app {
 
-// late: by more than the time to the next frame; a camera would have moved on.
+// late: by more than one frame interval; a live camera would have delivered the next frame.
 enum class Due { in_time, late };
 
 class Pace {
  public:
   // Waiting ends early when `stop` is not zero.
   explicit Pace(const std::atomic<int>& stop) : stop_(stop) {}
-  // Waits until the frame is due, counted from the first call.
+  // Waits until the frame is due, relative to the first call.
   Due wait_until_due(Timestamp stamp, double frame_seconds);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Progress of a run, for people.
+// Progress display of a run.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace covis::app {
 
-// A line on stderr that renews itself; on a terminal only.
+// A line on stderr that is updated in place; on a terminal only.
 class Progress {
  public:
   static constexpr int64_t kUnknown = -1, kHidden = -2;
-  explicit Progress(int64_t total);  // frames, or one of those
+  explicit Progress(int64_t total);  // total: number of frames, kUnknown or kHidden
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;

@@ -10,7 +10,7 @@
 namespace covis::app {
 
 double resident_mb() {
-  std::ifstream statm("/proc/self/statm");  // sizes in pages: all, resident, …
+  std::ifstream statm("/proc/self/statm");  // sizes in pages: total, resident, …
   double all = 0, resident = 0;
   statm >> all >> resident;
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1024 * 1024);

@@ -4,8 +4,8 @@
 
 namespace covis::app {
 
-double resident_mb();    // resident memory now
-double peak_rss_mb();    // its peak so far
-double thread_cpu_ms();  // worked by the calling thread since it began
+double resident_mb();    // current resident memory
+double peak_rss_mb();    // peak resident memory so far
+double thread_cpu_ms();  // processor time of the calling thread since its start
 
 }  // namespace covis::app

@@ -30,7 +30,7 @@ json to_json(const MappingReport& m) {
           {"total_ms", m.total_ms}};
 }
 
-// The figures that closing a loop and joining two maps have in common.
+// The figures common to closing a loop and joining two maps.
 json to_json(const LoopSummary& loop) {
   const LoopReport& report = loop.report;
   return {{"frame", loop.frame},
@@ -88,7 +88,7 @@ json to_json(const std::vector<std::pair<const char*, Spread>>& stages) {
   return times;
 }
 
-// `map`: the one the frame's pose belongs to, by its place in the summary's list.
+// map: index in the summary's list of the map to which the frame's pose belongs.
 json to_json(const FrameStats& f, std::optional<int> map) {
   json line{{"frame", f.frame}, {"stamp", to_seconds(f.stamp)}, {"state", name(f.state)}, {"reason", f.reason}};
   if (map) line["map"] = *map;
@@ -114,8 +114,8 @@ json to_json(const FrameStats& f, std::optional<int> map) {
 std::string stats_text(const RunRecord& run, const Snapshot& snapshot) {
   const std::vector<PoseOfFrame>& poses = snapshot.trajectory;
   std::string text;
-  size_t next = 0;            // reports of mapping come in the order of their frames
-  auto pose = poses.begin();  // so do poses
+  size_t next = 0;            // next mapping report; they are in the order of their frames
+  auto pose = poses.begin();  // next pose; in the same order
   for (const FrameStats& frame : run.frames) {
     while (pose != poses.end() && pose->frame < frame.frame) ++pose;
     const bool has_pose = pose != poses.end() && pose->frame == frame.frame;

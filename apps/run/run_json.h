@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON of a run: summary.json, and stats.jsonl with a line for each frame.
+// JSON of a run: summary.json, and stats.jsonl with one line per frame.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -13,7 +13,7 @@
 namespace covis::app {
 namespace {
 
-constexpr size_t kMemoryEvery = 100;  // frames
+constexpr size_t kMemoryEvery = 100;  // interval of the memory measurements, frames
 
 }  // namespace
 

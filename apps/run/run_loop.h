@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loop of `covis run`: every frame of a recording through the system, with a record of each.
+// The loop of `covis run`: passes every frame of a recording to the system and records the results.
 #pragma once
 
 #include <atomic>
@@ -8,7 +8,7 @@
 
 namespace covis::app {
 
-// recorded: frames come at their own times, and late ones are dropped; free: as fast as they are processed.
+// recorded: frames are processed at their own times, and late ones are dropped; free: as fast as possible.
 enum class Pacing { free, recorded };
 
 struct LoopOptions {

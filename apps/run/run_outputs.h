@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files that `covis run` leaves.
+// The output files of `covis run`.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@ struct OutputOptions {
   std::filesystem::path directory;
   io::TrajectoryFormat format = io::TrajectoryFormat::tum;
   std::string title;
-  const Trajectory* truth = nullptr;  // of the camera; may be null
+  const Trajectory* truth = nullptr;  // ground truth of the camera; may be null
 };
 
 // Writes trajectory.txt, trajectory_online.txt, keyframes.txt and map.ply of the main map, trajectory_map1.txt and so

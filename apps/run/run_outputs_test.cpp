@@ -16,8 +16,8 @@ class RunOutputs : public testing::Test {
   Result<void> write() const {
     OutputOptions options;
     options.directory = folder.path();
-    const RunSummary summary = summarise(made_record(), made_results(), nullptr, 0);
-    return write_outputs(made_record(), made_results(), summary, options);
+    const RunSummary summary = summarise(made_record(), made_snapshot(), nullptr, 0);
+    return write_outputs(made_record(), made_snapshot(), summary, options);
   }
   const TemporaryFolder folder;
 };

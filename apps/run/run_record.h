@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The record of one `covis run`, as it is kept while the run goes on: a row for each frame.
+// The record of one `covis run`, filled during the run: one row per frame.
 #pragma once
 
 #include <array>
@@ -27,20 +27,20 @@ struct FrameStats {
   int64_t frame = 0;
   Timestamp stamp = 0;
   FrameState state = FrameState::not_initialised;
-  std::string reason;  // why there is no pose; empty when tracking
+  std::string reason;  // reason for the missing pose; empty when tracking
   TrackFigures track;
-  double decode_ms = 0;  // waiting for the decoded image
+  double decode_ms = 0;  // time spent waiting for the decoded image
   FrameTiming timing;
-  double cpu_ms = 0;  // time the tracking thread itself worked: other busy programs do not enter
-  double rss_mb = 0;  // resident memory after this frame, of every hundredth; 0: not asked
+  double cpu_ms = 0;  // processor time of the tracking thread, independent of other programs
+  double rss_mb = 0;  // resident memory after this frame, for every hundredth frame; 0: not measured
 
-  // The tracker had the frame; the fields after `reason` are set.
+  // True when the tracker received the frame; only then the fields after `reason` are set.
   bool processed() const { return state != FrameState::late && state != FrameState::unreadable; }
-  // Cost of tracking an image already decoded: everything but waiting for mapping.
+  // Cost of tracking a decoded image: the total without waiting for mapping.
   double tracking_ms() const { return timing.total_ms - timing.wait_ms; }
 };
 
-// The stages that a frame's time is spent in, milliseconds.
+// The stages of a frame's processing time, milliseconds.
 struct Stage {
   const char* name;
   double (*ms)(const FrameStats&);
@@ -62,12 +62,12 @@ struct RunRecord {
   std::vector<MappingReport> mapping;
   bool interrupted = false;
   double wall_seconds = 0;
-  double first_pose_ms = -1;  // from the first decoded image to the first pose; negative: there was none
+  double first_pose_ms = -1;  // from the first decoded image to the first pose; negative: no pose
 };
 
-// The row of a frame that the tracker had.
+// Makes the row of a frame that the tracker received.
 FrameStats tracked_frame(const io::Frame& frame, const FrameReport& report, RunMode mode);
-// The row of one that it had not: late or unreadable.
+// Makes the row of a frame that it did not receive: late or unreadable.
 FrameStats skipped_frame(int64_t frame, Timestamp stamp, FrameState state, std::string reason);
 // At the end of a run: frames whose poses were retracted after they were tracked lose their state `tracking`.
 void mark_retracted(const std::vector<PoseOfFrame>& trajectory, RunMode mode, std::vector<FrameStats>& frames);

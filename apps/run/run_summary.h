@@ -27,24 +27,24 @@ struct Spread {
 
 struct FrameCounts {
   size_t all = 0;
-  size_t tracked = 0;         // have a pose at the end
-  size_t tracked_online = 0;  // had one at once
+  size_t tracked = 0;         // number of frames with a pose at the end
+  size_t tracked_online = 0;  // number of frames with a pose immediately after tracking
   int64_t first_tracked = -1;
   size_t late = 0, unreadable = 0;
 };
 
 struct MapCounts {
   size_t key_frames = 0, points = 0;
-  size_t key_frames_made = 0;  // with those removed since
+  size_t key_frames_made = 0;  // includes those removed later
   uint64_t refused_non_finite = 0;
   std::vector<SubmapSummary> submaps;
 };
 
-// Milliseconds, of the frames that the tracker had.
+// Milliseconds, over the frames that the tracker received.
 struct FrameTimes {
   Spread tracking, frame, cpu;
-  std::vector<std::pair<const char*, Spread>> stages;   // kStages
-  std::vector<std::pair<const char*, Spread>> mapping;  // of each key frame
+  std::vector<std::pair<const char*, Spread>> stages;   // one per entry of kStages
+  std::vector<std::pair<const char*, Spread>> mapping;  // per key frame
 };
 
 struct RunCosts {
@@ -53,29 +53,29 @@ struct RunCosts {
   double peak_rss_mb = 0;
 };
 
-// A loop that was closed, or two submaps that were joined.
+// A closed loop, or two submaps that were joined.
 struct LoopSummary {
-  int64_t frame = 0;  // of the key frame
+  int64_t frame = 0;  // frame of the key frame
   LoopReport report;
-  double full_ba_ms = 0;  // of the full bundle adjustment that followed
+  double full_ba_ms = 0;  // duration of the full bundle adjustment that followed
 };
 
-// A run of frames without a pose and with the same state.
+// Consecutive frames without a pose and with the same state.
 struct Loss {
   int64_t first = 0, last = 0;
   FrameState state = FrameState::lost;
-  std::string reason;  // of its first frame
+  std::string reason;  // reason of its first frame
 };
 
-// Errors against the truth, metres.
+// Errors relative to the ground truth, metres.
 struct Accuracy {
   struct Scaled {
-    double ate = 0;    // after alignment with scale
-    double scale = 1;  // the estimate times this fits the truth
+    double ate = 0;    // error after alignment with scale
+    double scale = 1;  // factor that fits the estimate to the ground truth
   };
   AlignMode alignment = AlignMode::se3;
-  double ate = 0, ate_online = 0;  // RMSE, of the final and of the online trajectory
-  double path_length = 0;          // of the truth
+  double ate = 0, ate_online = 0;  // RMSE of the final and of the online trajectory
+  double path_length = 0;          // length of the ground truth
   std::optional<Scaled> scaled;
 };
 
@@ -90,10 +90,10 @@ struct RunSummary {
   RunCosts costs;
   std::vector<LoopSummary> loops, merges;
   std::vector<Loss> not_tracked;
-  std::optional<Accuracy> accuracy;  // where there is truth
+  std::optional<Accuracy> accuracy;  // only if there is ground truth
 };
 
-// Alignment that a sensor's trajectory needs: a single camera can't know the scale.
+// Returns the alignment for a sensor's trajectory: a single camera cannot observe the scale.
 constexpr AlignMode alignment_of(Sensor sensor) {
   return sensor == Sensor::monocular ? AlignMode::sim3 : AlignMode::se3;
 }

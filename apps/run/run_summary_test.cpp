@@ -9,13 +9,13 @@ namespace covis::app {
 namespace {
 
 RunSummary made_summary(const Trajectory* truth = nullptr) {
-  return summarise(made_record(), made_results(), truth, 123);
+  return summarise(made_record(), made_snapshot(), truth, 123);
 }
 
 TEST(RunSummary, CountsFrames) {
   RunRecord run = made_record();
   run.frames[9].state = FrameState::unreadable;
-  const FrameCounts counts = summarise(run, made_results(), nullptr, 0).frames;
+  const FrameCounts counts = summarise(run, made_snapshot(), nullptr, 0).frames;
   EXPECT_EQ(counts.all, 10u);
   EXPECT_EQ(counts.tracked, 6u);
   EXPECT_EQ(counts.tracked_online, 5u);
@@ -34,7 +34,7 @@ TEST(RunSummary, CountsWhatAllMapsHold) {
 
 TEST(RunSummary, TimesAreOfTheFramesThatWereProcessed) {
   const FrameTimes times = made_summary().times;
-  // 0, 10 … 90 without the late frame's 70.
+  // The values are 0, 10 … 90 without the late frame's 70.
   EXPECT_EQ(times.frame.median, 40);
   EXPECT_EQ(times.tracking.median, 38);
   EXPECT_EQ(times.stages.size(), kStages.size());
@@ -60,7 +60,7 @@ TEST(RunSummary, LossesAreRunsOfOneState) {
   EXPECT_EQ(losses[2].first, losses[2].last);
   RunRecord twice = made_record();
   twice.frames[3].state = FrameState::lost;
-  EXPECT_EQ(summarise(twice, made_results(), nullptr, 0).not_tracked.size(), 4u) << "frames between them were tracked";
+  EXPECT_EQ(summarise(twice, made_snapshot(), nullptr, 0).not_tracked.size(), 4u) << "frames between them were tracked";
 }
 
 TEST(RunSummary, ALoopHasTheAdjustmentThatFollowedIt) {
@@ -72,7 +72,7 @@ TEST(RunSummary, ALoopHasTheAdjustmentThatFollowedIt) {
   run.mapping[3].loop.outcome = LoopOutcome::closed;  // the next loop: no adjustment of its own before the end
   run.mapping[4].loop.outcome = LoopOutcome::joined;
   run.mapping[5].full_adjustment_ms = 7;  // after the maps were joined
-  const RunSummary summary = summarise(run, made_results(), nullptr, 0);
+  const RunSummary summary = summarise(run, made_snapshot(), nullptr, 0);
   ASSERT_EQ(summary.loops.size(), 2u);
   EXPECT_EQ(summary.loops[0].frame, 1);
   EXPECT_EQ(summary.loops[0].full_ba_ms, 20);
@@ -86,7 +86,7 @@ TEST(RunSummary, AccuracyIsWhereThereIsTruth) {
   EXPECT_FALSE(made_summary().accuracy);
   const Trajectory elsewhere(5);
   EXPECT_FALSE(made_summary(&elsewhere).accuracy) << "too few poses with truth";
-  Trajectory truth = made_results().trajectory;
+  Trajectory truth = made_snapshot().trajectory;
   for (StampedPose& pose : truth) pose.T_wc = SE3(pose.T_wc.R(), 2 * pose.T_wc.t());
   const auto accuracy = made_summary(&truth).accuracy;
   ASSERT_TRUE(accuracy);
@@ -97,7 +97,7 @@ TEST(RunSummary, AccuracyIsWhereThereIsTruth) {
   EXPECT_NEAR(accuracy->scaled->ate, 0, 1e-9);
   RunRecord mono = made_record();
   mono.sensor = Sensor::monocular;
-  EXPECT_EQ(summarise(mono, made_results(), &truth, 0).accuracy->alignment, AlignMode::sim3);
+  EXPECT_EQ(summarise(mono, made_snapshot(), &truth, 0).accuracy->alignment, AlignMode::sim3);
 }
 
 }  // namespace

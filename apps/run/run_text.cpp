@@ -39,13 +39,13 @@ std::vector<std::pair<std::string, std::string>> summary_rows(const RunSummary& 
       {"map points", std::to_string(s.map.points)},
       {"tracking, median (95 %)",
        fixed(s.times.tracking.median, 2, " ms") + " (" + fixed(s.times.tracking.p95, 2, " ms)")},
-      {"frames a second", fixed(s.costs.frames_per_second, 1, "")},
+      {"frames per second", fixed(s.costs.frames_per_second, 1, "")},
       {"peak memory", fixed(s.costs.peak_rss_mb, 0, " MB")}};
   if (s.map.submaps.size() > 1) rows.emplace_back("maps, not joined", std::to_string(s.map.submaps.size()));
   if (s.accuracy) {
     rows.emplace_back(std::string("error (ATE RMSE, ") + name_of_alignment(s.accuracy->alignment) + ")",
                       fixed(s.accuracy->ate, 4, " m"));
-    rows.emplace_back("as it was when tracked", fixed(s.accuracy->ate_online, 4, " m"));
+    rows.emplace_back("error of the online poses", fixed(s.accuracy->ate_online, 4, " m"));
     rows.emplace_back("length of the path", fixed(s.accuracy->path_length, 2, " m"));
   }
   return rows;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The main figures of a run in words: for the terminal, and for the report's table.
+// The main figures of a run in words, for the terminal and for the report's table.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace covis::app {
 
-// Some lines; `out`: the folder that the results were written to.
+// Returns a few lines of text. out: the folder of the results.
 std::string summary_text(const RunSummary& summary, const std::filesystem::path& out);
 std::vector<std::pair<std::string, std::string>> summary_rows(const RunSummary& summary);
 

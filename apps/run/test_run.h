@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// For tests: the record and the results of a small run, made by hand.
+// For tests: a hand-made record and results of a small run.
 #pragma once
 
 #include "apps/run/run_summary.h"
 
 namespace covis::app {
 
-// Ten frames, one a second: 0 not initialised, 1 to 4 tracked, 5 and 6 lost, 7 late, 8 and 9 tracked, in a second map.
-// Frame k takes 10 k ms, of which it waits 2.
+// Ten frames, one per second: 0 not initialised, 1 to 4 tracked, 5 and 6 lost, 7 late, 8 and 9 tracked, in a second
+// map. Frame k takes 10 k ms, 2 of which it waits.
 inline RunRecord made_record() {
   RunRecord run;
   run.source = "ten frames";

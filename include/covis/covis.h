@@ -14,8 +14,8 @@
 // world is the camera of the first key frame. Monocular maps have no metric scale: the median depth of the first is 1.
 //
 // A camera lost for long begins a submap with a world of its own beside the old one; the two are joined, and the later
-// id goes, when it sees a place of the old one again. Ids of submaps count from 0; poses and points of different submaps
-// can't be compared.
+// id goes, when it sees a place of the old one again. Ids of submaps count from 0; poses and points of different
+// submaps can't be compared.
 //
 // Threads: one thread calls track_*(), locate_*() and finish(), and destroys the object. Any thread may call the const
 // members (trajectory(), key_frames(), points()) at any time until then. Each gives values of one moment of its own.
@@ -79,8 +79,8 @@ struct FrameResult {
   bool tracked = false;  // state is tracking
   Pose pose;             // meaningful when tracked
   int submap = 0;        // id of the submap whose world the pose is in
-  // The camera was found far from where it was last: right if the next second confirms it. If not, the frames since then
-  // lose their poses (trajectory() leaves them out), and this or a later frame is lost or elsewhere.
+  // The camera was found far from where it was last: right if the next second confirms it. If not, the frames since
+  // then lose their poses (trajectory() leaves them out), and this or a later frame is lost or elsewhere.
   bool tentative = false;
   std::string reason;      // why there is no pose; empty when tracked
   int inliers = 0;         // map points that agree with the pose

@@ -116,7 +116,7 @@ double light(const Vector3d& normal) {
 }
 
 void add_box(Scene& scene, const Place& place, double depth, double width, double height, const BoxSkin& skin,
-             bool with_bottom) {
+             Bottom bottom) {
   const double x = 0.5 * depth, y = 0.5 * width, h = height;
   const auto face = [&](const Vector3d& origin, const Vector3d& right, const Vector3d& down, Skin s) {
     s.gain *= light(down.cross(right).normalized());
@@ -128,7 +128,7 @@ void add_box(Scene& scene, const Place& place, double depth, double width, doubl
   face(place(x, y, h), place.turn(-depth, 0, 0), down, skin.left);
   face(place(-x, -y, h), place.turn(depth, 0, 0), down, skin.right);
   face(place(-x, -y, h), place.turn(0, width, 0), place.turn(depth, 0, 0), skin.top);
-  if (with_bottom) face(place(x, -y, 0), place.turn(0, width, 0), place.turn(-depth, 0, 0), skin.bottom);
+  if (bottom == Bottom::closed) face(place(x, -y, 0), place.turn(0, width, 0), place.turn(-depth, 0, 0), skin.bottom);
 }
 
 void add_prism(Scene& scene, const Place& place, double r0, double r1, double height, int sides, const Skin& side,

@@ -87,10 +87,12 @@ struct BoxSkin {
   BoxSkin(const Skin& front_skin, const Skin& others) : BoxSkin(others) { front = front_skin; }
 };
 
+// closed: with a face below, for a box that does not stand on the floor.
+enum class Bottom { open, closed };
 // Adds a box whose bottom centre is at `place`, `depth` along its x, `width` along y. Faces are slightly shaded by
 // direction.
 void add_box(Scene& scene, const Place& place, double depth, double width, double height, const BoxSkin& skin,
-             bool with_bottom = false);
+             Bottom bottom = Bottom::open);
 // Adds an upright prism of `sides` faces with a lid; its radius goes from r0 at the bottom to r1 at the top.
 void add_prism(Scene& scene, const Place& place, double r0, double r1, double height, int sides, const Skin& side,
                const Skin& lid);

@@ -43,7 +43,7 @@ TEST(Scene, APiecePutElsewhereLooksTheSame) {
 TEST(Scene, ABoxIsClosedAndItsFacesLookOutward) {
   synth::Scene scene(5);
   const synth::Skin skin{.texture = scene.add_texture(synth::Canvas(1, 1, 20, 120))};
-  synth::add_box(scene, {{1, 2, 3}, 0}, 0.5, 0.7, 0.9, synth::BoxSkin(skin), true);
+  synth::add_box(scene, {{1, 2, 3}, 0}, 0.5, 0.7, 0.9, synth::BoxSkin(skin), synth::Bottom::closed);
   ASSERT_EQ(scene.polygons.size(), 6u);
   const Eigen::Vector3d middle(1, 2, 3.45);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();

@@ -7,9 +7,11 @@
 namespace covis::synth {
 namespace {
 
+enum class Along { rows, columns };
+
 // Halves one dimension by area: output i covers [i, i + 1) * (size / half) of the input, so that odd sizes stay in
 // place. `step` is the distance between neighbours, `lines` the number of lines, `line` the distance between lines.
-std::vector<float> halve(const std::vector<float>& in, int size, int lines, bool along_rows) {
+std::vector<float> halve(const std::vector<float>& in, int size, int lines, Along along) {
   const int half = (size + 1) / 2;
   std::vector<float> out(static_cast<size_t>(half) * static_cast<size_t>(lines));
   const double ratio = static_cast<double>(size) / half;
@@ -24,10 +26,10 @@ std::vector<float> halve(const std::vector<float>& in, int size, int lines, bool
     for (int l = 0; l < lines; ++l) {
       float sum = 0;
       for (int k = first; k <= last; ++k) {
-        const int at = along_rows ? l * size + k : k * lines + l;
+        const int at = along == Along::rows ? l * size + k : k * lines + l;
         sum += weight[k - first] * in[static_cast<size_t>(at)];
       }
-      out[static_cast<size_t>(along_rows ? l * half + i : i * lines + l)] = sum;
+      out[static_cast<size_t>(along == Along::rows ? l * half + i : i * lines + l)] = sum;
     }
   }
   return out;
@@ -41,9 +43,9 @@ Texture::Texture(const Canvas& canvas) {
   std::vector<float> values;
   while (columns > 1 || rows > 1) {
     const std::vector<float>& from = values.empty() ? canvas.pixels() : values;
-    std::vector<float> narrow = halve(from, columns, rows, true);
+    std::vector<float> narrow = halve(from, columns, rows, Along::rows);
     columns = (columns + 1) / 2;
-    values = halve(narrow, rows, columns, false);
+    values = halve(narrow, rows, columns, Along::columns);
     rows = (rows + 1) / 2;
     append_level(values, columns, rows);
   }

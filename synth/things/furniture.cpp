@@ -30,7 +30,7 @@ void add_bookcase(Scene& scene, const Place& place, double width, double height)
   const double step = height / shelves;
   for (int i = 0; i <= shelves; ++i) {
     const double z = std::min(i * step, height - board);
-    add_box(scene, place.at(0.5 * depth, 0, z), depth, width - 2 * board, board, BoxSkin(wood), true);
+    add_box(scene, place.at(0.5 * depth, 0, z), depth, width - 2 * board, board, BoxSkin(wood), Bottom::closed);
     if (i == shelves) break;
     double y = -0.5 * width + board;
     const double end = 0.5 * width - board;
@@ -58,7 +58,7 @@ void add_bookcase(Scene& scene, const Place& place, double width, double height)
 
 void add_table(Scene& scene, const Place& place, double depth, double width, double height, const Skin& wood) {
   const double top = 0.035, leg = 0.055;
-  add_box(scene, place.at(0, 0, height - top), depth, width, top, BoxSkin(wood), true);
+  add_box(scene, place.at(0, 0, height - top), depth, width, top, BoxSkin(wood), Bottom::closed);
   for (const double x : {-0.5 * depth + leg, 0.5 * depth - leg}) {
     for (const double y : {-0.5 * width + leg, 0.5 * width - leg}) {
       add_box(scene, place.at(x, y, 0), leg, leg, height - top, BoxSkin(wood));
@@ -73,9 +73,9 @@ void add_chair(Scene& scene, const Place& place, const Skin& wood) {
     for (const double y : {-0.19, 0.19})
       add_box(scene, place.at(x, y, 0), 0.035, 0.035, x < 0 ? 0.95 : 0.45, BoxSkin(wood));
   }
-  add_box(scene, place.at(0, 0, 0.43), 0.43, 0.43, 0.05, BoxSkin(cushion), true);
+  add_box(scene, place.at(0, 0, 0.43), 0.43, 0.43, 0.05, BoxSkin(cushion), Bottom::closed);
   for (const double z : {0.55, 0.68, 0.81})
-    add_box(scene, place.at(-0.19, 0, z), 0.02, 0.36, 0.07, BoxSkin(wood), true);
+    add_box(scene, place.at(-0.19, 0, z), 0.02, 0.36, 0.07, BoxSkin(wood), Bottom::closed);
 }
 
 void add_desk(Scene& scene, const Place& place, double width) {
@@ -92,7 +92,7 @@ void add_desk(Scene& scene, const Place& place, double width) {
     add_box(scene, monitor, 0.16, 0.24, 0.015, BoxSkin(black));
     add_box(scene, monitor.at(-0.03, 0, 0.01), 0.03, 0.05, 0.2, BoxSkin(black));
     add_box(scene, monitor.at(0, 0, 0.1), 0.035, 0.54, 0.33,
-            BoxSkin(painted(scene, screen(random, 0.54, 0.33, 520), 0.02), black), true);
+            BoxSkin(painted(scene, screen(random, 0.54, 0.33, 520), 0.02), black), Bottom::closed);
   }
   BoxSkin keys(black);
   keys.top = painted(scene, keyboard(random, 0.44, 0.15, 700), 0.02);
@@ -116,7 +116,8 @@ void add_cabinet(Scene& scene, const Place& place, double width, double height, 
                                             2 + static_cast<int>(random.below(3))));
   const Skin wood = material(scene, planks(random, 1.2, 1.2, 200, random.uniform(80, 180), 0.6));
   add_box(scene, place.at(0.5 * depth, 0, 0), depth, width, height, BoxSkin(front, wood));
-  add_box(scene, place.at(0.5 * depth + 0.01, 0, height), depth + 0.04, width + 0.04, 0.025, BoxSkin(wood), true);
+  add_box(scene, place.at(0.5 * depth + 0.01, 0, height), depth + 0.04, width + 0.04, 0.025, BoxSkin(wood),
+          Bottom::closed);
   double y = -0.4 * width;
   while (y < 0.4 * width) {  // objects on top
     const double w = random.uniform(0.1, 0.24), h = random.uniform(0.1, 0.3);
@@ -170,10 +171,11 @@ void add_radiator(Scene& scene, const Place& place, double width) {
   const Skin paint = material(scene, plaster(scene.random, 0.8, 0.8, 220, 205));
   const int ribs = static_cast<int>(width / 0.08);
   for (int i = 0; i < ribs; ++i) {
-    add_box(scene, place.at(0.08, (i + 0.5) * 0.08 - 0.5 * width, 0.12), 0.1, 0.055, 0.6, BoxSkin(paint), true);
+    add_box(scene, place.at(0.08, (i + 0.5) * 0.08 - 0.5 * width, 0.12), 0.1, 0.055, 0.6, BoxSkin(paint),
+            Bottom::closed);
   }
-  add_box(scene, place.at(0.08, 0, 0.16), 0.04, width, 0.04, BoxSkin(paint), true);
-  add_box(scene, place.at(0.08, 0, 0.64), 0.04, width, 0.04, BoxSkin(paint), true);
+  add_box(scene, place.at(0.08, 0, 0.16), 0.04, width, 0.04, BoxSkin(paint), Bottom::closed);
+  add_box(scene, place.at(0.08, 0, 0.64), 0.04, width, 0.04, BoxSkin(paint), Bottom::closed);
 }
 
 void add_foliage(Scene& scene, const Vector3d& centre, double radius, double leaf, int count, int texture) {
@@ -229,7 +231,8 @@ void add_picture(Scene& scene, const Place& place, double width, double height, 
   const Skin frame = material(scene, planks(random, 0.4, 0.4, 240, random.uniform(30, 190), 0.1));
   const double border = thickness > 0.01 ? 0.035 : 0;
   if (thickness > 0.01) {
-    add_box(scene, place.at(0.5 * thickness, 0, -0.5 * height), thickness, width, height, BoxSkin(frame), true);
+    add_box(scene, place.at(0.5 * thickness, 0, -0.5 * height), thickness, width, height, BoxSkin(frame),
+            Bottom::closed);
   }
   const Skin image = painted(scene, picture, 0.04);
   scene.add_rect(place(thickness + 0.003, -0.5 * width + border, 0.5 * height - border),

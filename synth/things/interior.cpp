@@ -79,12 +79,12 @@ void add_window(Scene& scene, const Place& wall, double width, double height, do
   Random& random = scene.random;
   const Skin frame = material(scene, plaster(random, 0.5, 0.5, 200, 220));
   const double bar = 0.06;
-  add_box(scene, wall.at(0.06, 0, sill - 0.04), 0.26, width + 0.2, 0.04, BoxSkin(frame), true);
+  add_box(scene, wall.at(0.06, 0, sill - 0.04), 0.26, width + 0.2, 0.04, BoxSkin(frame), Bottom::closed);
   for (int i = 0; i <= 2; ++i) {
     add_box(scene, wall.at(0.03, (i - 1) * 0.5 * (width - bar), sill), 0.06, bar, height, BoxSkin(frame));
   }
   for (const double z : {0.0, 0.6 * height, height - bar}) {
-    add_box(scene, wall.at(0.028, 0, sill + z), 0.055, width, bar, BoxSkin(frame), true);
+    add_box(scene, wall.at(0.028, 0, sill + z), 0.055, width, bar, BoxSkin(frame), Bottom::closed);
   }
   Skin view = painted(scene, view_outside(random, width, height, 240));
   view.gain = 1.1;
@@ -106,7 +106,7 @@ void add_door(Scene& scene, const Place& wall) {
   const Skin frame = material(scene, planks(random, 0.5, 0.5, 200, random.uniform(60, 190), 0.2));
   for (const double side : {-0.48, 0.48})
     add_box(scene, wall.at(0.04, side, 0), 0.08, 0.08, height + 0.08, BoxSkin(frame));
-  add_box(scene, wall.at(0.04, 0, height), 0.08, width, 0.08, BoxSkin(frame), true);
+  add_box(scene, wall.at(0.04, 0, height), 0.08, width, 0.08, BoxSkin(frame), Bottom::closed);
 }
 
 void add_wall_piece(Scene& scene, const Place& wall, double bottom, double top, double width) {
@@ -143,7 +143,8 @@ void add_bench(Scene& scene, const Place& place, double width) {
   const Skin wood = material(scene, planks(random, 1.2, 1.2, 200, random.uniform(80, 170), 0.1));
   for (const double side : {-0.5 * width + 0.1, 0.5 * width - 0.1})
     add_box(scene, place.at(0.22, side, 0), 0.36, 0.05, 0.42, BoxSkin(wood));
-  for (const double x : {0.08, 0.2, 0.32}) add_box(scene, place.at(x, 0, 0.42), 0.1, width, 0.03, BoxSkin(wood), true);
+  for (const double x : {0.08, 0.2, 0.32})
+    add_box(scene, place.at(x, 0, 0.42), 0.1, width, 0.03, BoxSkin(wood), Bottom::closed);
   if (random.below(2)) add_boxes(scene, place.at(-0.12, 0.2 * width, 0.45));
 }
 

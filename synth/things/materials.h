@@ -40,8 +40,9 @@ Canvas label(Random& random, double w, double h, double ppm);
 // Outdoor materials.
 enum class Front { flats, shop, office, warehouse };
 Canvas facade(Random& random, double w, double h, double ppm, Front front, double storey);
-Canvas road(Random& random, double w, double h, double ppm,
-            bool crossing);  // along x, centre line in the middle
+// The road runs along x, with its centre line in the middle.
+enum class Crossing { none, striped };
+Canvas road(Random& random, double w, double h, double ppm, Crossing crossing);
 Canvas pavement(Random& random, double w, double h, double ppm);
 Canvas grass(Random& random, double w, double h, double ppm);
 Canvas roof(Random& random, double w, double h, double ppm);
@@ -50,7 +51,8 @@ Canvas clouds(Random& random, double w, double h, double ppm, double bottom,
               double top);                                       // tones at the bottom and top edge
 Canvas skyline(Random& random, double w, double h, double ppm);  // distant houses and trees against the sky's tone
 Canvas car_side(Random& random, double w, double h, double ppm, double paint);
-Canvas car_end(Random& random, double w, double h, double ppm, double paint, bool front);
+enum class CarEnd { front, back };
+Canvas car_end(Random& random, double w, double h, double ppm, double paint, CarEnd end);
 Canvas shop_sign(Random& random, double w, double h, double ppm);
 
 // Returns a random word of capital letters.

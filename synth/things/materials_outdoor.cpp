@@ -189,7 +189,7 @@ Canvas facade(Random& random, double w, double h, double ppm, Front front, doubl
   return c;
 }
 
-Canvas road(Random& random, double w, double h, double ppm, bool crossing) {
+Canvas road(Random& random, double w, double h, double ppm, Crossing crossing) {
   Canvas c(w, h, ppm, 92);
   c.fractal(3, 9, 8, 0.82, random.next());
   c.noise(9, 0.7, 9, random.next());  // worn tracks
@@ -221,7 +221,7 @@ Canvas road(Random& random, double w, double h, double ppm, bool crossing) {
   const double m = 0.5 * h;
   for (double x = random.uniform(0, 2); x < w; x += 4.5) c.rect(x, m - 0.07, x + 2.2, m + 0.07, 205, 0.85);
   for (const double y : {0.35, h - 0.35}) c.rect(0, y - 0.06, w, y + 0.06, 195, 0.7);
-  if (crossing) {
+  if (crossing == Crossing::striped) {
     const double x = random.uniform(0.3, 0.6) * w;
     for (double y = 0.5; y < h - 0.5; y += 1.0) c.rect(x, y, x + 3, y + 0.5, 215, 0.9);
   }
@@ -335,7 +335,8 @@ Canvas car_side(Random& random, double w, double h, double ppm, double paint) {
   return c;
 }
 
-Canvas car_end(Random& random, double w, double h, double ppm, double paint, bool front) {
+Canvas car_end(Random& random, double w, double h, double ppm, double paint, CarEnd end) {
+  const bool front = end == CarEnd::front;
   Canvas c(w, h, ppm, paint);
   c.fractal(0.6, 6, 6, 0.8, random.next());
   for (const double x : {0.05, 0.75}) {

@@ -19,7 +19,7 @@ void add_balconies(Scene& scene, const Place& place, double width, double height
   const Skin rail{.texture = scene.add_texture(bars), .metres = 2, .detail = 0.1};
   const double w = random.uniform(1.6, 2.6), y = random.uniform(-0.3, 0.3) * (width - w);
   for (double z = storey; z < height - storey * 0.8; z += storey) {
-    add_box(scene, place.at(0.5, y, z), 1.0, w, 0.14, BoxSkin(concrete), true);
+    add_box(scene, place.at(0.5, y, z), 1.0, w, 0.14, BoxSkin(concrete), Bottom::closed);
     add_box(scene, place.at(0.95, y, z + 0.14), 0.06, w, 0.95, BoxSkin(rail));
     for (const double side : {-0.5, 0.5})
       add_box(scene, place.at(0.5, y + side * (w - 0.06), z + 0.14), 1.0, 0.06, 0.95, BoxSkin(rail));
@@ -43,8 +43,8 @@ void add_building(Scene& scene, const Place& place, double width, double depth) 
   skin.top = plain(scene, 90);
   add_box(scene, place.at(-0.5 * depth, 0, 0), depth, width, height, skin);
   const Skin stone = plain(scene, random.uniform(120, 200));
-  add_box(scene, place.at(0.12, 0, height - 0.35), 0.3, width + 0.1, 0.35, BoxSkin(stone), true);  // cornice
-  if (random.below(2)) {                                                                           // roof behind it
+  add_box(scene, place.at(0.12, 0, height - 0.35), 0.3, width + 0.1, 0.35, BoxSkin(stone), Bottom::closed);  // cornice
+  if (random.below(2)) {  // roof behind it
     const double ridge = height + random.uniform(1.5, 3);
     const Skin tiles_skin = painted(scene, roof(random, width, 3, 30), 0.2);
     scene.add_rect(place(-3, -0.5 * width, ridge), place.turn(0, width, 0), place.turn(3, 0, height - ridge),
@@ -67,7 +67,8 @@ void add_building(Scene& scene, const Place& place, double width, double depth) 
     const double sw = random.uniform(0.7, 1.1), sh = random.uniform(0.7, 1.1);
     BoxSkin sign(stone);
     sign.left = sign.right = painted(scene, shop_sign(random, sw, sh, 110), 0.05);
-    add_box(scene, place.at(0.15 + 0.5 * sw, random.uniform(-0.4, 0.4) * width, 3.5), sw, 0.1, sh, sign, true);
+    add_box(scene, place.at(0.15 + 0.5 * sw, random.uniform(-0.4, 0.4) * width, 3.5), sw, 0.1, sh, sign,
+            Bottom::closed);
   } else if (front == Front::flats && random.below(2)) {
     add_balconies(scene, place, width, height, storey);
   } else {
@@ -105,8 +106,8 @@ void add_car(Scene& scene, const Place& place) {
   const Skin panel = material(scene, plaster(random, 2, 2, 80, paint), 0.05);
   BoxSkin skin(panel);
   skin.left = skin.right = painted(scene, car_side(random, length, body, 90, paint), 0.05);
-  skin.front = painted(scene, car_end(random, width, body, 100, paint, true), 0.05);
-  skin.back = painted(scene, car_end(random, width, body, 100, paint, false), 0.05);
+  skin.front = painted(scene, car_end(random, width, body, 100, paint, CarEnd::front), 0.05);
+  skin.back = painted(scene, car_end(random, width, body, 100, paint, CarEnd::back), 0.05);
   add_box(scene, place.at(0, 0, ground), length, width, body, skin);
   // The cabin has four sloping glass panes and a roof.
   const double front = van ? 0.44 : 0.16, back = van ? -0.48 : -0.42, slope = van ? 0.25 : 0.5, inset = 0.14;
@@ -167,8 +168,8 @@ void add_street_furniture(Scene& scene, const Place& place) {
   switch (random.below(6)) {
     case 0: {  // lamp post
       add_prism(scene, place, 0.12, 0.06, 5.5, 8, metal, metal);
-      add_box(scene, place.at(0.6, 0, 5.4), 1.4, 0.1, 0.1, BoxSkin(metal), true);
-      add_box(scene, place.at(1.2, 0, 5.3), 0.5, 0.25, 0.1, BoxSkin(plain(scene, 230)), true);
+      add_box(scene, place.at(0.6, 0, 5.4), 1.4, 0.1, 0.1, BoxSkin(metal), Bottom::closed);
+      add_box(scene, place.at(1.2, 0, 5.3), 0.5, 0.25, 0.1, BoxSkin(plain(scene, 230)), Bottom::closed);
       break;
     }
     case 1: {  // bin
@@ -185,7 +186,8 @@ void add_street_furniture(Scene& scene, const Place& place) {
       const double w = random.uniform(0.55, 0.9);
       BoxSkin plate(metal);
       plate.front = plate.back = painted(scene, shop_sign(random, w, w, 120), 0.05);
-      add_box(scene, place.at(0.05, 0, 2.0).at(0, 0, 0, random.below(2) ? 1.57 : -1.57), 0.03, w, w, plate, true);
+      add_box(scene, place.at(0.05, 0, 2.0).at(0, 0, 0, random.below(2) ? 1.57 : -1.57), 0.03, w, w, plate,
+              Bottom::closed);
       break;
     }
     case 4: {  // letter box or cable cabinet

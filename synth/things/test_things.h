@@ -38,7 +38,7 @@ inline void expect_sound(const Scene& scene) {
   }
 }
 
-// Of a canvas: a number that differs when a pixel does.
+// A number for a canvas that differs when a pixel does.
 inline double sum_of(const Canvas& canvas) {
   double sum = 0;
   for (size_t i = 0; i < canvas.pixels().size(); ++i)

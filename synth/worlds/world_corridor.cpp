@@ -29,17 +29,18 @@ void furnish_ceiling(Scene& scene, const Vector2d& begin, const Vector2d& end) {
     switch (random.below(4)) {
       case 0:
       case 1:
-        add_box(scene, place(s, random.uniform(-0.3, 0.3), kHeight - 0.08), 1.1, 0.22, 0.08, BoxSkin(lamp), true);
+        add_box(scene, place(s, random.uniform(-0.3, 0.3), kHeight - 0.08), 1.1, 0.22, 0.08, BoxSkin(lamp),
+                Bottom::closed);
         break;
       case 2:
-        add_box(scene, place(s, 0, kHeight - 0.3), 0.22, kWidth, 0.3, BoxSkin(beam), true);
+        add_box(scene, place(s, 0, kHeight - 0.3), 0.22, kWidth, 0.3, BoxSkin(beam), Bottom::closed);
         break;
       default: {  // a hanging sign
         Canvas sign(0.9, 0.25, 300, random.uniform(30, 110));
         sign.text(0.06, 0.07, 0.11, made_up_word(random, 8), 235);
         BoxSkin skin(painted(scene, sign, 0.05));
         skin.back = skin.front;
-        add_box(scene, place(s, random.uniform(-0.4, 0.4), kHeight - 0.42), 0.05, 0.9, 0.25, skin, true);
+        add_box(scene, place(s, random.uniform(-0.4, 0.4), kHeight - 0.42), 0.05, 0.9, 0.25, skin, Bottom::closed);
         for (const double y : {-0.35, 0.35})
           add_box(scene, place(s, y, kHeight - 0.17), 0.015, 0.015, 0.17, BoxSkin(metal));
       }
@@ -48,7 +49,7 @@ void furnish_ceiling(Scene& scene, const Vector2d& begin, const Vector2d& end) {
   if (random.below(3)) {  // a pipe along one side
     const double side = random.below(2) ? 1 : -1;
     add_box(scene, place(0.5 * length, side * (0.5 * kWidth - 0.2), kHeight - 0.28), length, 0.09, 0.09, BoxSkin(metal),
-            true);
+            Bottom::closed);
   }
 }
 

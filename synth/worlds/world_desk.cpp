@@ -57,7 +57,7 @@ void add_desk_lamp(Scene& scene, const Place& place) {
   const Skin metal = material(scene, plaster(random, 0.4, 0.4, 400, random.uniform(50, 210)), 0.15);
   add_prism(scene, place, 0.09, 0.08, 0.025, 16, metal, metal);
   add_prism(scene, place.at(0, 0, 0.025), 0.012, 0.012, 0.36, 8, metal, metal);
-  add_box(scene, place.at(0.1, 0, 0.37), 0.24, 0.02, 0.02, BoxSkin(metal), true);
+  add_box(scene, place.at(0.1, 0, 0.37), 0.24, 0.02, 0.02, BoxSkin(metal), Bottom::closed);
   add_prism(scene, place.at(0.2, 0, 0.28), 0.085, 0.035, 0.1, 14, painted(scene, wallpaper(random, 0.5, 0.1, 500, 180)),
             metal);
 }
@@ -90,7 +90,7 @@ void lay_desk(Scene& scene, const Place& desk) {
   add_box(scene, monitor, 0.18, 0.26, 0.015, BoxSkin(black));
   add_box(scene, monitor.at(-0.03, 0, 0.01), 0.03, 0.06, 0.15, BoxSkin(black));
   add_box(scene, monitor.at(0, 0, 0.09), 0.035, 0.56, 0.34,
-          BoxSkin(painted(scene, screen(random, 0.56, 0.34, 700), 0.02), black), true);
+          BoxSkin(painted(scene, screen(random, 0.56, 0.34, 700), 0.02), black), Bottom::closed);
   BoxSkin keys(black);
   keys.top = painted(scene, keyboard(random, 0.44, 0.15, 900), 0.03);
   add_box(scene, desk.at(0.18, aside, 0, random.uniform(-0.1, 0.1)), 0.15, 0.44, 0.02, keys);
@@ -187,7 +187,7 @@ World make_desk(uint64_t seed) {
       furnish(scene, wall, floors, {Kind::cabinet, Kind::bookcase, Kind::boxes}, half + 1.05, 0.3);
       for (const double at : {-0.62, 0.0, 0.62}) add_wall_piece(scene, wall.at(half + at), 1.15, 2.2, 0.58);
       const Skin board = material(scene, planks(random, 1, 1, 250, random.uniform(80, 170), 0.5));
-      add_box(scene, wall.at(half).at(0.12, 0, 2.25), 0.24, 1.8, 0.025, BoxSkin(board), true);
+      add_box(scene, wall.at(half).at(0.12, 0, 2.25), 0.24, 1.8, 0.025, BoxSkin(board), Bottom::closed);
     } else {
       furnish(scene, wall, floors,
               {Kind::bookcase, Kind::window, Kind::cabinet, Kind::door, Kind::pictures, Kind::greenery}, 0.6, 0.4);

@@ -121,10 +121,11 @@ void add_ceiling(Scene& scene, const Hall& hall) {
   const Skin beam = material(scene, weak_paint(random, 1.5, 1.5, random.uniform(110, 190)), 0.12);
   for (double x = 1; x < hall.length - 0.5; x += random.uniform(1.6, 3.2)) {
     if (random.below(3)) {
-      add_box(scene, {{x, random.uniform(-0.4, 0.4), hall.height - 0.08}, 0}, 1.1, 0.22, 0.08, BoxSkin(lamp), true);
+      add_box(scene, {{x, random.uniform(-0.4, 0.4), hall.height - 0.08}, 0}, 1.1, 0.22, 0.08, BoxSkin(lamp),
+              Bottom::closed);
     } else {
       const double drop = random.uniform(0.15, 0.35);
-      add_box(scene, {{x, 0, hall.height - drop}, 0}, 0.2, hall.width, drop, BoxSkin(beam), true);
+      add_box(scene, {{x, 0, hall.height - drop}, 0}, 0.2, hall.width, drop, BoxSkin(beam), Bottom::closed);
     }
   }
 }

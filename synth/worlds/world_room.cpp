@@ -63,7 +63,8 @@ World make_room(uint64_t seed) {
   scene.add_rect({room.length, 0, room.height}, {0, room.width, 0}, {-room.length, 0, 0}, painted(scene, ceiling, 0.1));
   const Skin lamp = material(scene, plaster(random, 0.5, 0.5, 150, 245), 0.02);
   for (const double x : {0.3, 0.7}) {
-    add_box(scene, {{x * room.length, 0.5 * room.width, room.height - 0.08}, 0}, 0.25, 1.2, 0.08, BoxSkin(lamp), true);
+    add_box(scene, {{x * room.length, 0.5 * room.width, room.height - 0.08}, 0}, 0.25, 1.2, 0.08, BoxSkin(lamp),
+            Bottom::closed);
   }
   return {std::move(scene), tour(room, hash_seed(seed, 2)), 30, 600, 0.11};
 }

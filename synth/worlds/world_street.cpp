@@ -66,8 +66,10 @@ void add_ground(Scene& scene, double ox, double oy, double growth) {
   const Skin lawn = material(scene, grass(random, 12, 12, 30), 0.2);
   const double reach = 200 * growth;
   scene.add_rect({-reach, -reach, -0.06}, {0, 2 * reach, 0}, {2 * reach, 0, 0}, lawn);
+  enum class Axis { x, y };
   // The two long streets extend over the corners; the short ones run between them.
-  const auto strip = [&](const Vector2d& low, double along, bool along_x) {
+  const auto strip = [&](const Vector2d& low, double along, Axis axis) {
+    const bool along_x = axis == Axis::x;
     const int pieces = std::max(1, static_cast<int>(along / 22));
     const double piece = along / pieces;
     for (int i = 0; i < pieces; ++i) {
@@ -80,7 +82,7 @@ void add_ground(Scene& scene, double ox, double oy, double growth) {
         scene.add_rect(base + (from + width) * side + Vector3d(0, 0, z), piece * forward, -width * side,
                        painted(scene, canvas, 0.3));
       };
-      lay(kWalk, kRoad, 0, road(random, piece, kRoad, 36, random.below(4) == 0));
+      lay(kWalk, kRoad, 0, road(random, piece, kRoad, 36, random.below(4) == 0 ? Crossing::striped : Crossing::none));
       for (const double from : {0.0, kWalk + kRoad}) {
         lay(from, kWalk, 0.1, pavement(random, piece, kWalk, 36));
         // The edge of the kerb, seen from the road.
@@ -96,13 +98,13 @@ void add_ground(Scene& scene, double ox, double oy, double growth) {
     }
   };
   const double w = 2 * kHalf;
-  strip({-ox + w, -oy}, 2 * ox - 2 * w, true);
-  strip({-ox + w, oy - w}, 2 * ox - 2 * w, true);
-  strip({-ox, -oy + w}, 2 * oy - 2 * w, false);
-  strip({ox - w, -oy + w}, 2 * oy - 2 * w, false);
+  strip({-ox + w, -oy}, 2 * ox - 2 * w, Axis::x);
+  strip({-ox + w, oy - w}, 2 * ox - 2 * w, Axis::x);
+  strip({-ox, -oy + w}, 2 * oy - 2 * w, Axis::y);
+  strip({ox - w, -oy + w}, 2 * oy - 2 * w, Axis::y);
   for (const double x : {-ox, ox - w}) {  // the crossings
     for (const double y : {-oy, oy - w})
-      scene.add_rect({x, y, 0}, {0, w, 0}, {w, 0, 0}, painted(scene, road(random, w, w, 36, false), 0.3));
+      scene.add_rect({x, y, 0}, {0, w, 0}, {w, 0, 0}, painted(scene, road(random, w, w, 36, Crossing::none), 0.3));
   }
 }
 

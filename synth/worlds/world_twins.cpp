@@ -53,7 +53,7 @@ void add_frame(Scene& scene, const Plan& plan, double x) {
   for (const double side : {-0.5, 0.5}) {
     add_box(scene, {{x, y + side * (kOpening + bar), 0}, 0}, depth, bar, kDoor + bar, BoxSkin(wood));
   }
-  add_box(scene, {{x, y, kDoor}, 0}, depth, kOpening, bar, BoxSkin(wood), true);
+  add_box(scene, {{x, y, kDoor}, 0}, depth, kOpening, bar, BoxSkin(wood), Bottom::closed);
 }
 
 void add_ceiling(Scene& scene, double x0, double x1, double y0, double y1, double height, double panel) {
@@ -87,13 +87,14 @@ Piece make_twin(Scene& scene, const Plan& plan) {
   add_ceiling(scene, 0, length, 0, width, height, 0.6);
   const Skin lamp = material(scene, plaster(random, 0.5, 0.5, 150, 245), 0.02);
   for (const double x : {0.3, 0.7}) {
-    add_box(scene, {{x * length, 0.5 * width, height - 0.08}, 0}, 0.25, 1.2, 0.08, BoxSkin(lamp), true);
+    add_box(scene, {{x * length, 0.5 * width, height - 0.08}, 0}, 0.25, 1.2, 0.08, BoxSkin(lamp), Bottom::closed);
   }
   return scene.cut(0);
 }
 
-// Adds a passage from x0 to x1, with openings on the sides that lead to a room.
-void add_passage(Scene& scene, const Plan& plan, double x0, double x1, bool from_room, bool to_room) {
+// Adds a passage from x0 to x1. An end is open where there is a room beyond.
+enum class End { open, closed };
+void add_passage(Scene& scene, const Plan& plan, double x0, double x1, End first, End last) {
   Random& random = scene.random;
   const double y0 = 0.5 * (plan.width - kPassage), y1 = 0.5 * (plan.width + kPassage), height = plan.passage_height;
   std::vector<Floor> floors;
@@ -102,21 +103,22 @@ void add_passage(Scene& scene, const Plan& plan, double x0, double x1, bool from
     add_wall_surface(scene, wall);
     furnish(scene, wall, floors, {Kind::pictures, Kind::pillar, Kind::door}, 0.25, 0.25);
   }
-  const auto add_end = [&](const Wall& wall, bool open) {
-    if (open) {
+  const auto add_end = [&](const Wall& wall, End end) {
+    if (end == End::open) {
       add_open_wall(scene, wall);
     } else {
       add_wall_surface(scene, wall);
       furnish(scene, wall, floors, {Kind::cabinet, Kind::pictures}, 0.3, 0.3);
     }
   };
-  add_end({{x0, y0}, {x0, y1}, height}, from_room);
-  add_end({{x1, y1}, {x1, y0}, height}, to_room);
+  add_end({{x0, y0}, {x0, y1}, height}, first);
+  add_end({{x1, y1}, {x1, y0}, height}, last);
   floors[0].canvas.darken_edges(0.4, 0.2);
   add_floor(scene, floors[0], 0.16);
   add_ceiling(scene, x0, x1, y0, y1, height, random.uniform(0.4, 0.8));
   const Skin lamp = material(scene, plaster(random, 0.5, 0.5, 150, 245), 0.02);
-  add_box(scene, {{0.5 * (x0 + x1), 0.5 * plan.width, height - 0.07}, 0}, 0.8, 0.3, 0.07, BoxSkin(lamp), true);
+  add_box(scene, {{0.5 * (x0 + x1), 0.5 * plan.width, height - 0.07}, 0}, 0.8, 0.3, 0.07, BoxSkin(lamp),
+          Bottom::closed);
 }
 
 // The path from just inside the first room to just before the end of the second, past the tables at three quarters of a
@@ -162,9 +164,9 @@ World make_twins(uint64_t seed) {
   scene.put(room, {});
   scene.put(room, {{plan.spacing(), 0, 0}, 0});
   const double end = plan.spacing() + plan.length;
-  add_passage(scene, plan, -plan.end_passage, 0, false, true);
-  add_passage(scene, plan, plan.length, plan.spacing(), true, true);
-  add_passage(scene, plan, end, end + plan.end_passage, true, false);
+  add_passage(scene, plan, -plan.end_passage, 0, End::closed, End::open);
+  add_passage(scene, plan, plan.length, plan.spacing(), End::open, End::open);
+  add_passage(scene, plan, end, end + plan.end_passage, End::open, End::closed);
   CameraPath path = walk(plan, hash_seed(seed, 2));
   const int frames = static_cast<int>(30 * path.period());
   return {std::move(scene), std::move(path), 30, frames, 0.11};

@@ -44,7 +44,7 @@ TEST_P(EveryWorld, SameSeedSameBytesInAnyOrder) {
   }
 }
 
-// What one frame sees, moved by the truth, is what the next frames see.
+// A frame, moved by the truth, explains the next ones.
 TEST_P(EveryWorld, DepthAndPosesExplainTheNextImage) {
   Synth& synth = world(GetParam());
   ImageU8 image1, image2;
@@ -122,7 +122,7 @@ TEST_P(EveryWorld, MovesSmoothlyAtASensibleSpeed) {
       EXPECT_TRUE((a.R() * a.R().transpose()).isIdentity(1e-9) && a.R().determinant() > 0);
       ASSERT_LT(velocity.norm(), top_speed) << i;
       ASSERT_LT(turn.norm(), top_turn) << i;
-      if (i > 0) {  // nothing jumps
+      if (i > 0) {  // motion does not jump
         ASSERT_LT(fps * (velocity - last_velocity).norm(), street ? 8 : 3) << i;
         ASSERT_LT(fps * (turn - last_turn).norm(), 3) << i;
       }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The names that examples of the documentation use without declaring them: what a program has around them.
+// The names that the examples of the documentation use without declaring them.
 #pragma once
 
 #include <covis/covis.h>

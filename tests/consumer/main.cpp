@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A program that uses the installed library: the first RGB-D frame of a flat, checked wall must make a map.
+// A program that uses the installed library: the first RGB-D frame of a flat, chequered wall must start a map.
 #include <covis/covis.h>
 
 #include <cstdio>
@@ -17,6 +17,6 @@ int main() {
   const auto result = (*slam)->track_rgbd(0, {grey.data(), 640, 480, 640}, {depth.data(), 640, 480, 640});
   if (!result) return std::printf("%s\n", result.error().c_str()), 1;
   (*slam)->finish();
-  std::printf("covis %s: %s, %zu points\n", covis::version(), result->state.c_str(), (*slam)->points().size());
+  std::printf("covis %s: %s, %zu points\n", covis::version(), covis::name(result->state), (*slam)->points().size());
   return result->tracked && std::strcmp(covis::version(), COVIS_VERSION) == 0 ? 0 : 1;
 }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 
@@ -39,6 +41,41 @@ TrackingState to_state(TrackState state) {
       return TrackingState::lost;
   }
   return TrackingState::lost;
+}
+
+Sensor to_sensor(SensorType sensor) {
+  switch (sensor) {
+    case SensorType::monocular:
+      return Sensor::monocular;
+    case SensorType::stereo:
+      return Sensor::stereo;
+    case SensorType::rgbd:
+      return Sensor::rgbd;
+  }
+  return Sensor::monocular;
+}
+
+Distortion to_distortion(LensType lens) {
+  switch (lens) {
+    case LensType::none:
+      return Distortion::none;
+    case LensType::brown_conrady:
+      return Distortion::brown_conrady;
+    case LensType::kannala_brandt:
+      return Distortion::kannala_brandt;
+  }
+  return Distortion::none;
+}
+
+Camera to_camera(const CameraParameters& parameters, SensorType sensor) {
+  Camera camera;
+  camera.width = parameters.width;
+  camera.height = parameters.height;
+  camera.pinhole = {parameters.fx, parameters.fy, parameters.cx, parameters.cy,
+                    sensor == SensorType::monocular ? 0 : parameters.fx * parameters.baseline};
+  camera.distortion = to_distortion(parameters.lens);
+  std::copy(std::begin(parameters.distortion), std::end(parameters.distortion), camera.coefficients.begin());
+  return camera;
 }
 
 // Returns the problem of an impossible camera, nothing for a possible one.
@@ -143,25 +180,15 @@ tl::expected<std::unique_ptr<Slam>, std::string> Slam::create(const CameraParame
         "system.localize: it needs a saved map to localise in, which can't be loaded here; covis run --map FILE "
         "--localize does");
   }
-  options.sensor = sensor == SensorType::monocular ? Sensor::monocular
-                   : sensor == SensorType::stereo  ? Sensor::stereo
-                                                   : Sensor::rgbd;
-  Camera camera;
-  camera.width = parameters.width;
-  camera.height = parameters.height;
-  camera.pinhole = {parameters.fx, parameters.fy, parameters.cx, parameters.cy,
-                    sensor == SensorType::monocular ? 0 : parameters.fx * parameters.baseline};
-  camera.distortion = parameters.lens == LensType::none            ? Distortion::none
-                      : parameters.lens == LensType::brown_conrady ? Distortion::brown_conrady
-                                                                   : Distortion::kannala_brandt;
-  std::copy(std::begin(parameters.distortion), std::end(parameters.distortion), camera.coefficients.begin());
+  options.sensor = to_sensor(sensor);
   std::shared_ptr<const Vocabulary> words;
   if (!vocabulary.empty()) {
     auto loaded = Vocabulary::load(vocabulary);
     if (!loaded) return Failure(loaded.error().message);
     words = std::move(*loaded);
   }
-  return std::unique_ptr<Slam>(new Slam(std::make_unique<Impl>(camera, options, std::move(words))));
+  return std::unique_ptr<Slam>(
+      new Slam(std::make_unique<Impl>(to_camera(parameters, sensor), options, std::move(words))));
 }
 
 tl::expected<FrameResult, std::string> Slam::track_monocular(int64_t stamp, const GreyImage& image) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the public interface accepts and refuses, without rendered images (those are in tests/api_test.cpp).
+// Calls that the public interface accepts and refuses, without rendered images (those are in tests/api_test.cpp).
 #include <gmock/gmock.h>
 
 #include <limits>
@@ -129,7 +129,8 @@ TEST_F(SlamCalls, OfAnotherSensorAreRefused) {
 
 TEST_F(SlamCalls, ImagesOfAnotherSizeAreRefusedByTheirName) {
   const auto mono = create(SensorType::monocular), stereo = create(SensorType::stereo), rgbd = create(SensorType::rgbd);
-  EXPECT_THAT(error_of(mono->track_monocular(1, small)), HasSubstr("image is empty or is 100x100; the camera is 160x120"));
+  EXPECT_THAT(error_of(mono->track_monocular(1, small)),
+              HasSubstr("image is empty or is 100x100; the camera is 160x120"));
   EXPECT_THAT(error_of(mono->track_monocular(1, {})), HasSubstr("image"));
   EXPECT_THAT(error_of(mono->locate_monocular({nullptr, kWidth, kHeight, kWidth})), HasSubstr("image"));
   EXPECT_THAT(error_of(mono->track_monocular(1, {pixels.data(), kWidth, kHeight, kWidth - 1})), HasSubstr("image"));

@@ -175,15 +175,15 @@ Result<Evaluation> evaluate(const Trajectory& estimate_in, const Trajectory& tru
   result.associated = result.compared.size();
   if (result.associated < 3) {
     return fail("only " + std::to_string(result.associated) +
-                " poses have truth at their time; at least 3 are needed. The trajectory: " + span_text(estimate) +
-                "; the truth: " + span_text(truth));
+                " poses have ground truth at their time; at least 3 are needed. The trajectory: " +
+                span_text(estimate) + "; the truth: " + span_text(truth));
   }
   result.coverage = static_cast<double>(covered.size()) / static_cast<double>(truth.size());
   const AlignMode mode = options.align;
   Alignment alignment;
-  const bool with_scale = mode == AlignMode::sim3 || mode == AlignMode::first_sim3;
-  if (with_scale || mode == AlignMode::se3) {
-    const auto found = align(from, to, with_scale);
+  const Scale scale = mode == AlignMode::sim3 || mode == AlignMode::first_sim3 ? Scale::free : Scale::fixed;
+  if (scale == Scale::free || mode == AlignMode::se3) {
+    const auto found = align(from, to, scale);
     if (!found) return fail("the trajectory can't be aligned: all its positions are the same");
     alignment = *found;
   }

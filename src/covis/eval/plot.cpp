@@ -55,13 +55,13 @@ struct Canvas {
   }
 };
 
-void find_range(const Plot& plot, bool of_x, std::array<double, 2>& range) {
+void find_range(const Plot& plot, std::vector<double> PlotSeries::*values, std::array<double, 2>& range) {
   if (range[0] != range[1]) return;
   double low = 1e300, high = -1e300;
   for (const bool dots : {false, true}) {  // dots (map points) set the range only when there is no other series
     for (const PlotSeries& s : plot.series) {
       if ((s.style == PlotSeries::Style::dots) != dots) continue;
-      for (const double v : of_x ? s.x : s.y) {
+      for (const double v : s.*values) {
         if (!std::isfinite(v)) continue;
         low = std::min(low, v);
         high = std::max(high, v);
@@ -134,8 +134,8 @@ cv::Mat paint(const Plot& plot) {
   c.image = cv::Mat(plot.height, plot.width, CV_8UC3, cv::Scalar::all(255));
   c.box = cv::Rect2d(kLeft, kTop, plot.width - kLeft - kRight, plot.height - kTop - kBottom);
   std::array<double, 2> xr = plot.x_range, yr = plot.y_range;
-  find_range(plot, true, xr);
-  find_range(plot, false, yr);
+  find_range(plot, &PlotSeries::x, xr);
+  find_range(plot, &PlotSeries::y, yr);
   if (plot.equal_aspect) {
     const double unit = std::max((xr[1] - xr[0]) / c.box.width, (yr[1] - yr[0]) / c.box.height);  // units per pixel
     for (auto [range, pixels] : {std::pair{&xr, c.box.width}, std::pair{&yr, c.box.height}}) {

@@ -33,7 +33,7 @@ std::string path_picture(const ReportInput& in, const Result<Evaluation>& evalua
         ++next;
       }
     }
-    if (const auto back = align(truth, estimated, in.align == AlignMode::sim3)) {
+    if (const auto back = align(truth, estimated, in.align == AlignMode::sim3 ? Scale::free : Scale::fixed)) {
       for (Eigen::Vector3d& p : truth) p = *back * p;
       plot.series.push_back(path_series("truth", truth, axes, kRed));
     }

@@ -23,14 +23,14 @@ int ScalePyramid::predict_level(float d_max, float distance) const {
   return level;
 }
 
-void Features::start(size_t room, bool distorted) {
+void Features::start(size_t room, RawPixels raw) {
   for (auto* array : {&x, &y, &angle, &u_right, &depth}) {
     array->clear();
     array->reserve(room);
   }
   for (auto* array : {&raw_x, &raw_y}) {
     array->clear();
-    if (distorted) array->reserve(room);
+    if (raw == RawPixels::different) array->reserve(room);
   }
   level.clear();
   level.reserve(room);

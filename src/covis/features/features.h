@@ -69,8 +69,9 @@ struct FeatureGrid {
 };
 
 struct Features {
-  // Removes all keypoints and makes room for `room` of them, and for their raw pixels if the image is distorted.
-  void start(size_t room, bool distorted);
+  enum class RawPixels { same, different };
+  // Removes all keypoints and makes room for `room` of them, and for their raw pixels where those differ.
+  void start(size_t room, RawPixels raw);
 
   AlignedVector<float> x, y;          // undistorted pixels, level-0 scale, in the given camera's pinhole model
   AlignedVector<float> raw_x, raw_y;  // distorted pixels of the input image; empty when equal to x, y: see image_x()

@@ -88,8 +88,8 @@ Fields fields(OrbOptions& o) {
           {"orb.levels", &o.levels, "pyramid levels", 1, 16},
           {"orb.scale_factor", &o.scale_factor, "scale between levels", 1.05, 2},
           {"orb.fast_threshold", &o.fast_threshold, "FAST contrast, first try in a cell, grey levels", 1, 255},
-          {"orb.fast_threshold_low", &o.fast_threshold_low, "second try where the first found nothing, grey levels", 1,
-           255},
+          {"orb.fast_threshold_low", &o.fast_threshold_low,
+           "FAST contrast where the first try found no corner, grey levels", 1, 255},
           {"orb.subpixel", &o.subpixel, "place keypoints at the top of the corner score's parabola, not at the pixel"}};
 }
 
@@ -120,7 +120,8 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
   std::shared_ptr<Features> f = ring.next();
   f->pyramid = left.pyramid();
   const size_t n = k.size();
-  f->start(std::max(n, left.most_keypoints()), distorted());
+  f->start(std::max(n, left.most_keypoints()),
+           distorted() ? Features::RawPixels::different : Features::RawPixels::same);
   for (size_t i = 0; i < n; ++i) {
     Eigen::Vector2f at(k.x[i], k.y[i]);
     if (distorted()) {

@@ -89,7 +89,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     const int xr = static_cast<int>(std::lround(right.to_level(level, r.x[best_j], r.y[best_j]).x()));
     if (xr - kSlide - kHalfPatch < 0 || xr + kSlide + kHalfPatch >= b.width) continue;
     Sads sad;
-    // Of each row of 11 bytes 16 are read, which is safe because keypoints stay clear of the last rows.
+    // 16 bytes are read for each row of 11, which is safe because keypoints stay clear of the last rows.
     slide(a.row(y - kHalfPatch) + xl - kHalfPatch, a.stride, b.row(y - kHalfPatch) + xr - kSlide - kHalfPatch, b.stride,
           sad);
     const int at = static_cast<int>(std::min_element(sad.begin(), sad.end()) - sad.begin()) - kSlide;

@@ -7,8 +7,7 @@
 
 namespace covis {
 
-std::optional<Alignment> align(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b,
-                               bool with_scale) {
+std::optional<Alignment> align(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b, Scale scale) {
   const size_t n = a.size();
   if (n < 3 || b.size() != n) return std::nullopt;
   Eigen::Vector3d mean_a = Eigen::Vector3d::Zero(), mean_b = Eigen::Vector3d::Zero();
@@ -31,7 +30,7 @@ std::optional<Alignment> align(std::span<const Eigen::Vector3d> a, std::span<con
   if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) sign.z() = -1;
   Alignment result;
   const Eigen::Matrix3d R = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-  if (with_scale) result.scale = svd.singularValues().dot(sign) / variance_a;
+  if (scale == Scale::free) result.scale = svd.singularValues().dot(sign) / variance_a;
   result.T_ba = SE3(R, Eigen::Vector3d(mean_b - result.scale * (R * mean_a)));
   result.unique = svd.singularValues()(1) > 1e-9 * svd.singularValues()(0);
   double sum = 0;

@@ -19,7 +19,9 @@ struct Alignment {
   Eigen::Vector3d operator*(const Eigen::Vector3d& a) const { return scale * (T_ba.R() * a) + T_ba.t(); }
 };
 
+enum class Scale { fixed, free };
+
 // Returns nullopt for fewer than 3 points, sets of different sizes, non-finite points, or points that all coincide.
-std::optional<Alignment> align(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b, bool with_scale);
+std::optional<Alignment> align(std::span<const Eigen::Vector3d> a, std::span<const Eigen::Vector3d> b, Scale scale);
 
 }  // namespace covis

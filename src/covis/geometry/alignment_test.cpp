@@ -22,7 +22,7 @@ TEST(Alignment, FindsMotionAndScale) {
       a.push_back(random_vector(random, 3));
       b.push_back(scale * (T.R() * a.back()) + T.t());
     }
-    const auto found = align(a, b, scaled);
+    const auto found = align(a, b, scaled ? Scale::free : Scale::fixed);
     ASSERT_TRUE(found);
     EXPECT_LT(distance(found->T_ba, T), 1e-9);
     EXPECT_NEAR(found->scale, scale, 1e-9);
@@ -35,16 +35,16 @@ TEST(Alignment, FindsMotionAndScale) {
     a.push_back(random_vector(random, 3));
     b.emplace_back(-a.back().x(), a.back().y(), a.back().z());
   }
-  EXPECT_NEAR(align(a, b, false)->T_ba.R().determinant(), 1, 1e-9);
+  EXPECT_NEAR(align(a, b, Scale::fixed)->T_ba.R().determinant(), 1, 1e-9);
   // A straight line can be aligned, not uniquely.
   for (int i = 0; i < 20; ++i)
     b[static_cast<size_t>(i)] = Vector3d(i, 0, 0), a[static_cast<size_t>(i)] = Vector3d(0, i, 0);
-  const auto line = align(a, b, false);
+  const auto line = align(a, b, Scale::fixed);
   ASSERT_TRUE(line);
   EXPECT_LT(line->rmse, 1e-9);
   EXPECT_FALSE(line->unique);
-  EXPECT_FALSE(align(std::vector<Vector3d>(2), std::vector<Vector3d>(2), false));
-  EXPECT_FALSE(align(std::vector<Vector3d>(5, Vector3d(1, 1, 1)), b, false));
+  EXPECT_FALSE(align(std::vector<Vector3d>(2), std::vector<Vector3d>(2), Scale::fixed));
+  EXPECT_FALSE(align(std::vector<Vector3d>(5, Vector3d(1, 1, 1)), b, Scale::fixed));
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ int solve_p3p(const std::array<Eigen::Vector3d, 3>& points, const std::array<Eig
     if (!(u > 0) || !(s1_squared > 0)) continue;
     const double s1 = std::sqrt(s1_squared);
     const std::array<Eigen::Vector3d, 3> in_camera = {s1 * f1, u * s1 * f2, v * s1 * f3};
-    const auto aligned = align(points, in_camera, false);
+    const auto aligned = align(points, in_camera, Scale::fixed);
     if (!aligned || !aligned->T_ba.all_finite()) continue;
     T_cw[static_cast<size_t>(solutions++)] = aligned->T_ba;
   }

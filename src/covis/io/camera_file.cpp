@@ -39,8 +39,8 @@ struct Values {
             {"baseline", &baseline, "baseline of the stereo pair, or the virtual one of an RGB-D camera, metres", 1e-4,
              100},
             {"bf", &bf, "baseline times fx, pixels x metres", 1e-3, 1e6},
-            {"fps", &fps, "frames a second", 0.01, 10000},
-            {"depth_scale", &depth_scale, "units of a depth image a metre", 1e-3, 1e6},
+            {"fps", &fps, "frames per second", 0.01, 10000},
+            {"depth_scale", &depth_scale, "units of a depth image per metre", 1e-3, 1e6},
             {"model", &model, "pinhole, brown_conrady or kannala_brandt"}};
   }
 };
@@ -80,7 +80,7 @@ Result<CameraFile> load_camera(const std::filesystem::path& file) {
     if (std::find(names.begin(), names.end(), key) == names.end()) {
       return fail(where + ": unknown key '" + key + "'; the nearest known one is '" + nearest_name(key, names) + "'");
     }
-    if (!given.emplace(key, entry.second).second) return fail(where + ": '" + key + "' stands twice");
+    if (!given.emplace(key, entry.second).second) return fail(where + ": '" + key + "' is given twice");
     if (key == "distortion") continue;
     if (!entry.second.IsScalar()) return fail(where + ": '" + key + "' must be a single value");
     if (auto set = set_field(fields, key, entry.second.Scalar()); !set) return fail(where + ": " + set.error().message);

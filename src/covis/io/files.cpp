@@ -20,7 +20,7 @@ Result<std::string> read_text(const std::filesystem::path& file) {
 
 Result<void> read_bytes(const std::filesystem::path& file, std::string& bytes) {
   std::error_code none;
-  if (std::filesystem::is_directory(file, none)) return fail(file.string() + ": it is a folder, a file is wanted");
+  if (std::filesystem::is_directory(file, none)) return fail(file.string() + ": it is a folder; a file is expected");
   const int handle = open(file.c_str(), O_RDONLY | O_CLOEXEC);
   if (handle < 0) return fail(file.string() + ": it can't be opened: " + std::strerror(errno));
   // The size is only a hint: files of /proc and pipes have none.

@@ -76,7 +76,7 @@ Result<void> ImageReader::depth(const std::filesystem::path& file, double scale,
     return fail(file.string() + ": a depth image must have one channel of 16 bits or of 32-bit float");
   }
   depth.resize(decoded->cols, decoded->rows);
-  raw_.resize(decoded->type() == CV_16UC1 ? decoded->cols : 0, decoded->rows);  // allocated for the next image
+  raw_.resize(decoded->type() == CV_16UC1 ? decoded->cols : 0, decoded->rows);  // memory for the next image
   const auto inverse = static_cast<float>(1 / scale);
   for (int y = 0; y < decoded->rows; ++y) {
     float* out = depth.row(y);

@@ -21,7 +21,7 @@ struct Sensored {
 Result<std::vector<double>> numbers(const fs::path& file, const YAML::Node& parent, const char* key, size_t least) {
   const YAML::Node node = parent[key];
   if (!node || !node.IsSequence())
-    return fail(file.string() + ": '" + key + "' is missing, a list of numbers is wanted");
+    return fail(file.string() + ": '" + key + "' is missing, a list of numbers is expected");
   std::vector<double> values;
   for (const auto& item : node) {
     const auto value = parse_double(item.Scalar());
@@ -193,7 +193,7 @@ Result<Recording> read_euroc(const Request& request) {
   const auto T_bc = find_camera(request, base, recording);
   if (!T_bc) return tl::unexpected(T_bc.error());
   if (auto listed = list_frames(base, recording); !listed) return tl::unexpected(listed.error());
-  // Mocap0: TUM VI's ground truth, which is also that of the body.
+  // TUM VI names its ground truth, which is also that of the body, mocap0.
   for (const char* source : {"state_groundtruth_estimate0", "mocap0"}) {
     const fs::path truth = base / source / "data.csv";
     if (!recording.truth && fs::exists(truth)) recording.truth = Truth{truth, {}, *T_bc};

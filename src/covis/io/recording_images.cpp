@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_image(const fs::path& file) {
-  // Such as "._1.png", which some systems leave beside files.
+  // Some systems leave hidden files such as "._1.png" beside the images.
   if (file.filename().string().starts_with('.')) return false;
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),

@@ -61,7 +61,7 @@ std::string contents(const fs::path& folder) {
 Result<SequenceKind> recognise(const std::string& path) {
   if (is_number(path) && !fs::exists(path)) return SequenceKind::camera;
   if (!fs::exists(path))
-    return fail(path + ": it does not exist; a folder, a video file or a camera's number is wanted");
+    return fail(path + ": it does not exist; a folder, a video file or a camera's number is expected");
   if (!fs::is_directory(path)) return SequenceKind::video;
   if (const auto kind = kind_of_folder(path)) return *kind;
   return fail(path +

@@ -95,7 +95,7 @@ Result<Trajectory> read_trajectory(const std::filesystem::path& file, Trajectory
       problem = place(file, number) + ": a column is not a finite number";
     } else if (!pose) {
       problem =
-          place(file, number) + ": the rotation is not one (a unit quaternion or an orthonormal matrix is wanted)";
+          place(file, number) + ": the rotation is not valid (a unit quaternion or an orthonormal matrix is expected)";
     } else {
       trajectory.push_back({*stamp, *pose});
     }

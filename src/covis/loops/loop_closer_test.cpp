@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "covis/loops/loop_correction.h"
 #include "covis/loops/test_loop_scene.h"
 
 namespace covis {
@@ -53,6 +54,32 @@ TEST_F(LoopCloserTest, WithoutDriftThePointsAreFusedAlone) {
   EXPECT_FALSE(report.changed_map());
   EXPECT_GT(report.fused, 40);
   EXPECT_EQ(around.world.shared.read()->at(around.current).T_cw.t(), before.t());
+}
+
+// The pose graph holds the root: it may not start where the loop would have it, nor its points go there.
+TEST_F(LoopCloserTest, TheRootStaysThoughItIsBesideTheKeyFrame) {
+  around.go_around();
+  const KeyFrameId root = around.world.frames.front();
+  {
+    // Points that root and current share by mistake make them covisible.
+    const auto map = around.world.shared.write();
+    uint32_t shared = 0;
+    for (uint32_t f = 0; f < map->at(root).points.size() && shared < 30; ++f) {
+      const MapPointId point = map->at(root).points[f];
+      const uint32_t other = static_cast<uint32_t>(map->at(around.current).points.size()) - 1 - shared;
+      if (!point.valid() || map->at(point).observations.size() < 3) continue;
+      map->erase_observation(map->at(around.current).points[other], around.current);
+      shared += map->add_observation(point, around.current, other);
+    }
+    ASSERT_GE(map->weight(root, around.current), kCovisibilityThreshold);
+  }
+  const auto map = around.world.shared.read();
+  const Loop loop{LoopPlace(*map, around.place()), LoopRelation::same_submap,
+                  Sim3(around.scene.T_cw(around.world.frames.size() - 1)), {}};
+  const LoopGraph graph(*map, around.current, loop, Sensor::rgbd);
+  ASSERT_EQ(graph.frames.front(), root);
+  EXPECT_TRUE(graph.problem.fixed.front());
+  EXPECT_EQ(graph.problem.poses.front().t(), graph.before.front().t());
 }
 
 TEST_F(LoopCloserTest, JoinsASubmapToTheOlderOne) {

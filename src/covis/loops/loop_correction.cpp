@@ -51,15 +51,16 @@ LoopGraph::LoopGraph(const Map& map, KeyFrameId current, const Loop& loop, Senso
   std::vector<int32_t> index;  // by slot; -1: of another submap
   map.for_each_key_frame([&](KeyFrameId id, const KeyFrame&) { index.resize(id.slot + size_t{1}, -1); });
   for (size_t k = 0; k < frames.size(); ++k) index[frames[k].slot] = static_cast<int32_t>(k);
-  std::vector<uint8_t> moved(frames.size(), 0);  // with the current key frame
+  std::vector<uint8_t> moved(frames.size(), 0);  // 1: goes with the current key frame
   moved[static_cast<size_t>(index[current.slot])] = 1;
   for (const Neighbour& n : map.neighbours(current)) moved[static_cast<size_t>(index[n.key_frame.slot])] = 1;
   const Sim3 S_wc = Sim3(map.at(current).T_cw.inverse());
   for (size_t k = 0; k < frames.size(); ++k) {
     const SE3& T = map.at(frames[k]).T_cw;
+    const bool root = map.is_root(frames[k]);  // the world stays where it is, and the points that refer to it
     before.push_back(T);
-    problem.poses.push_back(moved[k] ? Sim3(T) * S_wc * loop.S_cw : Sim3(T));
-    problem.fixed.push_back(map.is_root(frames[k]));  // the world stays where it is
+    problem.poses.push_back(moved[k] && !root ? Sim3(T) * S_wc * loop.S_cw : Sim3(T));
+    problem.fixed.push_back(root);
   }
   // As it was before the loop …
   for (const auto& [a, b] : map.essential_graph()) {

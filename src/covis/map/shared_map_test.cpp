@@ -25,6 +25,20 @@ TEST(SharedMap, ReadersShare) {
   std::jthread([&] { EXPECT_EQ(shared.read()->key_frame_count(), 0u); }).join();
 }
 
+TEST(SharedMap, TheRevisionRisesWithWritersOnly) {
+  SharedMap shared;
+  const uint64_t before = shared.revision();
+  (void)shared.read();
+  EXPECT_EQ(shared.revision(), before);
+  {
+    const auto map = shared.write();
+    EXPECT_GT(shared.revision(), before) << "from the start of a change on: a reader then waits for its end";
+  }
+  const uint64_t after = shared.revision();
+  (void)shared.read();
+  EXPECT_EQ(shared.revision(), after);
+}
+
 TEST(SharedMap, AWriterWaitsForTheReaderAndAReaderForTheWriter) {
   SharedMap shared;
   std::atomic<bool> written{false}, seen{false};

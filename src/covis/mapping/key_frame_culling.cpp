@@ -48,7 +48,8 @@ int cull_key_frames(SharedMap& shared, KeyFrameId current, Sensor sensor, double
     const KeyFrameId id = neighbour.key_frame;
     {
       const auto map = shared.read();
-      if (map->is_root(id)) continue;
+      // A loop edge is all that the next pose graph knows of a loop's measurement.
+      if (map->is_root(id) || !map->at(id).loop_edges.empty()) continue;
       const Redundancy counts = count_redundant(*map, id, sensor, close_depth);
       if (counts.points == 0 || !(counts.redundant > max_redundancy * counts.points)) continue;
     }

@@ -14,7 +14,7 @@ namespace covis {
 double redundancy(const Map& map, KeyFrameId id, Sensor sensor, double close_depth);
 
 // Erases the key frames beside `current` whose redundancy exceeds `max_redundancy`, one after the other, as each one's
-// points count for the next. Roots stay. Returns the number erased.
+// points count for the next. Roots and key frames with loop edges stay. Returns the number erased.
 int cull_key_frames(SharedMap& map, KeyFrameId current, Sensor sensor, double max_redundancy, double close_depth);
 
 }  // namespace covis

@@ -18,6 +18,7 @@ void PointSet::reserve(size_t n) {
   for (auto* array : {&px, &py, &pz}) array->reserve(n);
   for (auto* array : {&nx, &ny, &nz, &d_min, &d_max}) array->reserve(n);
   descriptor.reserve(n);
+  level.reserve(n);
 }
 
 void PointSet::copy(const Map& map) {

@@ -37,6 +37,8 @@ ProjectionMatcher::ProjectionMatcher() {
   found_.reserve(kPoints);
   in_view_.reserve(kPoints);
   matches_.reserve(kFeatures);
+  angle_then_.reserve(kFeatures);
+  angle_now_.reserve(kFeatures);
 }
 
 std::optional<WindowQuery> ProjectionMatcher::query(const PointSet& points, size_t k, const Frame& frame,

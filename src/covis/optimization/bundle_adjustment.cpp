@@ -28,7 +28,8 @@ BundleSummary BundleAdjuster::solve(BundleProblem& problem, const BundleOptions&
     return summary;
   }
   double lambda = 1e-4, growth = 2;
-  double cost = w.linearise(problem, options.robust);
+  const Loss loss = options.robust ? Loss::huber : Loss::squared;
+  double cost = w.linearise(problem, loss);
   summary.initial_cost = summary.final_cost = cost;
   bool stepped = false;
   for (; summary.iterations < options.iterations; ++summary.iterations) {
@@ -54,7 +55,7 @@ BundleSummary BundleAdjuster::solve(BundleProblem& problem, const BundleOptions&
       gain += w.step_p[p].dot(lambda * w.V[p].diagonal().cwiseProduct(w.step_p[p]) + w.b_p[p]);
       w.points_try[p] += w.step_p[p];
     }
-    const double next = w.cost(problem, w.poses_try, w.points_try, options.robust);
+    const double next = w.cost(problem, w.poses_try, w.points_try, loss);
     const double ratio = (cost - next) / std::max(gain, 1e-300);
     if (std::isfinite(next) && next <= cost) {
       std::swap(problem.poses, w.poses_try);
@@ -69,7 +70,7 @@ BundleSummary BundleAdjuster::solve(BundleProblem& problem, const BundleOptions&
         ++summary.iterations;
         break;
       }
-      cost = w.linearise(problem, options.robust);
+      cost = w.linearise(problem, loss);
     } else {
       lambda *= growth;
       growth *= 2;

@@ -36,7 +36,7 @@ struct BundleProblem {
 struct BundleOptions {
   int iterations = 10;                           // greatest number of Levenberg-Marquardt steps, accepted or rejected
   bool robust = true;                            // Huber at sqrt(5.991) (2 rows) and sqrt(7.815) (3 rows)
-  double relative_cost_change = 1e-6;            // the solver stops when a step gains less
+  double relative_cost_change = 1e-6;            // relative decrease of the cost below which the solver stops
   const std::atomic<bool>* interrupt = nullptr;  // when it becomes true the solver soon returns the last accepted state
 };
 

@@ -50,7 +50,7 @@ TEST(BundleAdjustment, DegenerateProblemsEndWell) {
   empty.camera = kCamera;
   EXPECT_FALSE(adjuster.solve(empty, {}).ok);
   World world = make_world(11, 6, 60, Rows::mono, 0);
-  for (auto& fixed : world.problem.fixed) fixed = 0;  // nothing holds it
+  for (auto& fixed : world.problem.fixed) fixed = 0;  // a free gauge
   world.problem.poses.push_back(SE3());               // a pose nobody observes from
   world.problem.fixed.push_back(0);
   world.problem.points.emplace_back(0, 0, 6);  // a point seen once

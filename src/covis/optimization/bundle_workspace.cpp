@@ -47,7 +47,7 @@ void BundleAdjuster::Workspace::prepare(const BundleProblem& problem) {
 }
 
 double BundleAdjuster::Workspace::cost(const BundleProblem& problem, const std::vector<SE3>& poses,
-                                       const std::vector<Eigen::Vector3d>& points, bool robust) const {
+                                       const std::vector<Eigen::Vector3d>& points, Loss loss) const {
   double total = 0;
   for (size_t k = 0; k < sorted.size(); ++k) {
     const BundleObservation& o = sorted[k];
@@ -59,12 +59,12 @@ double BundleAdjuster::Workspace::cost(const BundleProblem& problem, const std::
     const Eigen::Vector3d e = reprojection_residual(p_c, problem.camera, o.u, o.v, o.u_right);
     const double chi2 = e.squaredNorm() * o.inv_sigma2;
     double weight;
-    if (used[k]) total += robust ? huber(chi2, bundle_bound(o), weight) : chi2;
+    if (used[k]) total += loss == Loss::huber ? huber(chi2, bundle_bound(o), weight) : chi2;
   }
   return total;
 }
 
-double BundleAdjuster::Workspace::linearise(const BundleProblem& problem, bool robust) {
+double BundleAdjuster::Workspace::linearise(const BundleProblem& problem, Loss loss) {
   const size_t points = problem.points.size();
   U.assign(free_index.size(), Matrix6d::Zero());
   b_c.assign(free_index.size(), Vector6d::Zero());
@@ -86,9 +86,9 @@ double BundleAdjuster::Workspace::linearise(const BundleProblem& problem, bool r
     const Eigen::Vector3d e = reprojection_residual(p_c, problem.camera, o.u, o.v, o.u_right);
     const double chi2 = e.squaredNorm() * o.inv_sigma2;
     double weight = 1;
-    total += robust ? huber(chi2, bundle_bound(o), weight) : chi2;
+    total += loss == Loss::huber ? huber(chi2, bundle_bound(o), weight) : chi2;
     weight *= o.inv_sigma2;
-    const Eigen::Matrix3d J_pi = projection_jacobian(p_c, problem.camera, o.u_right >= 0);
+    const Eigen::Matrix3d J_pi = projection_jacobian(p_c, problem.camera, o.u_right);
     const Eigen::Matrix3d J_p = J_pi * T.R();
     const Eigen::Matrix3d wJ_p = weight * J_p;
     V[p].noalias() += J_p.transpose() * wJ_p;

@@ -20,6 +20,7 @@
 #include "covis/optimization/block_system.h"
 #include "covis/optimization/bundle_adjustment.h"
 #include "covis/optimization/pose_optimization.h"
+#include "covis/optimization/reprojection.h"
 
 namespace covis {
 
@@ -55,8 +56,8 @@ struct BundleAdjuster::Workspace {
 
   void prepare(const BundleProblem& problem);
   double cost(const BundleProblem& problem, const std::vector<SE3>& poses, const std::vector<Eigen::Vector3d>& points,
-              bool robust) const;
-  double linearise(const BundleProblem& problem, bool robust);
+              Loss loss) const;
+  double linearise(const BundleProblem& problem, Loss loss);
   bool solve_step(double lambda);
 
  private:

@@ -29,7 +29,7 @@ struct PoseGraphProblem {
 
 struct PoseGraphOptions {
   int iterations = 20;                           // greatest number of Levenberg-Marquardt steps, accepted or rejected
-  double relative_cost_change = 1e-6;            // the solver stops when a step gains less
+  double relative_cost_change = 1e-6;            // relative decrease of the cost below which the solver stops
   const std::atomic<bool>* interrupt = nullptr;  // when it becomes true the solver soon returns the last accepted state
 };
 

@@ -43,7 +43,7 @@ struct Residual {
 // Sums residuals and Jacobians of all observations with use[i] != 0, in their order.
 template <bool kWithJacobian>
 PoseSystem accumulate(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera,
-                      const std::vector<uint8_t>& use, bool robust) {
+                      const std::vector<uint8_t>& use, Loss loss) {
   PoseSystem s;
   s.H.setZero();
   s.b.setZero();
@@ -57,7 +57,7 @@ PoseSystem accumulate(const SE3& T_cw, const PoseObservations& o, const Pinhole&
     const double bound = residual.bound();
     double w = w0;
     double rho = chi2;
-    if (robust && chi2 > bound) {
+    if (loss == Loss::huber && chi2 > bound) {
       const double e = std::sqrt(chi2), k = std::sqrt(bound);
       rho = 2 * k * e - bound;
       w *= k / e;
@@ -135,9 +135,9 @@ PoseResult optimize_pose(const SE3& T_cw_start, const PoseObservations& observat
   for (size_t i = 0; i < n; ++i) inlier[i] = finite(observations, i);
   SE3 T = T_cw_start;
   for (int round = 0; round < options.rounds; ++round) {
-    const bool robust = round + 1 < options.rounds;
+    const Loss loss = round + 1 < options.rounds ? Loss::huber : Loss::squared;
     double lambda = 1e-6;
-    PoseSystem s = accumulate<true>(T, observations, camera, inlier, robust);
+    PoseSystem s = accumulate<true>(T, observations, camera, inlier, loss);
     for (int k = 0; k < options.iterations; ++k) {
       if (s.used < 3) return result;
       Matrix6d H = s.H;
@@ -145,7 +145,7 @@ PoseResult optimize_pose(const SE3& T_cw_start, const PoseObservations& observat
       const Vector6d step = H.ldlt().solve(s.b);
       if (!step.allFinite()) return result;
       const SE3 candidate = SE3::exp(step) * T;
-      PoseSystem next = accumulate<true>(candidate, observations, camera, inlier, robust);
+      PoseSystem next = accumulate<true>(candidate, observations, camera, inlier, loss);
       if (next.used >= s.used && next.cost <= s.cost) {
         const bool small = s.cost - next.cost <= 1e-6 * s.cost;
         T = candidate;
@@ -164,7 +164,7 @@ PoseResult optimize_pose(const SE3& T_cw_start, const PoseObservations& observat
     result.inliers = count;
   }
   result.T_cw = T;
-  result.cost = accumulate<false>(T, observations, camera, inlier, false).cost;
+  result.cost = accumulate<false>(T, observations, camera, inlier, Loss::squared).cost;
   result.ok = true;
   return result;
 }

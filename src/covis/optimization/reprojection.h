@@ -13,14 +13,19 @@ namespace covis {
 
 using Matrix3x6d = Eigen::Matrix<double, 3, 6>;
 
-// Returns d h / d p_c; row 2 is 0 when not stereo.
-inline Eigen::Matrix3d projection_jacobian(const Eigen::Vector3d& p_c, const Pinhole& camera, bool stereo) {
+// The function of a squared error that is summed up to the cost.
+enum class Loss { squared, huber };
+
+inline constexpr float kNoRight = -1;  // an observation in one image
+
+// Returns d h / d p_c; row 2 is 0 without u_right (negative).
+inline Eigen::Matrix3d projection_jacobian(const Eigen::Vector3d& p_c, const Pinhole& camera, float u_right) {
   const double iz = 1 / p_c.z(), iz2 = iz * iz;
   Eigen::Matrix3d J;
   J << camera.fx * iz, 0, -camera.fx * p_c.x() * iz2,  //
       0, camera.fy * iz, -camera.fy * p_c.y() * iz2,   //
       0, 0, 0;
-  if (stereo) J.row(2) << J(0, 0), 0, J(0, 2) + camera.bf * iz2;
+  if (u_right >= 0) J.row(2) << J(0, 0), 0, J(0, 2) + camera.bf * iz2;
   return J;
 }
 

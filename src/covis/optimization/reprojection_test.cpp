@@ -13,7 +13,7 @@ TEST(Reprojection, JacobiansAgreeWithDifferences) {
   for (int trial = 0; trial < 100; ++trial) {
     const Eigen::Vector3d p(random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(1, 8));
     for (const float u_right : {-1.0f, 200.0f}) {
-      const Eigen::Matrix3d J_pi = projection_jacobian(p, kCamera, u_right >= 0);
+      const Eigen::Matrix3d J_pi = projection_jacobian(p, kCamera, u_right);
       const Matrix3x6d J = pose_jacobian(J_pi, p);
       constexpr double kStep = 1e-6;
       for (int k = 0; k < 6; ++k) {

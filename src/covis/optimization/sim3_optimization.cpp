@@ -21,9 +21,9 @@ bool sim3_residual(const Sim3& S_12, const Sim3Match& match, const Pinhole& came
   if (!e.allFinite()) return false;
   if (!J) return true;
   // exp(xi) p = p + rho + phi x p + sigma p to first order; S_12^-1 exp(-xi) p_1 has the opposite sign inside S_21.
-  const Eigen::Matrix<double, 2, 3> J_1 = projection_jacobian(q_1, camera_1, false).topRows<2>();
+  const Eigen::Matrix<double, 2, 3> J_1 = projection_jacobian(q_1, camera_1, kNoRight).topRows<2>();
   const Eigen::Matrix<double, 2, 3> J_2 =
-      projection_jacobian(q_2, camera_2, false).topRows<2>() * (-S_21.scale() * S_21.R());
+      projection_jacobian(q_2, camera_2, kNoRight).topRows<2>() * (-S_21.scale() * S_21.R());
   J->topRows<2>() << J_1, -J_1 * hat(q_1), J_1 * q_1;
   J->bottomRows<2>() << J_2, -J_2 * hat(match.p_1), J_2 * match.p_1;
   return true;
@@ -110,8 +110,8 @@ int classify(const Sim3& S_12, const View& view, double max_chi2, std::vector<ui
 }
 
 std::optional<Sim3> closed_form(const std::vector<Eigen::Vector3d>& from, const std::vector<Eigen::Vector3d>& to,
-                                bool fix_scale) {
-  const std::optional<Alignment> alignment = align(from, to, !fix_scale);
+                                Scale scale) {
+  const std::optional<Alignment> alignment = align(from, to, scale);
   if (!alignment || !alignment->unique) return std::nullopt;
   const Sim3 S(alignment->T_ba, alignment->scale);
   return S.all_finite() ? std::optional(S) : std::nullopt;
@@ -164,7 +164,7 @@ std::optional<Sim3Result> ransac_sim3(std::span<const Sim3Match> matches, const 
   std::vector<uint8_t> inlier(n);
   std::vector<Eigen::Vector3d> from, to;
   const auto consider = [&] {
-    const std::optional<Sim3> S = closed_form(from, to, fix_scale);
+    const std::optional<Sim3> S = closed_form(from, to, fix_scale ? Scale::fixed : Scale::free);
     if (!S) return;
     const int count = classify(*S, view, kRansacChi2, inlier);
     if (count <= best.inliers) return;

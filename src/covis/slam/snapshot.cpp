@@ -55,9 +55,8 @@ void add_frames(const Map& map, const std::vector<FrameRecord>& records, Snapsho
 }
 
 void sort_submaps(Snapshot& snapshot) {
-  std::stable_sort(snapshot.submaps.begin(), snapshot.submaps.end(), [](const auto& a, const auto& b) {
-    return a.loaded != b.loaded ? a.loaded : a.frames > b.frames;
-  });
+  std::stable_sort(snapshot.submaps.begin(), snapshot.submaps.end(),
+                   [](const auto& a, const auto& b) { return a.loaded != b.loaded ? a.loaded : a.frames > b.frames; });
 }
 
 }  // namespace

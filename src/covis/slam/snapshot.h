@@ -62,10 +62,11 @@ class SnapshotSource {
  public:
   SnapshotSource(const SharedMap& map, const TrajectoryLog& log) : map_(map), log_(log) {}
 
-  // A map was put in place, submaps of ids below `loaded_end`. `frames_camera`: the camera of the frames, where it is not
-  // that of the map.
+  // A map was put in place, submaps of ids below `loaded_end`. `frames_camera`: the camera of the frames, where it is
+  // not that of the map.
   void map_loaded(uint32_t loaded_end, const std::optional<Pinhole>& frames_camera);
-  // Those who ask while one is made wait for it; nobody else does but for the map's read guard.
+  // The newest one. A thread that asks while one is made waits for it. Making one holds a read guard of the map, and
+  // of the log its lock while its records are copied.
   std::shared_ptr<const Snapshot> get() const;
 
  private:

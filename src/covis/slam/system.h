@@ -69,10 +69,10 @@ class System {
   // Waits for mapping to end. process() may be called again afterwards.
   std::vector<MappingReport> finish();
 
-  // All there is to see, as it is now. Made anew only when something changed since the last one, which takes about as
-  // long as copying all points and the poses of all frames.
+  // The map and the trajectory as they are now. It is made anew only when something changed since the last one, and
+  // takes as long as copying all points and working out the poses of all frames.
   std::shared_ptr<const Snapshot> snapshot() const { return snapshots_.get(); }
-  // Parts of it. Online: poses as they were given, of the first submap alone.
+  // Members of it by themselves. Online: poses as they were given when tracked, of the first submap alone.
   Pinhole camera() const { return snapshot()->camera; }
   std::vector<SubmapSummary> submaps() const { return snapshot()->submaps; }
   std::vector<PoseOfFrame> trajectory() const { return snapshot()->trajectory; }

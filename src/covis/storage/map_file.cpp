@@ -286,7 +286,7 @@ Result<MapState> read_state(SectionFile& file, const Counts& counts, const Pinho
   if (read) read = read_points(file, counts.points, state.points);
   if (read) read = file.verify_others();
   if (!read) return tl::unexpected(read.error());
-  if (counts_of(state) != counts) return fail(file.error("it is damaged: it does not hold what it says of itself"));
+  if (counts_of(state) != counts) return fail(file.error("it is damaged: its contents do not match its counts"));
   return state;
 }
 

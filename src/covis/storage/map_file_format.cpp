@@ -98,7 +98,7 @@ Result<SectionFile> SectionFile::open(const std::filesystem::path& path) {
   std::error_code none;
   const auto status = std::filesystem::status(path, none);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    return fail(file.error("it is a folder or a device, a map file is wanted"));
+    return fail(file.error("it is a folder or a device; a map file is expected"));
   }
   file.stream_.open(path, std::ios::binary);
   if (!file.stream_) return fail(file.error("it can't be opened: " + std::generic_category().message(errno)));
@@ -150,7 +150,7 @@ Result<void> SectionFile::read_table(uint32_t count, uint32_t so_far, uint32_t w
     offset += e.stored;
     entries_.push_back(e);
   }
-  if (offset != size_) return fail(error("it is damaged: there is more than its sections"));
+  if (offset != size_) return fail(error("it is damaged: there are bytes after its sections"));
   return {};
 }
 

@@ -93,7 +93,7 @@ TEST_F(MapFileFormatFile, SectionsComeBackInAnyOrder) {
 
 TEST_F(MapFileFormatFile, WhatWasNotReadIsVerifiedToo) {
   std::string bytes = *pack_sections(sections);
-  bytes.back() = static_cast<char>(~bytes.back());  // of the last section
+  bytes.back() = static_cast<char>(~bytes.back());  // a byte of the last section
   write_file(folder / "file", bytes);
   auto file = SectionFile::open(folder / "file");
   ASSERT_TRUE(file) << file.error().message;

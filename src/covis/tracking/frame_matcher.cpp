@@ -20,8 +20,11 @@ LevelRule levels_after(const TrackedFrame& last, const TrackedFrame& frame, cons
 
 // Reserves room in advance; its memory is used only when points come.
 FrameMatcher::FrameMatcher() {
-  constexpr size_t kFeatures = 1 << 12;
+  constexpr size_t kFeatures = 1 << 12, kLocalPoints = 1 << 14;
+  known_.reserve(kLocalPoints);
   seen_.reserve(kFeatures);
+  seen_by_.reserve(kFeatures);
+  seen_angle_.reserve(kFeatures);
   observations_.reserve(kFeatures);
   observed_by_.reserve(kFeatures);
 }

@@ -35,7 +35,7 @@ Result<void> check_list(int branching, int depth, const std::vector<VocabularyNo
   for (size_t i = 0; i < nodes.size(); ++i) {
     const VocabularyNode& node = nodes[i];
     const std::string name = "node " + std::to_string(i + 1);
-    if (node.parent > i) return fail(name + ": its parent does not stand before it");
+    if (node.parent > i) return fail(name + ": its parent is not listed before it");
     levels[i + 1] = static_cast<uint8_t>(levels[node.parent] + 1);
     if (levels[i + 1] > depth) return fail(name + ": it lies deeper than the depth " + std::to_string(depth));
     if (++children[node.parent] > branching)

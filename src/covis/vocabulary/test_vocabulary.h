@@ -70,7 +70,7 @@ class VocabularyFile : public testing::Test {
     ASSERT_TRUE(vocabulary_->save(folder_ / "good"));
     bytes_ = read_file(folder_ / "good");
   }
-  // What loading these bytes says; "loaded" if it does.
+  // The message of loading these bytes; "loaded" if it succeeds.
   std::string load(const std::string& bytes) {
     write_file(folder_ / "bad", bytes);
     const auto loaded = Vocabulary::load(folder_ / "bad");

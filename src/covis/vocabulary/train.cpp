@@ -58,7 +58,7 @@ class Trainer {
     for (int l = 0; l < options_.depth && !level.empty(); ++l) {
       split_level(level, l);
       if (stopped_) return fail("the training was stopped");
-      level = add_children(level, l + 1 == options_.depth);
+      level = add_children(level, l + 1);
     }
     if (nodes_.empty()) return fail("all descriptors are the same: there are no words to tell apart");
     return Vocabulary::build(options_.branching, options_.depth, nodes_);
@@ -107,8 +107,8 @@ class Trainer {
     if (!progress_(std::min(1.0, static_cast<double>(done_) / all))) stopped_ = true;
   }
 
-  // Appends the children to the list, breadth first; returns those to be split.
-  std::vector<Split> add_children(std::vector<Split>& level, bool last) {
+  // Appends the children, of level `depth`, to the list, breadth first; returns those to be split.
+  std::vector<Split> add_children(std::vector<Split>& level, int depth) {
     std::vector<Split> next;
     for (Split& split : level) {
       if (split.centres.size() < 2) {  // all members are equal: the node is a word
@@ -118,7 +118,7 @@ class Trainer {
       for (size_t c = 0; c < split.centres.size(); ++c) {
         const size_t begin = c == 0 ? split.begin : split.ends[c - 1], end = split.ends[c];
         nodes_.push_back({.descriptor = split.centres[c], .parent = split.node, .weight = 0});
-        if (last) {
+        if (depth == options_.depth) {
           nodes_.back().weight = idf(begin, end);
         } else {
           next.push_back({.node = static_cast<uint32_t>(nodes_.size()), .begin = begin, .end = end});
@@ -156,12 +156,13 @@ class Trainer {
 
 Fields fields(TrainOptions& options) {
   return {
-      {"train.branching", &options.branching, "children of a node", 2, Vocabulary::kMaxBranching},
+      {"train.branching", &options.branching, "children per node", 2, Vocabulary::kMaxBranching},
       {"train.depth", &options.depth, "levels below the root; at most branching^depth words", 1, Vocabulary::kMaxDepth},
-      {"train.seed", &options.seed, "seed of all that is drawn", 0},
-      {"train.threads", &options.threads, "threads; 0: one a core. The result does not depend on it", 0, 1024},
+      {"train.seed", &options.seed, "seed of all random numbers", 0},
+      {"train.threads", &options.threads, "number of threads; 0: one per core. The result does not depend on it", 0,
+       1024},
       {"train.memory", &options.memory_mb, "megabytes for descriptors; more of them are sampled", 1, 1 << 20},
-      {"train.iterations", &options.iterations, "most rounds of k-medians in a node", 1, 1000},
+      {"train.iterations", &options.iterations, "greatest number of k-medians rounds in a node", 1, 1000},
   };
 }
 

@@ -44,7 +44,7 @@ Result<void> check_header(const VocabularyHeader& header, uint64_t bytes) {
   if (header.branching < 2 || header.branching > Vocabulary::kMaxBranching || header.depth < 1 ||
       header.depth > Vocabulary::kMaxDepth || header.nodes < 2 || header.words < 1 || header.words >= header.nodes ||
       header.bytes != VocabularyLayout(header.nodes, header.words).end) {
-    return fail("its header has sizes that can't be");
+    return fail("its header has impossible sizes");
   }
   if (bytes != header.bytes) {
     return fail(std::string(bytes < header.bytes ? "it is cut short" : "something follows its end") + " (" +

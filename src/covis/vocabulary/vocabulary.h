@@ -115,8 +115,8 @@ class Vocabulary {
   std::span<const Descriptor> descriptors_;  // one per node; the root's is zero
   std::span<const Node> nodes_;
   std::span<const float> weights_;      // one per word
-  AlignedVector<std::byte> memory_;     // owner of the bytes, or …
-  std::unique_ptr<MappedFile> mapped_;  // … of the mapping
+  AlignedVector<std::byte> memory_;     // holder of the bytes, or …
+  std::unique_ptr<MappedFile> mapped_;  // … their mapped file
 };
 
 }  // namespace covis

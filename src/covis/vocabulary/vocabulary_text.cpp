@@ -80,7 +80,7 @@ Result<VocabularyText> parse_vocabulary_text(std::string_view text) {
     }
     if (node.parent > out.nodes.size()) {
       return fail("line " + std::to_string(number) + ": its parent " + std::to_string(node.parent) +
-                  " does not stand before it");
+                  " is not listed before it");
     }
     if (node.parent > 0 && words[node.parent - 1]) {
       return fail("line " + std::to_string(number) + ": its parent " + std::to_string(node.parent) + " is a word");

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+// The other commands as people use them, and the codes and messages of all for wrong arguments, input and disks.
+#include <algorithm>
+
+#include "command_results.h"
+
+namespace covis {
+namespace {
+
+using testing::HasSubstr;
+
+using CommandEval = CommandTest;
+
+TEST_F(CommandEval, ComparesARunWithItsTruth) {
+  const fs::path recording = render("rgbd", 20), out = folder / "out";
+  ASSERT_EQ(covis({"run", recording, "--quiet", "--out", out}).code, 0);
+  const Outcome eval = covis({"eval", out / "trajectory.txt", recording / "groundtruth.txt", "--json"});
+  ASSERT_EQ(eval.code, 0) << eval.error;
+  const json found = json::parse(eval.out, nullptr, false);
+  EXPECT_NEAR(found["ate_m"]["rmse"].get<double>(), parsed(out / "summary.json")["ate_m"].get<double>(), 1e-6);
+  const Outcome text = covis({"eval", out / "trajectory.txt", recording / "groundtruth.txt", "--align", "sim3"});
+  EXPECT_EQ(text.code, 0);
+  EXPECT_THAT(text.out, HasSubstr("ATE"));
+  for (const char* name : {"errors.png", "errors.html"}) {
+    EXPECT_EQ(covis({"eval", out / "trajectory.txt", recording / "groundtruth.txt", "--plot", folder / name}).code, 0);
+    EXPECT_GT(fs::file_size(folder / name), 10'000u);
+  }
+  const Outcome other =
+      covis({"eval", out / "trajectory.txt", recording / "groundtruth.txt", "--plot", folder / "errors.gif"});
+  EXPECT_EQ(other.code, 1);
+  EXPECT_THAT(other.error, HasSubstr(".png or .html"));
+}
+
+using CommandCheck = CommandTest;
+
+TEST_F(CommandCheck, SaysWhatARecordingIs) {
+  for (const std::string sensor : {"mono", "stereo", "rgbd"}) {
+    SCOPED_TRACE(sensor);
+    const fs::path picture = folder / (sensor + ".png");
+    const Outcome check = covis({"check", render(sensor, 5), "--json", "--out", picture});
+    EXPECT_EQ(check.code, 0) << check.error << check.out;
+    const json found = json::parse(check.out, nullptr, false);
+    EXPECT_EQ(found["sensor"], sensor);
+    EXPECT_EQ(found["frames_read"], 5);
+    EXPECT_EQ(found["problems"], json::array());
+    EXPECT_EQ(text_of(picture).substr(1, 3), "PNG");
+  }
+}
+
+TEST_F(CommandCheck, NamesTheFrameThatCantBeRead) {
+  const fs::path recording = render("rgbd", 5);
+  std::vector<fs::path> images;
+  for (const auto& entry : fs::directory_iterator(recording / "rgb")) images.push_back(entry.path());
+  std::sort(images.begin(), images.end());
+  ASSERT_EQ(images.size(), 5u);
+  fs::resize_file(images[2], fs::file_size(images[2]) / 3);
+  const Outcome check = covis({"check", recording, "--json", "--out", folder / "c.png"});
+  EXPECT_EQ(check.code, 1);
+  const json found = json::parse(check.out, nullptr, false);
+  ASSERT_EQ(found["problems"].size(), 1u) << check.out;
+  EXPECT_EQ(found["problems"][0]["frame"], 2);
+  EXPECT_THAT(found["problems"][0]["problem"].get<std::string>(), HasSubstr(images[2].filename().string()));
+  // A run goes on without it, and says so.
+  const Outcome run = covis({"run", recording, "--quiet", "--out", folder / "out"});
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.error, HasSubstr(images[2].filename().string()));
+  EXPECT_EQ(parsed(folder / "out" / "summary.json")["frames_unreadable"], 1);
+}
+
+using CommandUsage = CommandTest;
+
+TEST_F(CommandUsage, WrongArgumentsAreNamedWithCode2) {
+  const struct {
+    std::vector<std::string> words;
+    const char* message;
+  } cases[] = {{{}, "subcommand is required"},
+               {{"rnu", "somewhere"}, "rnu: no such command; did you mean covis run?"},
+               {{"run", "somewhere", "--sensor", "sonar"}, "sonar not in {mono,rgbd,stereo}"},
+               {{"run", "somewhere", "--features", "1"}, "not in range 50 to 30000"},
+               {{"run", "somewhere", "--stride", "0"}, "--stride"},
+               {{"run", "somewhere", "--frobnicate"}, "--frobnicate"},
+               {{"run", "--format", "csv"}, "csv not in"},
+               {{"eval", "trajectory.txt"}, "TRUTH is required"},
+               {{"eval", "a", "b", "--align", "affine"}, "affine not in"},
+               {{"check"}, "PATH is required"},
+               {{"localize", "somewhere"}, "--map is required"},
+               {{"synth", "room"}, "--out is required"}};
+  for (const auto& c : cases) {
+    const Outcome outcome = covis(c.words);
+    EXPECT_EQ(outcome.code, 2) << c.message;
+    EXPECT_THAT(outcome.error, HasSubstr(c.message));
+    EXPECT_EQ(outcome.out, "");
+  }
+}
+
+TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
+  std::ofstream(folder / "file.txt") << "not a trajectory\n";
+  const std::string file = folder / "file.txt", gone = folder / "gone";
+  const struct {
+    std::vector<std::string> words;
+    std::string message;
+  } cases[] = {{{"run"}, "PATH is missing"},
+               {{"run", gone}, gone + ": it does not exist"},
+               {{"run", gone, "--set", "orb.featurs=3"}, "nearest known one is 'orb.features'"},
+               {{"run", gone, "--set", "orb.features=x"}, "whole number from 50"},
+               {{"run", gone, "--set", "orb.features"}, "NAME=VALUE"},
+               {{"run", gone, "--config", gone}, gone},
+               {{"run", gone, "--simd", "abacus"}, "no such instruction set here; there are best, "},
+               {{"localize", gone, "--map", gone}, gone + ": it does not exist"},
+               {{"map", "info", gone}, gone},
+               {{"eval", gone, gone}, gone},
+               {{"eval", file, file}, "file.txt"},
+               {{"check", gone}, gone},
+               {{"synth", "mars", "--out", gone}, "no world 'mars'"}};
+  for (const auto& c : cases) {
+    const Outcome outcome = covis(c.words);
+    EXPECT_EQ(outcome.code, 1) << c.message;
+    EXPECT_THAT(outcome.error, HasSubstr(c.message));
+  }
+  EXPECT_FALSE(fs::exists(gone));
+}
+
+TEST_F(CommandUsage, HelpAndVersionAreResults) {
+  const std::vector<std::string> commands[] = {{"run"},   {"localize"}, {"eval"},          {"check"},
+                                               {"synth"}, {"map"},      {"vocab", "train"}};
+  for (std::vector<std::string> words : commands) {
+    words.push_back("--help");
+    const Outcome help = covis(words);
+    EXPECT_EQ(help.code, 0);
+    EXPECT_THAT(help.out, HasSubstr("Examples:")) << words[0];
+  }
+  EXPECT_THAT(covis({"--version"}).out, testing::StartsWith("covis "));
+  const Outcome settings = covis({"run", "--dump-config"});
+  EXPECT_EQ(settings.code, 0);
+  std::ofstream(folder / "settings.yaml") << settings.out;
+  EXPECT_EQ(covis({"run", "--dump-config", "--config", folder / "settings.yaml"}).out, settings.out);
+}
+
+TEST_F(CommandUsage, AFolderThatCantBeWrittenToIsSaidBeforeTheRun) {
+  const fs::path recording = render("rgbd", 3);
+  std::ofstream(folder / "file") << "x";
+  const Outcome in_file = covis({"run", recording, "--quiet", "--out", folder / "file" / "out"});
+  EXPECT_EQ(in_file.code, 1);
+  EXPECT_THAT(in_file.error, HasSubstr("the output folder can't be made"));
+  if (geteuid() == 0) return;  // root may write anywhere
+  fs::create_directories(folder / "locked");
+  fs::permissions(folder / "locked", fs::perms::owner_read | fs::perms::owner_exec);
+  const Outcome locked = covis({"run", recording, "--quiet", "--out", folder / "locked"});
+  EXPECT_EQ(locked.code, 1);
+  EXPECT_THAT(locked.error, HasSubstr("can't be written to"));
+}
+
+TEST_F(CommandUsage, AFullDiskIsSaidAndTheOtherFilesAreWritten) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
+  const fs::path recording = render("rgbd", 10);
+  for (const std::string& full : kFiles) {
+    SCOPED_TRACE(full);
+    const fs::path out = folder / ("out_" + full);
+    fs::create_directories(out);
+    fs::create_symlink("/dev/full", out / full);
+    const Outcome run = covis({"run", recording, "--quiet", "--out", out});
+    EXPECT_EQ(run.code, 1);
+    EXPECT_THAT(run.error, testing::AllOf(HasSubstr(full), HasSubstr("No space left on device")));
+    for (const std::string& name : kFiles) {
+      if (name == full) continue;
+      EXPECT_GT(fs::file_size(out / name), 0u) << name;
+    }
+  }
+  // Results on stdout are no less results.
+  const fs::path truth = recording / "groundtruth.txt";
+  Process eval(command({"eval", truth, truth}), "/dev/full", folder / "stderr");
+  EXPECT_EQ(eval.wait(kPatience), 1);
+  EXPECT_THAT(text_of(folder / "stderr"), HasSubstr("stdout"));
+}
+
+}  // namespace
+}  // namespace covis
