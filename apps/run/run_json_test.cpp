@@ -47,7 +47,7 @@ TEST(RunJson, EveryFrameHasALine) {
   run.mapping.resize(2);
   run.mapping[0].frame = 2;
   run.mapping[1].frame = 8;
-  run.mapping[1].points_created = 17;
+  run.mapping[1].counts.points_created = 17;
   const auto lines = lines_of(stats_text(run, made_snapshot().poses));
   ASSERT_EQ(lines.size(), 10u);
   for (size_t k = 0; k < lines.size(); ++k) {

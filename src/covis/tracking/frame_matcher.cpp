@@ -18,7 +18,7 @@ LevelRule levels_after(const TrackedFrame& last, const TrackedFrame& frame, cons
 
 }  // namespace
 
-// Room in advance, memory for which is used only when points come.
+// Reserves room in advance; its memory is used only when points come.
 FrameMatcher::FrameMatcher() {
   constexpr size_t kFeatures = 1 << 12, kLocalPoints = 1 << 14;
   known_.reserve(kLocalPoints);

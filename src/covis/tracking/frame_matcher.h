@@ -16,38 +16,39 @@
 
 namespace covis {
 
-// What the optimisation of a frame's pose leaves.
+// The result of optimising a frame's pose.
 struct PoseFit {
   int on_map = 0;                           // map points that agree with the pose; 0 without a pose
-  Matrix6d information = Matrix6d::Zero();  // of the pose: PoseResult::information
+  Matrix6d information = Matrix6d::Zero();  // PoseResult::information
 };
 
-// Keeps its work space between frames: nothing here allocates in a steady state.
+// Keeps its work space between frames: nothing but match_key_frame() allocates in a steady state.
 class FrameMatcher {
  public:
   FrameMatcher();
 
-  // The points that the last frame showed, around where frame.T_cw expects them: windows of `window` pixels x scale.
+  // Searches the points that the last frame showed around where frame.T_cw expects them, in windows of `window` pixels
+  // x scale.
   int match_last_frame(const TrackedFrame& last, TrackedFrame& frame, const Pinhole& camera, double window);
-  // The points of a key frame, by descriptor alone.
+  // Matches the points of a key frame by descriptor alone.
   static int match_key_frame(const KeyFrameView& view, TrackedFrame& frame, const DescriptorMatchOptions& options);
-  // Those points of the local map that are not matched yet; the matches there are stay. Returns how many points of the
-  // local map are in view, matched ones among them.
+  // Searches the points of the local map that are not matched yet and keeps the matches there are. Returns how many
+  // points of the local map are in view, matched ones among them.
   int match_local_map(const LocalMap& local_map, TrackedFrame& frame, const Pinhole& camera, const MatchGate& gate);
 
   // Optimises frame.T_cw over its matches and drops those that disagree.
   PoseFit fit_pose(TrackedFrame& frame, const Pinhole& camera);
 
-  // For each point of the local map whether it was in view of the last match_local_map().
+  // A flag for each point of the local map: it was in view of the last match_local_map().
   const std::vector<uint8_t>& in_view() const { return projection_.in_view(); }
 
  private:
   ProjectionMatcher projection_;
-  PointSet seen_;                      // the last frame's points …
-  std::vector<uint32_t> seen_by_;      // … for each its feature there
-  std::vector<float> seen_angle_;      // … and that one's orientation
+  PointSet seen_;                  // the last frame's points
+  std::vector<uint32_t> seen_by_;  // for each of them its feature in the last frame
+  std::vector<float> seen_angle_;  // the orientation of that feature, radians
   MatchedPoints matched_;
-  std::vector<uint8_t> known_, taken_;  // points matched, features taken before a search of the local map
+  std::vector<uint8_t> known_, taken_;  // flags: points and features matched before a search of the local map
   PoseObservations observations_;
   std::vector<uint32_t> observed_by_;  // for each observation its feature
   std::vector<uint8_t> inlier_;

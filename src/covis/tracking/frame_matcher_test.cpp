@@ -97,7 +97,7 @@ TEST_F(FrameMatcherTest, WhatTurnedOtherwiseThanTheBulkIsDropped) {
 }
 
 TEST_F(FrameMatcherTest, AheadPointsMayBeSeenLargerAndBackFiner) {
-  const Pinhole& camera = scene.camera;  // of a baseline of 0.1 metres
+  const Pinhole& camera = scene.camera;  // its baseline is 0.1 metres
   EXPECT_GT(found_ahead(0.15, 3, camera), 100);
   EXPECT_EQ(found_ahead(0.15, -3, camera), 0);
   EXPECT_GT(found_ahead(-0.15, -3, camera), 100);

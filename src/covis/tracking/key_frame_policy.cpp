@@ -25,7 +25,8 @@ bool KeyFramePolicy::few_close_points(const TrackedFrame& frame, const Pinhole& 
   return tracked < options_.min_close_points && untracked > options_.new_close_points;
 }
 
-// From the reference key frame's view, so far that places in between would be seen by too few key frames.
+// True when the view has turned so far from the reference key frame's that too few key frames would see the places in
+// between.
 bool KeyFramePolicy::turned_away(const TrackedFrame& frame, const KeyFrameView& reference,
                                  const Pinhole& camera) const {
   const ImageBounds& image = frame.features->grid.bounds;
@@ -45,7 +46,8 @@ bool KeyFramePolicy::is_due(const TrackedFrame& frame, int inliers, const LocalM
   const bool waited = frame.stamp - last_stamp_ > from_seconds(o.key_frame_interval);
   if (load == MappingLoad::busy && !(schedule_ == Schedule::realtime && (waited || few_close))) return false;
   if (monocular) {
-    // Many new points, of two views, let the camera go far before fewer are left than the older ones were.
+    // The share of all points counts too: many new points, of two views, would let the camera move far before fewer
+    // matches are left than the reference has older points.
     return inliers < o.key_frame_ratio_mono * local_map.reference_points ||
            inliers < o.key_frame_all_ratio_mono * local_map.reference_all_points;
   }

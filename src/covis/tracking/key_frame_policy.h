@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// When a frame becomes a key frame, and what is asked of mapping then. Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM",
-// T-RO 2015, section V-E; close points: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, III-D.
+// Decides when a frame becomes a key frame, and makes the request to mapping. Source: Mur-Artal, Montiel, Tardós,
+// "ORB-SLAM", T-RO 2015, section V-E; close points: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, III-D.
 #pragma once
 
 #include <vector>
@@ -14,29 +14,29 @@
 
 namespace covis {
 
-enum class MappingLoad { idle, busy };  // idle: a key frame would be taken up at once
+enum class MappingLoad { idle, busy };  // idle: mapping would begin with a key frame at once
 
 class KeyFramePolicy {
  public:
   KeyFramePolicy(Sensor sensor, const KeyFrameOptions& options, Schedule schedule)
       : sensor_(sensor), options_(options), schedule_(schedule) {}
 
-  // Counts what an accepted frame saw of its local map.
+  // Counts the points of its local map that an accepted frame had in view and matched.
   void count(const TrackedFrame& frame, const LocalMap& local_map, const std::vector<uint8_t>& in_view) {
     counts_.add(local_map.points.id, in_view, frame);
   }
-  // Whether the frame, with so many map points, should become a key frame.
+  // True when the frame, with so many map points, should become a key frame.
   bool is_due(const TrackedFrame& frame, int inliers, const LocalMap& local_map, const Pinhole& camera,
               MappingLoad load) const;
-  // The request for it; `pose` is its pose relative to its reference key frame.
+  // Makes the request for a key frame of it; `pose` is its pose relative to its reference key frame.
   KeyFrameRequest request(const TrackedFrame& frame, const RelativePose& pose, const Pinhole& camera);
   // A submap begins with this frame.
   void begin(Timestamp stamp) { last_stamp_ = stamp; }
   void clear_counts() { counts_.clear(); }
 
-  // Metres up to which a point is close.
+  // Depth in metres up to which a point is close.
   double close_depth(const Pinhole& camera) const { return options_.close_depth_baselines * camera.baseline(); }
-  // The features of a frame with depth that points are made of: select_near_features().
+  // The features whose depth makes points: select_near_features().
   const std::vector<uint32_t>& near_features(const Features& features, const Pinhole& camera);
 
  private:
@@ -47,7 +47,7 @@ class KeyFramePolicy {
   const KeyFrameOptions options_;
   const Schedule schedule_;
   PointCounts counts_;
-  Timestamp last_stamp_ = 0;  // of the last key frame asked for
+  Timestamp last_stamp_ = 0;  // stamp of the last key frame asked for
   std::vector<uint32_t> near_;
 };
 

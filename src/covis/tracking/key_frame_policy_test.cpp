@@ -70,7 +70,7 @@ TEST_F(KeyFramePolicyTest, NoneIsMadeOfTooFewPoints) {
 }
 
 TEST_F(KeyFramePolicyTest, OneIsDueWhereFewClosePointsAreTrackedAndManyCouldBe) {
-  options.close_depth_baselines = 60;  // of 0.1 metres
+  options.close_depth_baselines = 60;  // a baseline is 0.1 metres
   const auto close = [&](size_t i) { return frame.features->depth[i] <= 6; };
   for (size_t i = 0; i < frame.source.size(); ++i) {
     if (close(i) && i % 2 == 0) frame.drop_match(i);

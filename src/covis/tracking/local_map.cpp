@@ -6,9 +6,9 @@
 namespace covis {
 namespace {
 
-constexpr int kBestNeighbours = 10;  // of each key frame of K1 join K2
+constexpr int kBestNeighbours = 10;  // neighbours of each key frame of K1 that join K2
 
-// marks[slot], grown when needed.
+// Returns marks[slot]; grows the marks when needed.
 template <class T>
 T& at_slot(std::vector<T>& marks, uint32_t slot) {
   if (slot >= marks.size()) marks.resize(slot + slot / 2 + 64);
@@ -17,7 +17,7 @@ T& at_slot(std::vector<T>& marks, uint32_t slot) {
 
 }  // namespace
 
-// Room in advance, memory for which is used only when points and key frames come.
+// Reserves room in advance; its memory is used only when points and key frames come.
 LocalMap::LocalMap() {
   constexpr size_t kPoints = 1 << 14, kPointSlots = 1 << 17, kKeyFrameSlots = 1 << 12;
   points.reserve(kPoints);
@@ -60,7 +60,7 @@ void LocalMap::select_key_frames(const Map& map, const std::vector<MapPointId>& 
       if (votes++ == 0) voted_.push_back(observation.key_frame);
     }
   }
-  // Most votes first; ties: the older handle.
+  // Sorted by votes; of equal ones the older handle comes first.
   std::sort(voted_.begin(), voted_.end(), [&](KeyFrameId a, KeyFrameId b) {
     const int va = votes_[a.slot], vb = votes_[b.slot];
     return va != vb ? va > vb : a < b;

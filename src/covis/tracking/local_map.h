@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The p of the map near the camera, copied in one short read into flat arrays: the tracker works on this copy and
+// The points of the map near the camera, copied in one short read into flat arrays: the tracker works on this copy and
 // takes no lock while it does. Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section V-D.
 #pragma once
 
@@ -14,13 +14,13 @@ namespace covis {
 class LocalMap {
  public:
   LocalMap();
-  // Makes the local map anew round the key frames that share points with `matched` (K1), their best covisible key
-  // frames, children and parents (K2), at most `max_key_frames`. Without any, round `fallback`. The key frame that
-  // shares most becomes the reference.
+  // Makes the local map anew around the key frames that share points with `matched` (K1), their best covisible key
+  // frames, children and parents (K2), at most `max_key_frames`. Without any, it is made around `fallback`. The key
+  // frame that shares most becomes the reference.
   void update(const Map& map, const std::vector<MapPointId>& matched, KeyFrameId fallback, int max_key_frames);
   void clear();
 
-  PointSet points;                     // in a fixed order
+  PointSet points;                     // the order depends on the map and the matches alone
   std::vector<KeyFrameId> key_frames;  // K1 first
   KeyFrameView reference;
   int reference_all_points = 0;  // points of the reference key frame that another one observes too
@@ -34,7 +34,7 @@ class LocalMap {
   void copy_points(const Map& map);
 
   uint32_t epoch_ = 0;
-  std::vector<uint32_t> point_seen_, key_frame_seen_;  // by slot: the epoch in which it was added
+  std::vector<uint32_t> point_seen_, key_frame_seen_;  // by slot: the epoch in which the point or key frame was added
   std::vector<int> votes_;                             // by key-frame slot: matched points it observes
   std::vector<KeyFrameId> voted_;
   std::vector<Neighbour> neighbours_;

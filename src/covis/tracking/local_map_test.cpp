@@ -12,7 +12,7 @@ namespace {
 using testing::ElementsAre;
 using testing::UnorderedElementsAre;
 
-// Five key frames in a row. 0-1 share 40 points, 1-2 share 30, 2-3 share 20; 4 hangs on 3 and shares nothing.
+// Five key frames in a row. 0-1 share 40 points, 1-2 share 30, 2-3 share 20; 4 is a child of 3 and shares nothing.
 class LocalMapTest : public testing::Test {
  protected:
   LocalMapTest() {
@@ -72,7 +72,7 @@ TEST_F(LocalMapTest, NoMoreKeyFramesThanAllowed) {
   EXPECT_EQ(local.size(), 70);
 }
 
-TEST_F(LocalMapTest, WithoutMatchesItLiesRoundTheFallback) {
+TEST_F(LocalMapTest, WithoutMatchesItLiesAroundTheFallback) {
   local.update(map, {}, frames[4], 80);
   EXPECT_THAT(local.key_frames, ElementsAre(frames[4], frames[3]));
   EXPECT_THAT(local.points.id, testing::Contains(own));

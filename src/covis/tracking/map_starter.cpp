@@ -7,8 +7,7 @@
 
 namespace covis {
 
-MapStarter::MapStarter(const Settings& settings)
-    : settings_(settings), initializer_(settings.options, settings.seed) {}
+MapStarter::MapStarter(const Settings& settings) : settings_(settings), initializer_(settings.options, settings.seed) {}
 
 MapStarter::Offer MapStarter::offer(const TrackedFrame& frame, const Pinhole& camera) {
   Offer offer;

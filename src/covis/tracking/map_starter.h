@@ -15,7 +15,7 @@
 
 namespace covis {
 
-// What is asked of mapping after a frame, if anything.
+// The request to mapping after a frame, if there is one.
 using MapRequest = std::variant<std::monostate, KeyFrameRequest, InitialMapRequest>;
 
 class MapStarter {
@@ -23,8 +23,8 @@ class MapStarter {
   struct Settings {
     Sensor sensor = Sensor::monocular;
     StartOptions options;
-    int min_close_points = 100;     // with depth: features that a first key frame needs it of
-    bool begins_new_maps = true;    // whether a submap may be begun beside others
+    int min_close_points = 100;   // features with depth that a first key frame needs (stereo, RGB-D)
+    bool begins_new_maps = true;  // a submap may be begun beside others
     int seed = 0;
   };
   explicit MapStarter(const Settings& settings);
@@ -33,19 +33,19 @@ class MapStarter {
   struct Offer {
     MapRequest request;
     std::string_view reason;
-    int matches = 0;  // of a monocular frame with the first view
+    int matches = 0;  // matches of a monocular frame with the first view
   };
   Offer offer(const TrackedFrame& frame, const Pinhole& camera);
-  // Whether the frame asked for a submap.
+  // True when a submap was asked for with this frame.
   bool begun_with(int64_t frame) const { return frame == begun_frame_; }
   // A submap was begun.
   void begun();
 
-  // What to do about a frame that is lost.
+  // The step to take when a frame is lost.
   enum class Step { search, give_up_submap, begin_submap };
   struct Loss {
     Step step = Step::search;
-    uint32_t submap = 0;  // to be given up
+    uint32_t submap = 0;  // id of the submap to be given up
   };
   // `reference`: the last key frame the camera was at; `live`: null while the map may not be read.
   Loss lose(Timestamp stamp, KeyFrameId reference, const SharedMap* live);
@@ -55,7 +55,7 @@ class MapStarter {
   // A map was put in place: its submaps are never given up.
   void keep_submaps(const Map& map);
 
-  // Whether the camera was lost for long, so that a submap is to be begun beside the others.
+  // True when the camera was lost for long, so that a submap is to be begun beside the others.
   bool is_beginning() const { return beginning_; }
   uint32_t kept_submaps() const { return kept_submaps_; }  // submaps with lower ids were put in place
 

@@ -35,7 +35,7 @@ class MapStarterTest : public testing::Test {
 TEST_F(MapStarterTest, AFrameWithDepthBeginsASubmapAtOnce) {
   MapStarter starter(settings_of(Sensor::rgbd));
   TrackedFrame frame = frame_of(scene.view(SE3()), SE3(), 5, 50);
-  frame.set_match(3, {1, 0}, {}, PointSource::map);  // of an older submap
+  frame.set_match(3, {1, 0}, {}, PointSource::map);  // a match with an older submap
   const MapStarter::Offer offer = starter.offer(frame, scene.camera);
   const auto* request = std::get_if<KeyFrameRequest>(&offer.request);
   ASSERT_TRUE(request) << offer.reason;

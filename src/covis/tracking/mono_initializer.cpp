@@ -79,7 +79,7 @@ std::optional<InitialMapRequest> MonoInitializer::offer(const Pinhole& camera, c
   return request;
 }
 
-// Finds the reference view's finer keypoints in this frame, each in a window round where it was seen last.
+// Finds the reference view's finer keypoints in this frame, each in a window around its last place.
 int MonoInitializer::match_reference(const Features& features) {
   const Features& first = *reference_.features;
   queries_.clear();

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "covis/matching/window_match.h"
 #include "covis/geometry/camera.h"
 #include "covis/map/map_requests.h"
+#include "covis/matching/window_match.h"
 #include "covis/tracking/tracking_options.h"
 
 namespace covis {
@@ -18,8 +18,8 @@ class MonoInitializer {
  public:
   MonoInitializer(const StartOptions& options, int seed) : options_(options), seed_(seed) {}
 
-  // Offers a frame of a camera of these intrinsics. An initial map when it and the reference view make one; otherwise
-  // nothing, and reason() tells why.
+  // Offers a frame of a camera of these intrinsics. Returns an initial map when it and the reference view make one;
+  // reason() says why they do not.
   std::optional<InitialMapRequest> offer(const Pinhole& camera, const FeaturesPtr& features, int64_t frame,
                                          Timestamp stamp);
   // Forgets the reference view.
@@ -34,7 +34,7 @@ class MonoInitializer {
   const StartOptions options_;
   const int seed_;
   InitialMapRequest::View reference_;
-  std::vector<float> last_x_, last_y_;  // where each reference feature was seen last: the window follows it
+  std::vector<float> last_x_, last_y_;  // pixels: the last place of each reference feature, which its window follows
   std::vector<WindowQuery> queries_;
   std::vector<int32_t> query_feature_;
   std::vector<int32_t> match_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the camera is expected to move: as fast as it just did (ORB-SLAM, T-RO 2015, section V-B). Works by stamps, so
-// that frames may be left out. This is where odometry or an inertial sensor would predict instead.
+// Predicts how the camera moves: as fast as it just did (ORB-SLAM, T-RO 2015, section V-B). It works by stamps, so that
+// frames may be left out. Odometry or an inertial sensor would predict here instead.
 #pragma once
 
 #include <optional>
@@ -12,13 +12,13 @@ namespace covis {
 
 class MotionModel {
  public:
-  // Nothing is known of the motion.
+  // Forgets the motion.
   void reset() { motion_.reset(); }
   // The camera moved by T_21 (first camera to second) in this time, which is positive.
   void observe(const SE3& T_21, Timestamp elapsed);
   // Lengths of the map grew by this factor.
   void rescale(double growth);
-  // T_21 of the camera after this time; nothing without a motion, or after a pause.
+  // T_21 of the camera after this time. Without a motion, or after a pause, there is no prediction.
   std::optional<SE3> predict(Timestamp elapsed) const;
 
  private:

@@ -22,7 +22,7 @@ Features of_depths(const std::vector<double>& depths) {
 }
 
 std::vector<uint32_t> near(const std::vector<double>& depths, double close_depth, int at_least) {
-  std::vector<uint32_t> near{7, 7, 7};  // what was there before goes
+  std::vector<uint32_t> near{7, 7, 7};  // older content goes
   select_near_features(of_depths(depths), close_depth, at_least, near);
   return near;
 }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kTentativeTime = 1.0;  // seconds
 
-// From where a point was seen before, compared with where it is seen from now.
+// The nearest view in which a point was seen before, compared with the present one.
 enum class Seen { elsewhere, near, here };
 
 Seen seen_before(const MapPoint& point, const Map& map, const Eigen::Vector3d& centre_w) {
@@ -31,9 +31,9 @@ Seen seen_before(const MapPoint& point, const Map& map, const Eigen::Vector3d& c
   return seen;
 }
 
-// How many of some points are expected to match, and how many do.
+// The number of points expected to match, and the number that do.
 struct Tally {
-  double share;  // of those expected, that have to match
+  double share;  // share of the expected matches that is asked for
   double expected = 0;
   int found = 0;
 
@@ -41,7 +41,7 @@ struct Tally {
     expected += match_ratio;
     found += matched;
   }
-  bool enough() const { return expected >= 60; }  // to tell anything by their share
+  bool enough() const { return expected >= 60; }  // fewer points say nothing by their share
   bool passes() const { return found >= share * expected; }
 };
 
@@ -64,7 +64,7 @@ void PlaceCheck::accept(const TrackedFrame& frame, uint32_t submap) {
 }
 
 void PlaceCheck::lose() {
-  if (jump_) last_.reset();  // no place to go on from
+  if (jump_) last_.reset();  // a wrong place is none to have come from
   take_back_jump();
 }
 
@@ -85,7 +85,7 @@ void PlaceCheck::take_back_jump() {
   jump_.reset();
 }
 
-// The camera is too far from where it was last to have just moved there.
+// True when the camera is too far from its last place to have just moved there.
 bool PlaceCheck::jumped(const Found& found) const {
   constexpr double kTurn = 0.966;  // cosine of 15 degrees
   constexpr double kWay = 0.2;     // share of the mean depth of what it sees
@@ -97,9 +97,9 @@ bool PlaceCheck::jumped(const Found& found) const {
 // Compares the points in view that were seen from about here before with how often they usually match. Points seen from
 // here decide: 0.6 of what is expected is exceeded by some 98 % of right places and 3 % of wrong ones. Where they are
 // too few, those seen from the same side say less, and must not speak against the place. More is asked of a single
-// image, which no later ones bear out.
+// image, which no later ones confirm.
 bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand demand) {
-  constexpr uint32_t kKnown = 5;  // frames that had a point in view, for its usual share of matches to be known
+  constexpr uint32_t kKnown = 5;  // frames that had a point in view, for its match ratio to be known
   const bool strict = demand == Demand::strict;
   const double share = (strict ? 1 : 0.5) * options_.min_expected_match_ratio;
   const bool single = subject_ == Subject::single_image;
@@ -122,7 +122,7 @@ bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand de
   if (from_here.enough()) return from_here.passes();
   if (from_near.enough() && !from_near.passes()) return false;
   if (young_too.enough()) return young_too.passes();
-  return !strict || share == 0;  // seen from where nothing was seen from before
+  return !strict || share == 0;  // nothing was seen from here before
 }
 
 bool well_determined(const Matrix6d& information, double mean_depth, const Pinhole& camera) {

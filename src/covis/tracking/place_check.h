@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a pose is of the place it claims to be. Things of which there are several alike match wherever one of them
-// stands; what stands around them does not. So a place that the camera cannot have walked to has to show what is usually
-// seen from there, and stays tentative for a second: until then no key frame is made of it, and when it proves wrong the
-// frames since then lose their poses. Measured: docs/notes/005-expected-match-ratio.md.
+// Judges whether a pose is of the place it claims to be. Things of which there are several alike match wherever one of
+// them stands; their surroundings do not. So a place that the camera cannot have walked to has to show the points
+// usually seen from there, and stays tentative for a second: until then no key frame is made of it, and when it proves
+// wrong the frames since then lose their poses. Measured: docs/notes/005-expected-match-ratio.md.
 //
 //           relocalised, or jumped              here for a second
 //   settled ───────────────────────▶ tentative ──────────────────▶ settled
@@ -20,10 +20,10 @@
 
 namespace covis {
 
-// What a place has to show depends on what comes after it: the frames of a stream bear it out or not, a single image
-// stands for itself.
+// The frames that follow in a stream confirm a place or refute it; a single image stands for itself and has to show
+// more.
 enum class Subject { stream, single_image };
-// How the camera came to the place.
+// The way in which the camera came to the place.
 enum class Arrival { tracked, relocalised };
 
 class PlaceCheck {
@@ -31,18 +31,18 @@ class PlaceCheck {
   PlaceCheck(const RecoveryOptions& options, Subject subject) : options_(options), subject_(subject) {}
 
   struct Found {
-    const TrackedFrame& frame;  // at the place, with its matches
+    const TrackedFrame& frame;  // the frame at the place, with its matches
     const LocalMap& local_map;
-    std::span<const uint8_t> in_view;  // for each point of the local map
+    std::span<const uint8_t> in_view;  // a flag for each point of the local map
     const SharedMap* live;             // null: the map may not be read now, and its copies serve
   };
-  // Whether the frame may be where it was found.
+  // True when the frame may be where it was found.
   bool is_right(const Found& found, Arrival arrival);
-  // The same frame has its pose.
+  // The same frame is tracked: its pose holds.
   void accept(const TrackedFrame& frame, uint32_t submap);
   // The camera is lost: a tentative place was wrong.
   void lose();
-  // The camera is somewhere, whatever was before: in a submap just begun.
+  // The camera is at this place without doubt: a submap was just begun there.
   void restart_at(const SE3& T_cw, uint32_t submap) { last_ = {T_cw, submap}; }
   // The camera may be anywhere.
   void restart();
@@ -70,13 +70,13 @@ class PlaceCheck {
   const RecoveryOptions options_;
   const Subject subject_;
   MatchedPoints matched_;
-  std::optional<Place> last_;  // of the last frame with a pose, unless that was taken back
+  std::optional<Place> last_;  // place of the last frame with a pose, unless that was taken back
   std::optional<Jump> jump_;   // the frame with which the camera jumped to a place that is tentative still
   std::optional<int64_t> retract_from_;
 };
 
-// A few points on one side of the image agree with poses far apart, and wrong matches choose among them: whether the
-// position's standard deviation moves things at the mean depth by two pixels at most.
+// True when the position's standard deviation moves things at the mean depth by two pixels at most. A few points on one
+// side of the image agree with poses far apart, and wrong matches choose among those.
 bool well_determined(const Matrix6d& information, double mean_depth, const Pinhole& camera);
 
 }  // namespace covis

@@ -168,8 +168,8 @@ class LooksTest : public testing::Test {
       map->count_found(id, static_cast<uint32_t>(share * frames) - 1);
     }
   }
-  // Whether a frame at this pose is right there with every `every`-th of the points in view matched. The camera was
-  // there before, or came from somewhere else.
+  // Judges a frame at this pose with every `every`-th of the points in view matched. The camera was there before, or
+  // came from somewhere else.
   enum class Before { there, elsewhere };
   bool is_right(const SE3& T_cw, size_t every, Before before, Arrival arrival = Arrival::tracked) {
     if (before == Before::there) {

@@ -3,7 +3,7 @@
 
 namespace covis {
 
-// Room in advance, memory for which is used only when points come.
+// Reserves room in advance; its memory is used only when points come.
 PointCounts::PointCounts() {
   constexpr size_t kPointSlots = 1 << 17;
   counts_.reserve(kPointSlots);

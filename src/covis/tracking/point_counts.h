@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts, for each map point, the frames that had it in view and the frames that matched it, until mapping is told.
+// Counts, for each map point, the frames that had it in view and the frames that matched it, until they are reported to
+// mapping.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +15,9 @@ namespace covis {
 class PointCounts {
  public:
   PointCounts();
-  // One frame: the points of its local map, which of them were in view, and its matches.
+  // Counts one frame: the points of its local map, a flag for each that was in view, and its matches.
   void add(std::span<const MapPointId> points, std::span<const uint8_t> in_view, const TrackedFrame& frame);
-  // All counts since the last call, by the order in which points were first counted.
+  // Returns all counts since the last call, in the order in which points were first counted.
   std::vector<PointCount> take();
   void clear();
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the search for one frame's pose works with: the camera, the searches, the local map, the check of the place.
-// Tracking and relocalisation share one, so that what the one leaves the other goes on with.
+// The state that a search for one frame's pose works on: the camera, the searches, the local map, the check of the
+// place. Tracking and relocalisation share one, so that each continues with the results of the other.
 #pragma once
 
 #include <optional>
@@ -14,8 +14,8 @@
 namespace covis {
 
 struct PoseSearch {
-  Pinhole camera;                     // of the frames
-  std::optional<Pinhole> own_camera;  // set where it is another than the map's
+  Pinhole camera;                     // the frames' camera
+  std::optional<Pinhole> own_camera;  // set when the frames are of another camera than the map
   FrameMatcher matcher;
   LocalMap local_map;
   PlaceCheck place;

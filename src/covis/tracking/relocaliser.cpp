@@ -10,7 +10,7 @@
 namespace covis {
 namespace {
 
-constexpr int kMinInliers = 10;  // of a pose that is worth a search by projection
+constexpr int kMinInliers = 10;  // map points that make a pose worth a search by projection
 
 }  // namespace
 
@@ -50,9 +50,9 @@ bool Relocaliser::find(TrackedFrame& frame, PoseSearch& search, const SharedMap*
 }
 
 std::vector<KeyFrameId> Relocaliser::candidates(const Map& map, const Features& features, KeyFrameId near) {
-  constexpr size_t kAlike = 8;                         // by words
-  constexpr int kNeighbours = 3;                       // of the last reference
-  constexpr int kInTurn = 2, kInTurnWithoutWords = 5;  // of all key frames
+  constexpr size_t kAlike = 8;                         // most key frames found by words
+  constexpr int kNeighbours = 3;                       // neighbours of the last reference
+  constexpr int kInTurn = 2, kInTurnWithoutWords = 5;  // key frames tried in turn
   std::vector<KeyFrameId> places;
   const auto add = [&](KeyFrameId id) {
     if (std::find(places.begin(), places.end(), id) == places.end()) places.push_back(id);
@@ -100,7 +100,7 @@ bool Relocaliser::find_at(const KeyFrameView& view, TrackedFrame& frame, PoseSea
                           TrackFigures& figures) const {
   const LocalMapOptions& o = options_.local_map;
   if (!find_first_pose(view, frame, search)) return false;
-  // Twice: the second search starts from a better pose, and so in narrower windows.
+  // It searches twice: the second search starts from a better pose, and so in narrower windows.
   for (const double factor : {5.0, 2.0}) {
     if (live) search.update_local_map(*live, frame, view.id, o.local_key_frames);
     const MatchGate gate =

@@ -21,13 +21,13 @@ class Relocaliser {
   Relocaliser(const SharedMap& map, const TrackerOptions& options, int seed,
               std::shared_ptr<const Vocabulary> vocabulary);
 
-  // Looks for the frame's pose; `near` is the key frame the camera was at last, if any. `live` is null while the map may
-  // not be read: the reference key frame in the local map is all there is then. True: the frame has its pose and matches,
-  // and the local map is that around it.
+  // Looks for the frame's pose; `near` is the key frame the camera was at last, if any. `live` is null while the map
+  // may not be read: the reference key frame in the local map is all there is then. True: the frame has its pose and
+  // matches, and the local map is that around it.
   bool find(TrackedFrame& frame, PoseSearch& search, const SharedMap* live, KeyFrameId near, TrackFigures& figures);
 
-  // The pose of one image in the map, from nothing but the image; nothing when its place is not recognised. With a camera
-  // of its own the image is of another one than the map.
+  // Returns the pose of one image in the map, from the image alone; no pose when its place is not recognised.
+  // `own_camera` is set when the image is of another camera than the map.
   struct Located {
     SE3 T_cw;
     uint32_t submap = 0;
@@ -44,7 +44,7 @@ class Relocaliser {
   const TrackerOptions options_;
   const int seed_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
-  size_t turn_ = 0;  // which of all key frames is tried next
+  size_t turn_ = 0;  // index of the key frame that is tried next in turn
 };
 
 }  // namespace covis

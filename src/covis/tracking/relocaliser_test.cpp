@@ -24,8 +24,8 @@ class RelocaliserTest : public testing::Test {
     }
   }
 
-  // A vocabulary of one word for each point of the scene, by its index: as SceneMap gives them to key frames. To be
-  // told apart at the first level of the tree, the points get a third of their bits by groups.
+  // A vocabulary of one word for each point of the scene, by its index: as SceneMap gives them to key frames. The
+  // points get a quarter of their bits by groups, which tell them apart at the first level of the tree.
   static std::shared_ptr<const Vocabulary> number(PointScene& scene) {
     constexpr size_t kGroup = 200;
     Random random(9);
@@ -138,7 +138,7 @@ TEST_F(RelocaliserTest, ThePlaceIsTentativeAtFirst) {
 }
 
 TEST_F(RelocaliserTest, AThingThatLooksAlikeIsNotThePlace) {
-  // What stands within eight degrees of the middle of the view stands elsewhere too, among other things.
+  // The things within 17 degrees of the middle of the view stand elsewhere too, among others.
   PointScene elsewhere = PointScene::ring(2400, 48, 2);
   const SE3 T_cw = near_key_frame(5);
   for (const PointScene::Point& point : scene.points) {

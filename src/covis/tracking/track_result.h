@@ -11,8 +11,8 @@ namespace covis {
 
 enum class TrackState { not_initialised, tracking, lost };
 
-// How the first pose of a tracked frame was found. `dead_reckoned`: in localisation only, from the last frame's own depth
-// where the map has too little.
+// The source of a tracked frame's first pose. `dead_reckoned`: in localisation only, from the last frame's own depth
+// where the map has too few points.
 enum class TrackMethod { none, initialised, motion_model, reference_key_frame, recovered, dead_reckoned };
 
 constexpr std::string_view name(TrackState state) {
@@ -53,7 +53,7 @@ struct TrackFigures {
   int local_points = 0;        // points of the local map
   int local_in_view = 0;       // points of it predicted in view
   int inliers = 0;             // map points that agree with the pose
-  bool tentative = false;       // has jumped to where it is less than a second ago: the pose may be taken back
+  bool tentative = false;      // the camera jumped here less than a second ago: the pose may be taken back
   bool key_frame = false;      // a key frame was asked for
   double motion_ms = 0;        // first pose: search and optimisation
   double local_update_ms = 0;  // copying the local map
@@ -63,10 +63,10 @@ struct TrackFigures {
 
 struct TrackResult : TrackFigures {
   TrackState state = TrackState::not_initialised;
-  std::string_view reason;     // why there is no pose; empty when tracking
-  SE3 T_cw;                    // meaningful when tracking
-  RelativePose pose;           // the same relative to its reference key frame
-  uint32_t submap = 0;         // id of its submap: poses of different submaps have different worlds
+  std::string_view reason;  // the reason for having no pose; empty when tracking
+  SE3 T_cw;                 // meaningful when tracking
+  RelativePose pose;        // the same relative to its reference key frame
+  uint32_t submap = 0;      // id of its submap: poses of different submaps have different worlds
 };
 
 }  // namespace covis

@@ -38,7 +38,8 @@ void TrackedFrame::drop_match(size_t feature) {
 }
 
 int TrackedFrame::matches() const {
-  return static_cast<int>(source.size() - static_cast<size_t>(std::count(source.begin(), source.end(), PointSource::none)));
+  return static_cast<int>(source.size() -
+                          static_cast<size_t>(std::count(source.begin(), source.end(), PointSource::none)));
 }
 
 double TrackedFrame::mean_depth() const {
@@ -52,7 +53,7 @@ double TrackedFrame::mean_depth() const {
   return count > 0 ? sum / count : 0;
 }
 
-// Room in advance, memory for which is used only when points come.
+// Reserves room in advance; its memory is used only when points come.
 MatchedPoints::MatchedPoints() { mark_.reserve(1 << 17); }
 
 void MatchedPoints::mark(const TrackedFrame& frame) {

@@ -9,7 +9,7 @@
 
 namespace covis {
 
-// Where the position of a feature's point comes from.
+// The source of the position of a feature's point.
 enum class PointSource : uint8_t {
   none,
   map,    // a map point
@@ -17,13 +17,13 @@ enum class PointSource : uint8_t {
 };
 
 struct TrackedFrame {
-  int64_t index = -1;  // of the frame in the recording
+  int64_t index = -1;  // index in the recording
   Timestamp stamp = 0;
   FeaturesPtr features;
   SE3 T_cw;
-  std::vector<MapPointId> points;          // for each feature its map point, or an invalid handle
-  std::vector<Eigen::Vector3d> positions;  // for each feature, world; meaningful where it has a source
-  std::vector<PointSource> source;         // for each feature
+  std::vector<MapPointId> points;          // by feature: its map point, or an invalid handle
+  std::vector<Eigen::Vector3d> positions;  // by feature: in the world, metres; meaningful where it has a source
+  std::vector<PointSource> source;         // by feature
 
   void start(FeaturesPtr f, int64_t frame, Timestamp t);
   void clear_matches();

@@ -131,7 +131,7 @@ bool Tracker::track_by_reference(TrackResult& result) {
 }
 
 bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
-  constexpr double kFactorRecovered = 5;  // on the windows: the pose of a camera just found again is less sure
+  constexpr double kFactorRecovered = 5;  // factor on the windows: the pose of a camera just found again is less sure
   const LocalMapOptions& o = settings_.options.local_map;
   Stopwatch watch;
   if (live) search_.update_local_map(*live, current_, last_.pose.key_frame, o.local_key_frames);
@@ -165,7 +165,7 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
   return true;
 }
 
-// Localisation only: the last frame's depth carries the pose over a place the map has too little, or nothing, of.
+// In localisation only: the last frame's depth carries the pose over a place with too few map points.
 bool Tracker::dead_reckon(TrackResult& result) {
   if (!settings_.dead_reckons() || current_.matches() < settings_.options.local_map.min_inliers) return false;
   ++health_.dead_reckoned_frames;
@@ -200,7 +200,7 @@ void Tracker::accept(TrackResult& result) {
   const bool tentative = search_.place.tentative();
   starter_.find(tentative ? MapStarter::Place::tentative : MapStarter::Place::settled);
   if (result.method != TrackMethod::dead_reckoned) health_.dead_reckoned_frames = 0;
-  // Twice the features give more inliers by themselves: the way back asks for more than that.
+  // Twice the features give more inliers by themselves; leaving the weak state asks for more than that.
   const int weak = settings_.options.local_map.weak_inliers;
   health_.weak = health_.weak ? 2 * result.inliers < 5 * weak : result.inliers < weak;
   last_.pose = {reference.id, reference.scale, current_.T_cw * reference.T_cw.inverse()};
@@ -241,7 +241,7 @@ void Tracker::begin_submap(Outcome& outcome) {
   state_ = TrackState::tracking;
   key_frames_.begin(current_.stamp);
   if (settings_.sensor != Sensor::monocular) current_.T_cw = SE3();
-  current_.clear_matches();  // with an older submap
+  current_.clear_matches();  // they are matches with an older submap
   result.inliers = 0;
   result.method = TrackMethod::initialised;
   result.key_frame = true;
@@ -266,7 +266,7 @@ void Tracker::key_frame_made(const KeyFrameMade& made) {
     starter_.begun();
     last_.become(*map, made.key_frame);
     search_.place.restart_at(last_.frame.T_cw, last_.submap);
-    last_.map_changed = false;  // nothing of it is older than the submap
+    last_.map_changed = false;  // the frame is as new as the submap
   }
   last_.new_reference = made.key_frame;
   if (last_.frame.index == made.frame) last_.take_points(*map, made.key_frame);
@@ -285,7 +285,7 @@ void Tracker::follow_map(const Map& map) {
     last_.frame.T_cw = last_.pose.T_cw(map).normalized();
     search_.place.follow(last_.frame.T_cw, last_.submap);
   }
-  // Not when the camera was meanwhile found in another submap.
+  // A new key frame becomes the reference unless the camera was meanwhile found in another submap.
   if (const KeyFrame* made = map.find(last_.new_reference); made && made->submap == last_.submap)
     last_.pose = RelativePose::of(map, last_.frame.T_cw, last_.new_reference);
   last_.new_reference = {};
@@ -329,7 +329,7 @@ void Tracker::LastFrame::add_depth_points(const std::vector<uint32_t>& features,
   }
 }
 
-// The last frame became this key frame: what mapping added to it is known of the frame too.
+// The last frame became this key frame: it gets the points that mapping gave the key frame.
 void Tracker::LastFrame::take_points(const Map& map, KeyFrameId key_frame) {
   const KeyFrame* made = map.find(key_frame);
   if (!made) return;

@@ -28,7 +28,7 @@ namespace covis {
 
 enum class TrackingMode {
   mapping,
-  localisation,  // no key frames, no points: places the map has too little of are dead-reckoned by the frames' depth
+  localisation,  // no key frames, no points: places with too few map points are dead-reckoned by the frames' depth
 };
 
 struct TrackingSettings {
@@ -53,9 +53,10 @@ struct MappingStatus {
 class Tracker {
  public:
   // Without a vocabulary (null) a lost camera is looked for at the nearest key frames only.
-  Tracker(const SharedMap& map, const TrackingSettings& settings, std::shared_ptr<const Vocabulary> vocabulary = nullptr);
+  Tracker(const SharedMap& map, const TrackingSettings& settings,
+          std::shared_ptr<const Vocabulary> vocabulary = nullptr);
 
-  // A frame's result, and what should be done after it.
+  // A frame's result, and the requests that follow from it.
   struct Outcome {
     TrackResult result;
     MapRequest request;
@@ -73,10 +74,10 @@ class Tracker {
   // The frames are of another camera than the map: only for localisation in it.
   void use_camera(const Pinhole& camera) { search_.own_camera = search_.camera = camera; }
 
-  // Whether the next frame should get twice the features: for the monocular initialiser, and while tracking has few
+  // True when the next frame should get twice the features: for the monocular initialiser, and while tracking has few
   // points or is lost.
   bool wants_more_features() const;
-  // Whether the last frame had so few points that the next should have all that mapping can give.
+  // True when the last frame had so few points that the next should have all that mapping can give.
   bool near_loss() const { return health_.near_loss; }
   TrackState state() const { return state_; }
   // Submaps below this id were put in place: they are never given up.
@@ -99,10 +100,10 @@ class Tracker {
   // The frame before the current one, and the map as that saw it.
   struct LastFrame {
     TrackedFrame frame;
-    RelativePose pose;         // of the last frame that had one
-    uint32_t submap = 0;       // of its reference key frame
+    RelativePose pose;         // pose of the last frame that had one
+    uint32_t submap = 0;       // submap of its reference key frame
     KeyFrameId new_reference;  // a key frame just made, to become the reference
-    bool map_changed = false;  // since the frame was brought up to date with the map
+    bool map_changed = false;  // the map changed since the frame was brought up to date with it
     uint64_t moves = 0;        // Map::moves() when it was
 
     void become(const Map& map, KeyFrameId key_frame);
@@ -110,10 +111,10 @@ class Tracker {
     void take_points(const Map& map, KeyFrameId key_frame);
     void refresh_points(const Map& map);
   };
-  // How safely the camera is tracked.
+  // The signs of how safely the camera is tracked.
   struct Health {
     Timestamp last_recovery = std::numeric_limits<Timestamp>::min() / 2;
-    int dead_reckoned_frames = 0;  // in a row
+    int dead_reckoned_frames = 0;  // number in a row
     bool weak = false;             // few inliers lately
     bool near_loss = false;        // few with the last frame
 

@@ -26,7 +26,7 @@ TEST_F(TrackerTest, FollowsTheTruth) {
     EXPECT_GE(result.inliers, settings.options.local_map.min_inliers);
     EXPECT_LE(result.inliers, result.features);
     EXPECT_LE(result.local_in_view, result.local_points);
-    // The pose hangs on its reference.
+    // The pose relative to its reference is the same.
     const SE3 by_reference = result.pose.T_cw(*shared.read());
     EXPECT_LT((by_reference.t() - result.T_cw.t()).norm(), 0.02);
   }

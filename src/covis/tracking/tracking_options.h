@@ -11,22 +11,22 @@ namespace covis {
 
 // The first pose of a frame: from the motion model, or from the reference key frame.
 struct FirstPoseOptions {
-  double motion_window = 15;       // pixels x scale: search around the predicted place (monocular, RGB-D)
-  double motion_window_stereo = 7;  // the same, stereo
-  int motion_min_matches = 20;     // fewer: search again in windows twice as wide
-  int motion_min_inliers = 10;     // to accept the pose of the motion model or the reference key frame
-  int reference_min_matches = 15;  // descriptor matches with the reference key frame
-  double reference_ratio = 0.7;    // best against second-best descriptor distance there
+  double motion_window = 15;        // pixels x scale: search around the predicted place (monocular, RGB-D)
+  double motion_window_stereo = 7;  // the same for stereo
+  int motion_min_matches = 20;      // with fewer, the search is repeated in windows twice as wide
+  int motion_min_inliers = 10;      // inliers to accept the pose of the motion model or the reference key frame
+  int reference_min_matches = 15;   // descriptor matches with the reference key frame
+  double reference_ratio = 0.7;     // best against second-best descriptor distance there
 
   double window(Sensor sensor) const { return sensor == Sensor::stereo ? motion_window_stereo : motion_window; }
 };
 
-// The search of the local map, and when its pose is accepted.
+// The search of the local map, and the acceptance of its pose.
 struct LocalMapOptions {
   int local_key_frames = 80;          // key frames whose points make the local map, at most
-  double local_window = 4;            // pixels x scale: search around a projected map point …
-  double local_window_frontal = 2.5;  // … seen nearly as before (cosine above 0.998)
-  double local_window_rgbd = 3;       // factor on both for RGB-D
+  double local_window = 4;            // pixels x scale: search around a projected map point
+  double local_window_frontal = 2.5;  // the same for a point seen nearly as before (cosine above 0.998)
+  double local_window_rgbd = 3;       // factor on both windows for RGB-D
   double local_ratio = 0.8;           // best against second-best distance when both are of one level
   int min_inliers = 30;               // matched map points to accept a pose
   int weak_inliers = 80;  // with fewer inliers the next frames get twice the features, until 2.5 times as many
@@ -34,20 +34,20 @@ struct LocalMapOptions {
   double window_factor(Sensor sensor) const { return sensor == Sensor::rgbd ? local_window_rgbd : 1.0; }
 };
 
-// Relocalisation, and what a place has to show before it is believed.
+// Relocalisation, and the evidence that a place has to show.
 struct RecoveryOptions {
   int min_inliers_recovered = 40;     // matched map points to accept a pose within one second of a recovery
-  double min_recovered_share = 0.05;  // of the map points in view that must be matched to accept a recovered pose
-  // And of those seen from about there before, as a share of as many as are expected to match: where there are several
-  // things alike, one of them matches, but not what stands around it.
+  double min_recovered_share = 0.05;  // share of the map points in view to be matched to accept a recovered pose
+  // The same of the points seen from about there before, as a share of those expected to match: where there are several
+  // things alike, one of them matches, but its surroundings do not.
   double min_expected_match_ratio = 0.6;
 };
 
-// When a key frame is made, and of which points.
+// The criteria of a key frame, and the points it makes.
 struct KeyFrameOptions {
   double close_depth_baselines = 40;  // depth in baselines up to which a point is close
-  int min_close_points = 100;         // close points a frame makes at least (also farther ones), and the need-more bound
-  int new_close_points = 70;          // untracked close points that make a key frame worth it
+  int min_close_points = 100;  // close points a frame makes at least (also farther ones), and the need-more bound
+  int new_close_points = 70;   // untracked close points that make a key frame worth it
   // Tracked share of the reference key frame's points below which a key frame is due (stereo, RGB-D).
   double key_frame_ratio = 0.75;
   double key_frame_ratio_mono = 0.8;      // the same, monocular (published: 0.9; docs/notes/008-mapping-figures.md)
@@ -55,15 +55,15 @@ struct KeyFrameOptions {
   // Turn away from the reference key frame's view beyond which one is due, share of the wider angle of view (stereo,
   // RGB-D).
   double key_frame_turn = 0.2;
-  int key_frame_min_inliers = 15;   // with fewer no key frame is made
+  int key_frame_min_inliers = 15;   // map points; with fewer no key frame is made
   double key_frame_interval = 1.0;  // seconds after which one may be made though mapping is busy
 };
 
-// How a submap begins.
+// The beginning of a submap.
 struct StartOptions {
   int init_features = 500;         // features of a first frame (stereo, RGB-D)
   int init_min_matches = 100;      // monocular: matches of the two first views
-  double init_window = 100;        // pixels, monocular: how far a keypoint may move between them
+  double init_window = 100;        // pixels, monocular: greatest move of a keypoint between them
   int init_levels = 3;             // greatest pyramid level of the keypoints matched there
   double init_min_parallax = 1.0;  // degrees
   int init_min_points = 50;        // triangulated points of an initial map before adjustment
