@@ -14,7 +14,7 @@
 #include "covis/io/trajectory.h"
 #include "covis/storage/compatibility.h"
 #include "places.h"
-#include "system_input.h"
+#include "apps/run/system_input.h"
 
 namespace covis::app {
 namespace {

@@ -39,7 +39,7 @@ TEST(RunJson, SummaryHasTheKeysThatScriptsRead) {
   EXPECT_EQ(s["loops"], json::array());
   EXPECT_EQ(s["ate_alignment"], "se3");
   EXPECT_TRUE(s.contains("ate_sim3_m"));
-  EXPECT_FALSE(to_json(summarise(made_record(), results, nullptr, 0)).contains("ate_m"));
+  EXPECT_FALSE(to_json(summarise(made_record(), snapshot, nullptr, 0)).contains("ate_m"));
 }
 
 TEST(RunJson, EveryFrameHasALine) {
@@ -48,7 +48,7 @@ TEST(RunJson, EveryFrameHasALine) {
   run.mapping[0].frame = 2;
   run.mapping[1].frame = 8;
   run.mapping[1].counts.points_created = 17;
-  const auto lines = lines_of(stats_text(run, made_snapshot().poses));
+  const auto lines = lines_of(stats_text(run, made_snapshot()));
   ASSERT_EQ(lines.size(), 10u);
   for (size_t k = 0; k < lines.size(); ++k) {
     EXPECT_EQ(lines[k]["frame"], k);

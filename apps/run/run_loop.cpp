@@ -7,7 +7,7 @@
 #include "apps/run/pace.h"
 #include "apps/run/progress.h"
 #include "apps/run/resources.h"
-#include "apps/system_input.h"
+#include "apps/run/system_input.h"
 #include "covis/core/log.h"
 
 namespace covis::app {

@@ -86,7 +86,7 @@ TEST(RunSummary, AccuracyIsWhereThereIsTruth) {
   EXPECT_FALSE(made_summary().accuracy);
   const Trajectory elsewhere(5);
   EXPECT_FALSE(made_summary(&elsewhere).accuracy) << "too few poses with truth";
-  Trajectory truth = made_snapshot().trajectory;
+  Trajectory truth = main_submap(made_snapshot()).trajectory;
   for (StampedPose& pose : truth) pose.T_wc = SE3(pose.T_wc.R(), 2 * pose.T_wc.t());
   const auto accuracy = made_summary(&truth).accuracy;
   ASSERT_TRUE(accuracy);

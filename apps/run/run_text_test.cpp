@@ -11,7 +11,7 @@ namespace {
 TEST(RunText, SaysTheMainFigures) {
   Snapshot snapshot = made_snapshot();
   const Trajectory truth = main_submap(snapshot).trajectory;
-  EXPECT_EQ(summary_text(summarise(made_record(), results, nullptr, 123), "out"),
+  EXPECT_EQ(summary_text(summarise(made_record(), snapshot, nullptr, 123), "out"),
             "6 of 10 frames tracked, 3 key frames, 42 points\n"
             "2 maps that could not be joined; trajectory.txt has the 4 frames of the first\n"
             "tracking 38.00 ms a frame (median), 88.00 ms (95 %); 2.0 frames/s in all; peak memory 123 MB\n"
@@ -25,7 +25,7 @@ TEST(RunText, SaysTheMainFigures) {
 TEST(RunText, RowsOfTheReport) {
   const Snapshot snapshot = made_snapshot();
   const Trajectory truth = main_submap(snapshot).trajectory;
-  EXPECT_EQ(summary_rows(summarise(made_record(), results, nullptr, 0)).size(), 8u);
+  EXPECT_EQ(summary_rows(summarise(made_record(), snapshot, nullptr, 0)).size(), 8u);
   const auto rows = summary_rows(summarise(made_record(), snapshot, &truth, 0));
   ASSERT_EQ(rows.size(), 11u);
   EXPECT_EQ(rows[1], std::pair(std::string("frames tracked"), std::string("6 of 10")));

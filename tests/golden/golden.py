@@ -95,7 +95,7 @@ def cut(source, target, pieces):
               for i in range(first, end, 1 if first < end else -1)]
     lines = {}
     for folder in folders:
-        files = sorted(folder.iterdir())
+        files = sorted(folder.iterdir(), key=lambda file: float(file.stem))
         for step, i in enumerate(wanted):
             name = f'{folder.name}/{step / 8:.6f}{files[i].suffix}'
             (target / name).symlink_to(files[i].resolve())

@@ -17,7 +17,7 @@ struct InitialMap {
   int points = 0;
 };
 
-// Adjusts both views and their points, scales them to a median depth of 1 and makes them a submap of the map. Nothing,
+// Adjusts both views and their points, scales them to a median depth of 1 and makes them a submap. Nothing,
 // and the map is left alone, when too few points survive the adjustment or they lie behind the first camera.
 std::optional<InitialMap> make_initial_map(SharedMap& map, const InitialMapRequest& request, BundleAdjuster& adjuster,
                                            RecentPoints& recent);

@@ -45,7 +45,7 @@ class TrajectoryLog {
   void anchor(int64_t frame, const RelativePose& pose, const std::optional<SubmapPose>& online = {});
   // Takes back the poses of this frame and all later ones: the place proved wrong.
   void retract(int64_t from);
-  // Takes back the poses of all frames that are in this submap of the map. Call before the submap is erased.
+  // Takes back the poses of all frames that are in this submap. Call before the submap is erased.
   void forget(const Map& map, uint32_t submap);
 
   std::optional<FrameRecord> last() const;
