@@ -88,7 +88,8 @@ bool Map::erase_key_frame(KeyFrameId id) {
   for (const KeyFrameId& other : key_frame->loop_edges) erase_sorted(key_frames_.at(other).loop_edges, id);
   if (key_frame->words) database_.erase(id, *key_frame->words);
   --submap_at(key_frame->submap).key_frames;
-  erased_frames_[id] = {parent, key_frame->T_cw * at(parent).T_cw.inverse(), key_frame->scale, at(parent).scale};
+  erased_frames_[id] = {parent, key_frame->T_cw * at(parent).T_cw.inverse(), key_frame->scale, at(parent).scale,
+                        ++erasures_};
   return key_frames_.erase(id);
 }
 
@@ -189,6 +190,12 @@ std::optional<Map::Resolved> Map::resolve(KeyFrameId id) const {
     scale *= growth;
   }
   return Resolved{id, T_ar, first ? at(id).scale : scale};
+}
+
+// The parent of an erased key frame lives then, so that chains lead to later erasures: without its head the rest of one
+// is whole.
+void Map::forget_erased(uint64_t count) {
+  std::erase_if(erased_frames_, [&](const auto& entry) { return entry.second.erasure <= count; });
 }
 
 void Map::clear() {

@@ -131,6 +131,11 @@ class Map {
     }
   };
   std::optional<Resolved> resolve(KeyFrameId id) const;
+  // Key frames erased so far. The first `count` of them are forgotten by forget_erased(): resolve() finds nothing for
+  // them from then on. For handles that nobody holds any more; TrajectoryLog::reanchor() says when.
+  uint64_t erasures() const { return erasures_; }
+  void forget_erased(uint64_t count);
+  size_t erased_count() const { return erased_frames_.size(); }  // erased key frames that resolve() knows
 
   uint64_t moves() const { return moves_; }
   // All of it was adjusted: counted by moves().
@@ -183,8 +188,7 @@ class Map {
   // The live handle that `id` has become through replacements; invalid when it was erased.
   MapPointId forwarded(MapPointId id) const;
   // Replacements made before the key frame of this serial are forgotten: the handles they forwarded lead nowhere from now
-  // on. For handles that nobody holds any more. (Erased key frames are never forgotten: every frame of a recording may be
-  // given relative to one.)
+  // on. For handles that nobody holds any more.
   void forget_forwarding(uint32_t before_serial);
   size_t forwarding_count() const { return replaced_by_.size(); }
   const MapPoint* find(MapPointId id) const { return points_.find(id); }
@@ -229,6 +233,7 @@ class Map {
     KeyFrameId parent;
     SE3 T_cp;                            // pose relative to the parent at erasure
     double scale = 1, parent_scale = 1;  // scales of both at erasure
+    uint64_t erasure = 0;                // counts erasures, from 1
   };
 
   struct Replacement {
@@ -239,13 +244,13 @@ class Map {
   SlotStore<KeyFrameId, KeyFrame> key_frames_;
   SlotStore<MapPointId, MapPoint> points_;
   std::unordered_map<MapPointId, Replacement> replaced_by_;  // iterated for forgetting alone, where order is nothing
-  std::unordered_map<KeyFrameId, Ancestor> erased_frames_;   // looked up, never iterated
+  std::unordered_map<KeyFrameId, Ancestor> erased_frames_;   // likewise
   KeyFrameDatabase database_;
   Pinhole camera_;
   std::vector<Submap> submaps_;  // by rising id; each has a key frame
   uint32_t next_submap_ = 0;
   uint32_t next_serial_ = 0;
-  uint64_t refused_non_finite_ = 0, moves_ = 0;
+  uint64_t refused_non_finite_ = 0, moves_ = 0, erasures_ = 0;
 
   Submap& submap_at(uint32_t id);
   KeyFrameId insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features, uint32_t submap);

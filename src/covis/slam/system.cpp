@@ -160,12 +160,21 @@ void System::apply(MappingReport made, FrameReport& report) {
 }
 
 void System::anchor(const KeyFrameMade& made) {
-  const auto map = map_.read();
-  if (const KeyFrame* key_frame = map->find(made.key_frame)) {
-    log_.anchor(key_frame->frame, RelativePose::at(*map, made.key_frame),
+  std::optional<uint64_t> forgettable;
+  {
+    const auto map = map_.read();
+    anchor_in(*map, made);
+    forgettable = log_.reanchor(*map);
+  }
+  if (forgettable) map_.write()->forget_erased(*forgettable);
+}
+
+void System::anchor_in(const Map& map, const KeyFrameMade& made) {
+  if (const KeyFrame* key_frame = map.find(made.key_frame)) {
+    log_.anchor(key_frame->frame, RelativePose::at(map, made.key_frame),
                 SubmapPose{key_frame->T_cw.inverse(), key_frame->submap});
   }
-  if (const KeyFrame* first = map->find(made.first)) log_.anchor(first->frame, RelativePose::at(*map, made.first));
+  if (const KeyFrame* first = map.find(made.first)) log_.anchor(first->frame, RelativePose::at(map, made.first));
 }
 
 MappingStatus System::mapping_status() const {

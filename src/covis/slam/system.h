@@ -96,6 +96,7 @@ class System {
   void apply_finished_mapping(FrameReport& report);
   void apply(MappingReport made, FrameReport& report);
   void anchor(const KeyFrameMade& made);
+  void anchor_in(const Map& map, const KeyFrameMade& made);
   void record(const Input& input, const Tracker::Outcome& outcome);
   void discard(uint32_t submap);
   void report_begun_map(FrameReport& report) const;

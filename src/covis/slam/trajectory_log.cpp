@@ -2,6 +2,7 @@
 #include "covis/slam/trajectory_log.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace covis {
 namespace {
@@ -53,6 +54,17 @@ void TrajectoryLog::forget(const Map& map, uint32_t submap) {
     const auto resolved = record.pose->resolved(map);
     if (resolved && map.at(resolved->key_frame).submap == submap) take_back(record);
   }
+}
+
+std::optional<uint64_t> TrajectoryLog::reanchor(const Map& map) {
+  constexpr uint64_t kEvery = 1024;  // erased key frames: some 200 kB of them
+  const std::lock_guard lock(mutex_);
+  if (map.erasures() < reanchored_at_ + kEvery) return std::nullopt;
+  for (FrameRecord& record : records_) {
+    if (!record.pose || map.find(record.pose->key_frame)) continue;
+    if (const auto resolved = record.pose->resolved(map)) record.pose = resolved;
+  }
+  return std::exchange(reanchored_at_, map.erasures());
 }
 
 std::optional<FrameRecord> TrajectoryLog::last() const {

@@ -48,6 +48,11 @@ class TrajectoryLog {
   // Takes back the poses of all frames that are in this submap. Call before the submap is erased.
   void forget(const Map& map, uint32_t submap);
 
+  // Every so many erased key frames, gives each pose relative to a key frame that lives, and returns how many erasures
+  // the map may forget (Map::forget_erased()): those before the last time, to which no request or frame on its way refers
+  // any more.
+  std::optional<uint64_t> reanchor(const Map& map);
+
   std::optional<FrameRecord> last() const;
   std::vector<FrameRecord> records() const;
   // Rises with every change.
@@ -57,6 +62,7 @@ class TrajectoryLog {
   mutable std::mutex mutex_;  // guards what follows
   std::vector<FrameRecord> records_;
   uint64_t revision_ = 0;
+  uint64_t reanchored_at_ = 0;  // Map::erasures() of the last reanchor()
 };
 
 }  // namespace covis

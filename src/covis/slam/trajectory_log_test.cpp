@@ -100,6 +100,29 @@ TEST_F(TrajectoryLogTest, ForgetsTheFramesOfASubmap) {
   EXPECT_TRUE(record(3).pose);
 }
 
+// A camera that goes to and fro for hours: key frames are made and erased all the time.
+TEST_F(TrajectoryLogTest, ErasedKeyFramesAreForgottenWhenNoFrameRefersToThem) {
+  uint64_t forgotten = 0;
+  size_t most = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const KeyFrameId passing = frame(2);
+    map.attach_to_tree(passing);
+    append_tracked(i, passing);
+    ASSERT_TRUE(map.erase_key_frame(passing));
+    if (const auto forgettable = log.reanchor(map)) {
+      forgotten = *forgettable;
+      map.forget_erased(forgotten);
+    }
+    most = std::max(most, map.erased_count());
+  }
+  EXPECT_GT(forgotten, 2000u);
+  EXPECT_LT(most, 2100u) << "two rounds of them are kept";
+  for (const size_t k : {size_t{0}, size_t{2500}, size_t{4999}}) EXPECT_NEAR(x_of(record(k)), 2.5, 1e-9) << k;
+  map.set_pose(b, pose_at(4));
+  map.set_pose(a, pose_at(3));
+  EXPECT_GT(std::abs(x_of(record(0)) - 2.5), 1) << "they go on to follow what they are relative to";
+}
+
 TEST_F(TrajectoryLogTest, TheRevisionRisesWithEveryChange) {
   uint64_t last = log.revision();
   const auto expect_risen = [&] {
