@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The back end: conducts mapping, loop closing and the adjustments in the background for each key frame. Synchronous, and
-// the map's only writer; its thread is in mapping_actor.h.
+// The back end: conducts mapping, loop closing and the adjustments in the background for each key frame. Synchronous,
+// and the map's only writer; its thread is in mapping_actor.h.
 #pragma once
 
 #include <atomic>
 #include <memory>
 
+#include "covis/core/schedule.h"
 #include "covis/loops/background_adjustment.h"
 #include "covis/loops/focal_refinement.h"
 #include "covis/loops/loop_closer.h"
@@ -14,7 +15,6 @@
 #include "covis/mapping/mapper.h"
 #include "covis/slam/messages.h"
 #include "covis/slam/options.h"
-#include "covis/core/schedule.h"
 
 namespace covis {
 

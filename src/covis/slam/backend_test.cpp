@@ -68,8 +68,8 @@ TEST_F(BackendTest, OnlyTheSubmapThatIsDiscardedGoes) {
   EXPECT_FALSE(process(late).key_frame.valid()) << "asked for beside a key frame that is gone";
 }
 
-// A camera that drives forward and turns, and has another focal length than the map is reported. The map is asked for it at its
-// twentieth key frame, and the answer is applied a fixed number of key frames later.
+// A camera that drives forward and turns, and has another focal length than the map is reported. The map is asked for
+// it at its twentieth key frame, and the answer is applied a fixed number of key frames later.
 TEST_F(BackendTest, TheFocalLengthIsAppliedSoManyKeyFramesAfterItWasAskedFor) {
   PointScene drive;
   drive.noise = 0.3;

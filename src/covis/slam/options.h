@@ -3,11 +3,11 @@
 #pragma once
 
 #include "covis/core/fields.h"
+#include "covis/core/schedule.h"
 #include "covis/core/sensor.h"
 #include "covis/features/frontend.h"
 #include "covis/loops/loop_options.h"
 #include "covis/mapping/mapper_options.h"
-#include "covis/core/schedule.h"
 #include "covis/tracking/tracking_options.h"
 
 namespace covis {

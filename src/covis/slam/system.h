@@ -22,8 +22,8 @@
 #include "covis/slam/mapping_actor.h"
 #include "covis/slam/options.h"
 #include "covis/slam/snapshot.h"
-#include "covis/tracking/tracker.h"
 #include "covis/slam/trajectory_log.h"
+#include "covis/tracking/tracker.h"
 
 namespace covis {
 

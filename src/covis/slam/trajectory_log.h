@@ -49,8 +49,8 @@ class TrajectoryLog {
   void forget(const Map& map, uint32_t submap);
 
   // Every so many erased key frames, gives each pose relative to a key frame that lives, and returns how many erasures
-  // the map may forget (Map::forget_erased()): those before the last time, to which no request or frame on its way refers
-  // any more.
+  // the map may forget (Map::forget_erased()): those before the last time, to which no request or frame on its way
+  // refers any more.
   std::optional<uint64_t> reanchor(const Map& map);
 
   std::optional<FrameRecord> last() const;
