@@ -27,6 +27,7 @@ inline int hamming(const Descriptor& a, const Descriptor& b) {
          __builtin_popcountll(a.bits[2] ^ b.bits[2]) + __builtin_popcountll(a.bits[3] ^ b.bits[3]);
 }
 
+inline constexpr int kHammingBeyond = 257;  // greater than any distance: no match yet
 inline constexpr int kHammingHigh = 100;  // greatest distance of a plausible match
 inline constexpr int kHammingLow = 50;    // greatest distance of a safe match
 

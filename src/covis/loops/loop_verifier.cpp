@@ -36,7 +36,7 @@ double path_between(const Map& map, KeyFrameId a, KeyFrameId b) {
 std::vector<MapPointId> match_descriptors(const LoopCandidate& candidate) {
   const KeyFrameView& current = candidate.current;
   std::vector<MapPointId> matched(current.points.size());
-  std::vector<int> distance(current.points.size(), 257);
+  std::vector<int> distance(current.points.size(), kHammingBeyond);
   const std::vector<uint8_t> has_point = features_with_point(current.points);
   for (const KeyFrameView& member : candidate.members) {
     for (const FeatureMatch& m :

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Map points: observations, replacement, and what is derived from the observers.
 #include <algorithm>
-#include <cassert>
 
 #include "covis/core/log.h"
 #include "covis/core/reserve.h"
@@ -154,7 +153,7 @@ void Map::refresh_point(MapPointId id) {
     const Observation& o = point.observations[i];
     descriptors[i] = &at(o.key_frame).features->descriptor[o.feature];
   }
-  int best = 257;
+  int best = kHammingBeyond;
   std::vector<int> distances(n);
   for (size_t i = 0; i < n; ++i) {
     for (size_t j = 0; j < n; ++j) distances[j] = hamming(*descriptors[i], *descriptors[j]);

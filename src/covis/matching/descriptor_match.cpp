@@ -23,7 +23,7 @@ std::vector<FeatureMatch> match_descriptors(const Features& a, std::span<const u
     return near_index(column[static_cast<size_t>(m.b)]) != static_cast<uint32_t>(m.a);
   });
   for (FeatureMatch& m : candidates) m.b = to.feature(static_cast<size_t>(m.b));
-  if (options.check_rotation) keep_consistent_rotations(a, b, candidates);
+  keep_consistent_rotations(a, b, candidates);
   return candidates;
 }
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Matching without a prediction of where: every descriptor of one image against every descriptor of the other.
+// Source: the ratio test is Lowe's, "Distinctive Image Features from Scale-Invariant Keypoints", IJCV 2004, section 7.1;
+// the check of orientations is that of Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015.
 #pragma once
 
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "covis/features/features.h"
@@ -14,7 +15,6 @@ namespace covis {
 struct DescriptorMatchOptions {
   int max_distance = kHammingLow;  // greatest Hamming distance of a match
   float ratio = 0.7f;              // best < ratio x second best
-  bool check_rotation = true;      // drop matches whose change of orientation disagrees with the bulk
 };
 
 struct FeatureMatch {
@@ -22,7 +22,7 @@ struct FeatureMatch {
 };
 
 // Matches features of `a` (those with use_a[i] != 0; empty span: all) to features of `b` (likewise): nearest in both
-// directions, better than the ratio asks. Sorted by a.
+// directions, better than the ratio asks, and turned as the bulk is (keep_consistent_rotations()). Sorted by a.
 std::vector<FeatureMatch> match_descriptors(const Features& a, std::span<const uint8_t> use_a, const Features& b,
                                             std::span<const uint8_t> use_b, const DescriptorMatchOptions& options);
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/matching/epipolar_match.h"
 
-#include <cmath>
 #include <optional>
 
 #include "covis/matching/near_line.h"
@@ -44,7 +43,7 @@ std::vector<FeatureMatch> match_epipolar(const Pinhole& camera, const Features& 
 
   struct Owner {
     int32_t a = -1;
-    int distance = 257;
+    int distance = kHammingBeyond;
   };
   std::vector<Owner> owner(n);
   std::vector<uint32_t> on_line(points.padded() + LinePoints::kStep);
@@ -77,7 +76,7 @@ std::vector<FeatureMatch> match_epipolar(const Pinhole& camera, const Features& 
   for (int32_t i = 0; i < a.size(); ++i) {
     if (match_of[static_cast<size_t>(i)] >= 0) matches.push_back({i, match_of[static_cast<size_t>(i)]});
   }
-  if (options.check_rotation) keep_consistent_rotations(a, b, matches);
+  keep_consistent_rotations(a, b, matches);
   return matches;
 }
 

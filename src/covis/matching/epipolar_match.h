@@ -16,16 +16,15 @@
 namespace covis {
 
 struct EpipolarMatchOptions {
-  int max_distance = kHammingLow;
-  double max_chi2 = 3.84;  // squared distance to the line over sigma^2 (1 degree of freedom, 95 %)
-  double epipole_margin =
-      10.0;  // pixels x scale around the epipole where nothing is matched, unless one of both has depth
-  bool check_rotation = true;
+  int max_distance = kHammingLow;  // greatest Hamming distance of a match
+  double max_chi2 = 3.84;          // squared distance to the line over sigma^2 (1 degree of freedom, 95 %)
+  // Pixels x scale around the epipole within which nothing is matched, unless one of the two features has depth.
+  double epipole_margin = 10;
 };
 
 // Matches features of `a` (those with use_a[i] != 0) to features of `b` (likewise) that lie near their epipolar lines.
 // T_ba takes camera a to camera b, both of the same intrinsics. Each feature of b at most once (the most similar).
-// Sorted by a.
+// Matches that turned otherwise than the bulk are dropped. Sorted by a.
 std::vector<FeatureMatch> match_epipolar(const Pinhole& camera, const Features& a, std::span<const uint8_t> use_a,
                                          const Features& b, std::span<const uint8_t> use_b, const SE3& T_ba,
                                          const EpipolarMatchOptions& options);

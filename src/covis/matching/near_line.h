@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of many image points lie near a line.
+// Finds those of many image points that lie near a line, all in pixels.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ class LinePoints {
   size_t padded() const { return (size_ + kStep - 1) / kStep * kStep; }
   const float* x() const { return x_.data(); }
   const float* y() const { return y_.data(); }
-  const float* bound() const { return bound_.data(); }  // pixels^2; of what pads: negative
+  const float* bound() const { return bound_.data(); }  // pixels^2; negative in the padding
 
  private:
   size_t size_;

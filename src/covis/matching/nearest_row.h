@@ -15,7 +15,7 @@ namespace covis {
 // A distance and whose it is in one number, so that the least of two is the nearer one, on a tie the one of lower
 // index.
 inline constexpr int kNearIndexBits = 32;
-inline constexpr uint64_t kFarthest = uint64_t{257} << kNearIndexBits;
+inline constexpr uint64_t kFarthest = uint64_t{kHammingBeyond} << kNearIndexBits;
 inline uint64_t near_key(int distance, uint32_t index) { return uint64_t(distance) << kNearIndexBits | index; }
 inline int near_distance(uint64_t key) { return static_cast<int>(key >> kNearIndexBits); }
 inline uint32_t near_index(uint64_t key) { return static_cast<uint32_t>(key); }

@@ -29,7 +29,7 @@ std::optional<PredictedView> predict_view(const PointSet& points, size_t k, cons
   return view;
 }
 
-// Room in advance, memory for which is used only when points come.
+// Reserves room in advance; its memory is used only when points come.
 ProjectionMatcher::ProjectionMatcher() {
   constexpr size_t kPoints = 1 << 14, kFeatures = 1 << 12;
   queries_.reserve(kPoints);

@@ -13,11 +13,9 @@ namespace {
 
 // The best and second-best candidate inside one query's window.
 struct BestTwo {
-  int best = kNone, second = kNone;  // Hamming distances
+  int best = kHammingBeyond, second = kHammingBeyond;  // Hamming distances
   int best_level = -1, second_level = -1;
   int index = -1;
-
-  static constexpr int kNone = 257;
 
   void add(int distance, int level, int i) {
     if (distance < best || (distance == best && i < index)) {

@@ -4,7 +4,6 @@
 // sections V-B and V-D; Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, III-C.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "covis/map/key_frame_view.h"

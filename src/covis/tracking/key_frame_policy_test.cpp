@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 
-#include <algorithm>
 
 #include "covis/tracking/test_frame.h"
 

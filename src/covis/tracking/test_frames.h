@@ -2,9 +2,7 @@
 // For tests: frames of a rendered desk with their exact poses.
 #pragma once
 
-#include <cmath>
 #include <map>
-#include <optional>
 #include <utility>
 #include <vector>
 
