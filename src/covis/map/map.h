@@ -217,6 +217,9 @@ class Map {
 
   void clear();
   uint32_t next_serial() const { return next_serial_; }
+  uint32_t next_submap() const {
+    return next_submap_;
+  }  // id that the next submap gets: those there are have lower ones
   uint64_t refused_non_finite() const { return refused_non_finite_; }  // commits refused for a non-finite pose or point
 
   // The first broken invariant found, described; empty when all hold: observations mutual, weights exact and mutual,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Matching without a prediction of where: every descriptor of one image against every descriptor of the other.
-// Source: the ratio test is Lowe's, "Distinctive Image Features from Scale-Invariant Keypoints", IJCV 2004, section 7.1;
-// the check of orientations is that of Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015.
+// Source: the ratio test is Lowe's, "Distinctive Image Features from Scale-Invariant Keypoints", IJCV 2004,
+// section 7.1; the check of orientations is that of Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section III-E.
 #pragma once
 
 #include <cstdint>

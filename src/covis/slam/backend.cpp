@@ -61,16 +61,17 @@ void Backend::close_loop(MappingReport& report) {
   if (!report.loop.changed_map()) return;
   background_.abandon();
   if (options_.loop.ba_iterations == 0) return;
-  background_.start(FullAdjustment::of(*map_.read(), report.key_frame, options_.loop.ba_iterations),
-                    options_.loop.ba_key_frames);
+  auto job = FullAdjustment::of(*map_.read(), report.key_frame, options_.loop.ba_iterations);
+  background_.start(std::move(job), options_.loop.ba_key_frames);
 }
 
 void Backend::refine_focal(KeyFrameId current) {
   // Stereo's baseline times focal length would have to follow.
   if (options_.sensor == Sensor::stereo || !options_.mapper.refine_focal || background_.running()) return;
-  const auto map = map_.read();
-  if (const std::optional<int> key_frames = focal_.ask(*map))
-    background_.start(FocalRefinement::of(*map, current, given_fx_), *key_frames);
+  const std::optional<int> key_frames = focal_.ask(*map_.read());
+  if (!key_frames) return;
+  auto job = FocalRefinement::of(*map_.read(), current, given_fx_);
+  background_.start(std::move(job), *key_frames);
 }
 
 // Handles are held by the tracker (points of the last frame and counts, reported with the next key frame), by requests

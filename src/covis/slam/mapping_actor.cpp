@@ -69,7 +69,9 @@ std::optional<MappingReport> MappingActor::work_on(const BackendRequest& request
 void MappingActor::run() {
   lower_thread_priority();
   while (std::optional<BackendRequest> request = inbox_.pop()) {
-    interrupt_ = interruptible_ && waiting_ > 1;
+    // Cleared before it looks: a request pushed meanwhile sets it again.
+    interrupt_ = false;
+    if (interruptible_ && waiting_ > 1) interrupt_ = true;
     std::optional<MappingReport> report = work_on(*request);
     request.reset();
     --waiting_;

@@ -49,7 +49,7 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
     for (const KeyFrameId& id : map.key_frames())
       map.set_words(id, std::make_shared<const Words>(vocabulary_->transform(map.at(id).features->descriptor)));
   }
-  snapshots_.map_loaded(map.submaps().empty() ? 0 : map.submaps().back().id + 1, own_camera_);
+  snapshots_.map_loaded(map.next_submap(), own_camera_);
   *map_.write() = std::move(map);
   tracker_.start_lost();
   return {};

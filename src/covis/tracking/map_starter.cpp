@@ -49,7 +49,7 @@ void MapStarter::begun() {
   lost_frames_ = 0;
 }
 
-void MapStarter::find(Place place) {
+void MapStarter::accept(Place place) {
   lost_frames_ = 0;
   beginning_ = false;
   if (place == Place::settled) lost_since_.reset();
@@ -60,11 +60,16 @@ MapStarter::Loss MapStarter::lose(Timestamp stamp, KeyFrameId reference, const S
   ++lost_frames_;
   if (!lost_since_) lost_since_ = stamp;
   if (!live) return {};
-  const auto map = live->read();
-  const std::optional<uint32_t> young = young_submap(*map, reference);
+  std::optional<uint32_t> young;
+  bool has_others = false;
+  {
+    const auto map = live->read();
+    young = young_submap(*map, reference);
+    has_others = map->submaps().size() > 1;
+  }
   if (young && lost_frames_ > kYoungPatience) {
     log(LogLevel::warning, "the initial map was lost at once and is given up; initialising again");
-    beginning_ = map->submaps().size() > 1;
+    beginning_ = has_others;
     initializer_.reset();
     lost_frames_ = 0;
     return {Step::give_up_submap, *young};
@@ -79,9 +84,7 @@ MapStarter::Loss MapStarter::lose(Timestamp stamp, KeyFrameId reference, const S
   return {Step::begin_submap};
 }
 
-void MapStarter::keep_submaps(const Map& map) {
-  kept_submaps_ = map.submaps().empty() ? 0 : map.submaps().back().id + 1;
-}
+void MapStarter::keep_submaps(const Map& map) { kept_submaps_ = map.next_submap(); }
 
 // The submap of the reference key frame when, monocular and in its first moments, it is not worth keeping.
 std::optional<uint32_t> MapStarter::young_submap(const Map& map, KeyFrameId reference) const {

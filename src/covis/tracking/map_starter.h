@@ -49,15 +49,14 @@ class MapStarter {
   };
   // `reference`: the last key frame the camera was at; `live`: null while the map may not be read.
   Loss lose(Timestamp stamp, KeyFrameId reference, const SharedMap* live);
-  // A frame has its pose; `settled`: its place is not tentative.
+  // A frame has its pose. Settled: its place is not tentative.
   enum class Place { settled, tentative };
-  void find(Place place);
+  void accept(Place place);
   // A map was put in place: its submaps are never given up.
   void keep_submaps(const Map& map);
 
   // True when the camera was lost for long, so that a submap is to be begun beside the others.
   bool is_beginning() const { return beginning_; }
-  uint32_t kept_submaps() const { return kept_submaps_; }  // submaps with lower ids were put in place
 
  private:
   Offer offer_with_depth(const TrackedFrame& frame) const;
@@ -70,7 +69,7 @@ class MapStarter {
   bool beginning_ = false;
   int lost_frames_ = 0;
   std::optional<Timestamp> lost_since_;
-  uint32_t kept_submaps_ = 0;
+  uint32_t kept_submaps_ = 0;  // submaps with lower ids were put in place
 };
 
 }  // namespace covis

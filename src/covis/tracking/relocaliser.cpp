@@ -34,7 +34,9 @@ bool Relocaliser::find(TrackedFrame& frame, PoseSearch& search, const SharedMap*
                        TrackFigures& figures) {
   LocalMap& local_map = search.local_map;
   if (!live) return local_map.reference.features && find_at(local_map.reference, frame, search, live, figures);
-  const std::vector<KeyFrameId> places = candidates(*live->read(), *frame.features, near);
+  std::optional<Words> words;  // before the guard: it takes long
+  if (vocabulary_) words = vocabulary_->transform(frame.features->descriptor);
+  const std::vector<KeyFrameId> places = candidates(*live->read(), words ? &*words : nullptr, near);
   KeyFrameView view;
   for (const KeyFrameId& place : places) {
     {
@@ -49,7 +51,7 @@ bool Relocaliser::find(TrackedFrame& frame, PoseSearch& search, const SharedMap*
   return false;
 }
 
-std::vector<KeyFrameId> Relocaliser::candidates(const Map& map, const Features& features, KeyFrameId near) {
+std::vector<KeyFrameId> Relocaliser::candidates(const Map& map, const Words* words, KeyFrameId near) {
   constexpr size_t kAlike = 8;                         // most key frames found by words
   constexpr int kNeighbours = 3;                       // neighbours of the last reference
   constexpr int kInTurn = 2, kInTurnWithoutWords = 5;  // key frames tried in turn
@@ -57,9 +59,8 @@ std::vector<KeyFrameId> Relocaliser::candidates(const Map& map, const Features& 
   const auto add = [&](KeyFrameId id) {
     if (std::find(places.begin(), places.end(), id) == places.end()) places.push_back(id);
   };
-  if (vocabulary_) {
-    const Words words = vocabulary_->transform(features.descriptor);
-    for (const auto& candidate : map.database().query(map, words, {}, 0)) {
+  if (words) {
+    for (const auto& candidate : map.database().query(map, *words, {}, 0)) {
       if (places.size() < kAlike) add(candidate.key_frame);
     }
   }
@@ -68,7 +69,7 @@ std::vector<KeyFrameId> Relocaliser::candidates(const Map& map, const Features& 
     for (const Neighbour& n : map.best_neighbours(resolved->key_frame, kNeighbours)) add(n.key_frame);
   }
   const std::vector<KeyFrameId> all = map.key_frames();
-  const int in_turn = vocabulary_ ? kInTurn : kInTurnWithoutWords;
+  const int in_turn = words ? kInTurn : kInTurnWithoutWords;
   for (int k = 0; k < in_turn && !all.empty(); ++k) add(all[turn_++ % all.size()]);
   return places;
 }
@@ -91,7 +92,7 @@ bool Relocaliser::find_first_pose(const KeyFrameView& view, TrackedFrame& frame,
   if (!pose) return false;
   frame.T_cw = pose->T_cw;
   for (size_t k = 0; k < feature.size(); ++k) {
-    if (!pose->inlier[k]) frame.set_match(feature[k], {}, Eigen::Vector3d::Zero(), PointSource::none);
+    if (!pose->inlier[k]) frame.drop_match(feature[k]);
   }
   return search.matcher.fit_pose(frame, search.camera).on_map >= kMinInliers;
 }

@@ -35,7 +35,8 @@ class Relocaliser {
   std::optional<Located> locate(FeaturesPtr features, int64_t frame, const std::optional<Pinhole>& own_camera);
 
  private:
-  std::vector<KeyFrameId> candidates(const Map& map, const Features& features, KeyFrameId near);
+  // `words`: those of the image; null without a vocabulary.
+  std::vector<KeyFrameId> candidates(const Map& map, const Words* words, KeyFrameId near);
   bool find_at(const KeyFrameView& view, TrackedFrame& frame, PoseSearch& search, const SharedMap* live,
                TrackFigures& figures) const;
   bool find_first_pose(const KeyFrameView& view, TrackedFrame& frame, PoseSearch& search) const;

@@ -198,7 +198,7 @@ void Tracker::accept(TrackResult& result) {
   state_ = TrackState::tracking;
   search_.place.accept(current_, reference.submap);
   const bool tentative = search_.place.tentative();
-  starter_.find(tentative ? MapStarter::Place::tentative : MapStarter::Place::settled);
+  starter_.accept(tentative ? MapStarter::Place::tentative : MapStarter::Place::settled);
   if (result.method != TrackMethod::dead_reckoned) health_.dead_reckoned_frames = 0;
   // Twice the features give more inliers by themselves; leaving the weak state asks for more than that.
   const int weak = settings_.options.local_map.weak_inliers;

@@ -52,7 +52,7 @@ struct MappingStatus {
 
 class Tracker {
  public:
-  // Without a vocabulary (null) a lost camera is looked for at the nearest key frames only.
+  // Without a vocabulary (null) a lost camera is looked for at the nearest key frames, and at few others in turn.
   Tracker(const SharedMap& map, const TrackingSettings& settings,
           std::shared_ptr<const Vocabulary> vocabulary = nullptr);
 
@@ -80,8 +80,6 @@ class Tracker {
   // True when the last frame had so few points that the next should have all that mapping can give.
   bool near_loss() const { return health_.near_loss; }
   TrackState state() const { return state_; }
-  // Submaps below this id were put in place: they are never given up.
-  uint32_t kept_submaps() const { return starter_.kept_submaps(); }
 
  private:
   bool find_pose(TrackResult& result, const SharedMap* live);
