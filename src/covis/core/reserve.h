@@ -25,4 +25,12 @@ void reserve_one_more(Vector& vector) {
   vector.reserve(((bytes + 7) / 16 * 16 + 8) / kItem);
 }
 
+// For vectors with an element for each slot of a store. Returns that of `slot`; makes room for it, and for half as many
+// slots again, when it is beyond the end.
+template <class Vector>
+auto& at_slot(Vector& vector, size_t slot) {
+  if (slot >= vector.size()) vector.resize(slot + slot / 2 + 256);
+  return vector[slot];
+}
+
 }  // namespace covis

@@ -24,5 +24,16 @@ TEST(ReserveOneMore, LeavesLittleUnusedAndMovesSeldom) {
   EXPECT_EQ(list[777], 777u);
 }
 
+TEST(AtSlot, MakesRoomForASlotBeyondTheEnd) {
+  std::vector<int> marks;
+  at_slot(marks, 1000) = 7;
+  EXPECT_GT(marks.size(), 1000u);
+  EXPECT_EQ(at_slot(marks, 1000), 7);
+  EXPECT_EQ(at_slot(marks, 1001), 0);
+  const size_t size = marks.size();
+  at_slot(marks, size - 1) = 1;
+  EXPECT_EQ(marks.size(), size);
+}
+
 }  // namespace
 }  // namespace covis

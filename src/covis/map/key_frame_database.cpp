@@ -46,8 +46,7 @@ std::vector<KeyFrameDatabase::Candidate> KeyFrameDatabase::query(const Map& map,
   std::vector<KeyFrameId> met;
   for (const WordWeight& w : words.words) {
     for (const uint32_t slot : holders(w.word)) {
-      if (slot >= shared.size()) shared.resize(slot + size_t{1} + slot / 2);
-      if (shared[slot]++ == 0) met.push_back(map.key_frame_in(slot));
+      if (at_slot(shared, slot)++ == 0) met.push_back(map.key_frame_in(slot));
     }
   }
   std::sort(met.begin(), met.end());

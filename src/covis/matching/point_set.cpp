@@ -4,6 +4,28 @@
 #include <algorithm>
 
 namespace covis {
+namespace {
+
+// Gives all arrays of map points this length.
+void resize(PointSet& points, size_t n) {
+  for (auto* array : {&points.px, &points.py, &points.pz}) array->resize(n);
+  for (auto* array : {&points.nx, &points.ny, &points.nz, &points.d_min, &points.d_max}) array->resize(n);
+  points.descriptor.resize(n);
+}
+
+void write(const MapPoint& point, PointSet& points, size_t k) {
+  points.px[k] = point.position_w.x();
+  points.py[k] = point.position_w.y();
+  points.pz[k] = point.position_w.z();
+  points.nx[k] = static_cast<float>(point.normal_w.x());
+  points.ny[k] = static_cast<float>(point.normal_w.y());
+  points.nz[k] = static_cast<float>(point.normal_w.z());
+  points.d_min[k] = point.d_min;
+  points.d_max[k] = point.d_max;
+  points.descriptor[k] = point.descriptor;
+}
+
+}  // namespace
 
 void PointSet::clear() {
   id.clear();
@@ -22,35 +44,14 @@ void PointSet::reserve(size_t n) {
 }
 
 void PointSet::copy(const Map& map) {
-  const size_t n = id.size();
-  for (auto* array : {&px, &py, &pz}) array->resize(n);
-  for (auto* array : {&nx, &ny, &nz, &d_min, &d_max}) array->resize(n);
-  descriptor.resize(n);
-  for (size_t k = 0; k < n; ++k) {
-    const MapPoint& point = map.at(id[k]);
-    px[k] = point.position_w.x();
-    py[k] = point.position_w.y();
-    pz[k] = point.position_w.z();
-    nx[k] = static_cast<float>(point.normal_w.x());
-    ny[k] = static_cast<float>(point.normal_w.y());
-    nz[k] = static_cast<float>(point.normal_w.z());
-    d_min[k] = point.d_min;
-    d_max[k] = point.d_max;
-    descriptor[k] = point.descriptor;
-  }
+  resize(*this, size());
+  for (size_t k = 0; k < size(); ++k) write(map.at(id[k]), *this, k);
 }
 
 void PointSet::add(MapPointId point, const MapPoint& source) {
   id.push_back(point);
-  px.push_back(source.position_w.x());
-  py.push_back(source.position_w.y());
-  pz.push_back(source.position_w.z());
-  nx.push_back(static_cast<float>(source.normal_w.x()));
-  ny.push_back(static_cast<float>(source.normal_w.y()));
-  nz.push_back(static_cast<float>(source.normal_w.z()));
-  d_min.push_back(source.d_min);
-  d_max.push_back(source.d_max);
-  descriptor.push_back(source.descriptor);
+  resize(*this, size());
+  write(source, *this, size() - 1);
 }
 
 void PointSet::add_seen(MapPointId point, const Eigen::Vector3d& position_w, const Descriptor& seen_as,

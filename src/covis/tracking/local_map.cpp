@@ -3,17 +3,12 @@
 
 #include <algorithm>
 
+#include "covis/core/reserve.h"
+
 namespace covis {
 namespace {
 
 constexpr int kBestNeighbours = 10;  // neighbours of each key frame of K1 that join K2
-
-// Returns marks[slot]; grows the marks when needed.
-template <class T>
-T& at_slot(std::vector<T>& marks, uint32_t slot) {
-  if (slot >= marks.size()) marks.resize(slot + slot / 2 + 64);
-  return marks[slot];
-}
 
 }  // namespace
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/tracking/point_counts.h"
 
+#include "covis/core/reserve.h"
+
 namespace covis {
 
 // Reserves room in advance; its memory is used only when points come.
@@ -11,8 +13,7 @@ PointCounts::PointCounts() {
 }
 
 PointCount& PointCounts::at(MapPointId id) {
-  if (id.slot >= counts_.size()) counts_.resize(id.slot + id.slot / 2 + 256);
-  PointCount& count = counts_[id.slot];
+  PointCount& count = at_slot(counts_, id.slot);
   if (count.point != id) {
     count = {id, 0, 0};
     counted_.push_back(id.slot);

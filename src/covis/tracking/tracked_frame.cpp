@@ -59,10 +59,7 @@ MatchedPoints::MatchedPoints() { mark_.reserve(1 << 17); }
 void MatchedPoints::mark(const TrackedFrame& frame) {
   ++epoch_;
   for (size_t i = 0; i < frame.source.size(); ++i) {
-    if (!frame.on_map(i)) continue;
-    const uint32_t slot = frame.points[i].slot;
-    if (slot >= mark_.size()) mark_.resize(slot + slot / 2 + 256);
-    mark_[slot] = epoch_;
+    if (frame.on_map(i)) at_slot(mark_, frame.points[i].slot) = epoch_;
   }
 }
 
