@@ -104,8 +104,10 @@ struct Slam::Impl {
 
   template <class Image>
   std::optional<std::string> check_image(const Image& image, const char* which) const {
-    if (image.data && image.width == camera.width && image.height == camera.height && image.stride >= image.width)
-      return {};
+    if (image.data && image.width == camera.width && image.height == camera.height) {
+      if (image.stride >= image.width) return {};
+      return std::string(which) + ": the stride, " + std::to_string(image.stride) + ", is less than the width";
+    }
     return std::string(which) + ": the image is empty or is " + std::to_string(image.width) + "x" +
            std::to_string(image.height) + "; the camera is " + std::to_string(camera.width) + "x" +
            std::to_string(camera.height);

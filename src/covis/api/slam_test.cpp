@@ -133,7 +133,8 @@ TEST_F(SlamCalls, ImagesOfAnotherSizeAreRefusedByTheirName) {
               HasSubstr("image is empty or is 100x100; the camera is 160x120"));
   EXPECT_THAT(error_of(mono->track_monocular(1, {})), HasSubstr("image"));
   EXPECT_THAT(error_of(mono->locate_monocular({nullptr, kWidth, kHeight, kWidth})), HasSubstr("image"));
-  EXPECT_THAT(error_of(mono->track_monocular(1, {pixels.data(), kWidth, kHeight, kWidth - 1})), HasSubstr("image"));
+  EXPECT_THAT(error_of(mono->track_monocular(1, {pixels.data(), kWidth, kHeight, kWidth - 1})),
+              HasSubstr("image: the stride, 159"));
   EXPECT_THAT(error_of(stereo->track_stereo(1, small, image)), HasSubstr("left"));
   EXPECT_THAT(error_of(stereo->track_stereo(1, image, small)), HasSubstr("right"));
   EXPECT_THAT(error_of(rgbd->track_rgbd(1, image, {metres.data(), 100, 100, 100})), HasSubstr("depth"));
