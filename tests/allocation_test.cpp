@@ -27,8 +27,8 @@ TEST_P(Allocations, TrackingMakesNoneInASteadyState) {
     const long own = own_allocations, all = all_allocations;
     const FrameReport report = system.process(input);
     const long own_made = own_allocations - own, all_made = all_allocations - all;
-    const bool taken_over = !report.mapping.empty();
-    if (taken_over) mapping = false;
+    const bool applied = !report.mapping.empty();
+    if (applied) mapping = false;
     if (i >= kWarmUp) {
       EXPECT_EQ(report.track.state, TrackState::tracking) << i;
       if (report.track.key_frame) {
@@ -36,8 +36,8 @@ TEST_P(Allocations, TrackingMakesNoneInASteadyState) {
         of_key_frames += own_made;
       } else {
         ++counted;
-        EXPECT_LE(own_made, taken_over ? 1 : 0) << "frame " << i;  // the list of reports
-        if (!mapping && !taken_over) {
+        EXPECT_LE(own_made, applied ? 1 : 0) << "frame " << i;  // the list of reports
+        if (!mapping && !applied) {
           ++quiet;
           EXPECT_EQ(all_made, 0) << "frame " << i;
         }

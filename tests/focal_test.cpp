@@ -169,12 +169,12 @@ TEST_F(FocalLength, IsKeptWithASavedMapLong) {
 // A map of another camera can't be continued; places of it can be found, by a camera that is what it is.
 TEST_F(FocalLength, OfAnotherCameraIsNotAppliedLong) {
   const Camera other = camera(1.001);
-  System goes_on(other, options(), vocabulary());
+  System continuing(other, options(), vocabulary());
   storage::SavedMap map = saved();
-  const auto refused = goes_on.set_map(std::move(map.map), map.header.camera);
+  const auto refused = continuing.set_map(std::move(map.map), map.header.camera);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("fx 255 instead of 250.25"), std::string::npos) << refused.error().message;
-  EXPECT_EQ(goes_on.camera(), other.pinhole);
+  EXPECT_EQ(continuing.camera(), other.pinhole);
 
   SystemOptions localize = options();
   localize.localize = true;

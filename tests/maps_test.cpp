@@ -42,7 +42,7 @@ struct Walked {
   Walk& walk;
   System system;
   int merges = 0;
-  size_t most_maps = 0;            // at a time
+  size_t most_submaps = 0;         // at a time
   size_t reported = 0;             // frames reported to be tracked
   std::vector<int64_t> tentative;  // of them
 
@@ -55,7 +55,7 @@ struct Walked {
     for (; done_ < static_cast<int>(walk.steps.size()); ++done_) {
       const FrameReport report = system.process(walk.input(done_));
       count(report.mapping);
-      most_maps = std::max(most_maps, system.submaps().size());
+      most_submaps = std::max(most_submaps, system.submaps().size());
       EXPECT_EQ(system.map().read()->check(), "") << "after step " << done_;
       reported += report.track.state == TrackState::tracking;
       if (report.track.tentative) tentative.push_back(done_);
@@ -107,7 +107,7 @@ TEST_P(Maps, AnUnknownPlaceBeginsAMapThatIsJoinedToTheOldOne) {
   Recording recording(sensor, 160);
   Walk walk = jump_and_way_back(recording);
   Walked run(walk, impatient(sensor));
-  EXPECT_EQ(run.most_maps, 2u);
+  EXPECT_EQ(run.most_submaps, 2u);
   EXPECT_EQ(run.merges, 1);
   const std::vector<SubmapSummary> submaps = run.system.submaps();
   ASSERT_EQ(submaps.size(), 1u);
@@ -125,7 +125,7 @@ TEST_P(Maps, MapsAreJoinedInRealTimeToo) {
   SystemOptions options = impatient(sensor);
   options.realtime = true;
   Walked run(walk, options);
-  EXPECT_GE(run.most_maps, 2u);
+  EXPECT_GE(run.most_submaps, 2u);
   // A busy machine may have made too few key frames for a sure decision: walk along all mapped places until the merge.
   for (int more = 0; more < 5 && run.system.submaps().size() > 1; ++more) {
     walk.go(2, 90);
@@ -253,7 +253,7 @@ TEST_P(Maps, MapsAreNotJoinedByEqualPostersLong) {
   Recording recording(sensor, 265, 10, "posters", {400, 300});
   Walk walk = cut(recording, 10, 60, 200, 260);
   Walked run(walk, impatient(sensor));
-  EXPECT_EQ(run.most_maps, 2u) << "else there was nothing to join";
+  EXPECT_EQ(run.most_submaps, 2u) << "else there was nothing to join";
   EXPECT_EQ(run.merges, 0);
   ASSERT_EQ(run.system.submaps().size(), 2u);
   for (const int map : {0, 1}) {
