@@ -11,14 +11,16 @@
 //   if (result->tracked) use(result->pose);
 //
 // Conventions: metres, radians, nanoseconds; camera x right, y down, z forward; a Pose is T_wc, camera to world; the
-// world is the camera of the first key frame. Monocular maps have no metric scale: the median depth of the first is 1.
+// world is the camera of the first key frame. Monocular maps have no metric scale: the median depth
+// of the points in the first key frame is about 1.
 //
-// A camera lost for long begins a submap with a world of its own beside the old one; the two are joined, and the later
-// id goes, when it sees a place of the old one again. Ids of submaps count from 0; poses and points of different
-// submaps can't be compared.
+// A camera lost for long begins a submap with a world of its own beside the old one. When it sees a place of the old
+// one again, the two are joined under one of their ids, and the other id is never used again. Ids of submaps count from
+// 0; poses and points of different submaps can't be compared.
 //
 // Threads: one thread calls track_*(), locate_*() and finish(), and destroys the object. Any thread may call the const
-// members (trajectory(), key_frames(), points()) at any time until then. Each gives values of one moment of its own.
+// members (trajectory(), key_frames(), points()) at any time until then. Two calls may give values of different
+// moments.
 #pragma once
 
 #include <cstddef>
@@ -70,7 +72,7 @@ enum class TrackingState {
   tracking,         // the frame has a pose
   lost,             // the frame's place in the map is not known
 };
-// Its name as it stands above.
+// Returns the state's name as it is spelled above.
 COVIS_API const char* name(TrackingState state);
 
 // Result of tracking one frame.
@@ -79,8 +81,8 @@ struct FrameResult {
   bool tracked = false;  // state is tracking
   Pose pose;             // meaningful when tracked
   int submap = 0;        // id of the submap whose world the pose is in
-  // The camera was found far from where it was last: right if the next second confirms it. If not, the frames since
-  // then lose their poses (trajectory() leaves them out), and this or a later frame is lost or elsewhere.
+  // The camera was found far from its last place, less than a second ago. If the frames of that second do not confirm
+  // the place, they lose their poses (trajectory() leaves them out), and a later frame is lost or found elsewhere.
   bool tentative = false;
   std::string reason;      // why there is no pose; empty when tracked
   int inliers = 0;         // map points that agree with the pose
@@ -93,7 +95,7 @@ struct StampedPoseResult {
   int submap = 0;  // id of the submap whose world the pose is in
 };
 
-// The place of one image.
+// Result of locating one image.
 struct Location {
   Pose pose;
   int submap = 0;  // id of the submap whose world the pose is in
@@ -107,12 +109,13 @@ struct Point {
 
 class COVIS_API Slam {
  public:
-  // Settings by name, as `covis run --dump-config` lists them, for example {"orb.features", "2000"}. Errors: an
-  // impossible camera, an unknown setting, a value out of range, a file that can't be read, and system.localize, which
-  // needs a saved map, and only the command loads one (covis run --localize).
+  // Settings by name, as `covis run --dump-config` lists them, for example {"orb.features", "2000"}. Errors of
+  // create(): an impossible camera, an unknown setting, a value out of range, a vocabulary that can't be read, and
+  // system.localize, which needs a saved map (only the command loads one: covis run --localize).
   using Settings = std::vector<std::pair<std::string, std::string>>;
   // `vocabulary`: the file to recognise places by (share/covis/default.covis-voc of the installation); empty: places
-  // are not recognised, so that loops stay open and a lost camera is looked for near where it was only.
+  // are not recognised. Then loops stay open, and a lost camera is looked for near its last place and at a few other
+  // key frames in turn.
   static tl::expected<std::unique_ptr<Slam>, std::string> create(const CameraParameters& camera, SensorType sensor,
                                                                  const Settings& settings = {},
                                                                  const std::string& vocabulary = {});
@@ -128,8 +131,8 @@ class COVIS_API Slam {
   tl::expected<FrameResult, std::string> track_rgbd(int64_t stamp, const GreyImage& image, const DepthImage& depth);
 
   // The pose of one image in the present map, from nothing but the image; no pose when its place is not recognised.
-  // Leaves tracking and mapping as they are; waits until the key frames asked for are mapped. Needs a vocabulary to
-  // find places far from the last one. Errors as above. From the thread that tracks.
+  // Leaves tracking and mapping as they are; waits until the key frames asked for are mapped. Needs a vocabulary:
+  // without one it tries the five oldest key frames only. Errors as above. From the thread that tracks.
   using Located = tl::expected<std::optional<Location>, std::string>;
   Located locate_monocular(const GreyImage& image);
   Located locate_stereo(const GreyImage& left, const GreyImage& right);
@@ -141,7 +144,7 @@ class COVIS_API Slam {
   // The three below: from any thread, at any time, while another tracks too.
   // Poses of all tracked frames with every correction so far, without those that were tentative and proved wrong.
   std::vector<StampedPoseResult> trajectory() const;
-  // Poses of the map's key frames, as they were made.
+  // Poses of the map's key frames with every correction so far, in the order in which they were made.
   std::vector<StampedPoseResult> key_frames() const;
   // All points of the map.
   std::vector<Point> points() const;

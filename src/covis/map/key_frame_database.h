@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The inverted index word -> key frames, and the query for places seen before, which serves loops and
-// relocalisation. P of the map: Map::set_words()
-// and Map::erase_key_frame() keep it, Map::check() tests it.
+// The inverted index word -> key frames, and the query for places seen before, which serves loops and relocalisation.
+// It belongs to the map: Map::set_words(), Map::erase_key_frame() and Map::erase_submap() keep it, Map::check() tests
+// it.
 // Source: Gálvez-López and Tardós, "Bags of Binary Words", T-RO 2012, section IV-B; Mur-Artal, Montiel, Tardós,
 // "ORB-SLAM", T-RO 2015, sections III-E (share of words, groups) and VII-A.
 #pragma once
@@ -30,15 +30,15 @@ class KeyFrameDatabase {
     KeyFrameId key_frame;
     double score = 0;  // word_score() of the key frame itself
   };
-  // Places like `words` of the map: of the key frames that share words (but not those of `excluded`, sorted), those
-  // sharing at least 80 % of the greatest number; scored, kept from `min_score` on; scores added up over each one's 10
-  // best covisible key frames that are kept too; of the groups of at least 75 % of the best sum the best key frame of
-  // each, without repeats, best group first (ties: lower handle).
+  // Returns the key frames of the map that look most like an image of these words. It keeps those that share at least
+  // 80 % of the greatest number of shared words and score at least `min_score`; `excluded` (sorted) are left out. Each
+  // makes a group with its 10 best covisible key frames, those that are kept too, and the group's score is their sum.
+  // Each group of at least 75 % of the best sum gives its best key frame, once; best group first (ties: lower handle).
   std::vector<Candidate> query(const Map& map, const Words& words, const std::vector<KeyFrameId>& excluded,
                                double min_score) const;
 
  private:
-  // By word. What stands here is alive: its slot says all, in half the memory of its handle.
+  // By word: slots of key frames, rising. All of them live, so that a slot serves for a handle in half the memory.
   std::vector<std::vector<uint32_t>> index_;
 };
 

@@ -89,8 +89,8 @@ struct MapState;  // map_state.h
 class Map {
  public:
   // ---- Key frames ----
-  // Adds a key frame without points to a submap there is; without one to the oldest. The first of all begins a submap
-  // as begin_submap() does. Refuses (invalid handle) a pose that is not finite.
+  // Adds a key frame without points to an existing submap; without `submap`, to the oldest. The first of all begins a
+  // submap as begin_submap() does. Refuses (invalid handle) a pose that is not finite.
   KeyFrameId add_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features,
                            std::optional<uint32_t> submap = {});
   // Adds a key frame as the root of a new submap.

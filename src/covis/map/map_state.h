@@ -51,7 +51,7 @@ bool valid_pyramid(int levels, float factor);
 
 bool valid_camera(const Pinhole& camera);
 
-// The fault of features, for example after reading them from a file; empty when nothing is. The grid is not
+// The first fault of features, for example after reading them from a file; empty when there is none. The grid is not
 // looked at: it is built from arrays that pass here, with these bounds.
 std::string problem_of(const Features& features, const ImageBounds& bounds);
 

@@ -14,7 +14,7 @@ namespace covis {
 enum class FuseKeep { more_observed, given };
 
 struct FuseOptions {
-  double window = 3;  // pixels x scale
+  double window = 3;  // pixels x scale: search around a projected point
   FuseKeep keep = FuseKeep::more_observed;
   MatchError error = MatchError::within_bound;
 };
@@ -22,7 +22,10 @@ struct FuseOptions {
 // Keeps its work space between calls.
 class PointFuser {
  public:
-  // Points the target sees already are passed over. Returns the number of points merged or observations added.
+  // Looks for the points in the target and writes what it finds to the map: a feature without a point gets an
+  // observation, and of two points one replaces the other. Reads and writes under guards of its own, and matches
+  // without one. Points that the target observes already, and stale ones, are passed over; a stale target has none.
+  // Returns the number of points merged and observations added.
   int fuse(SharedMap& map, KeyFrameId target, const std::vector<MapPointId>& points, const FuseOptions& options);
 
  private:

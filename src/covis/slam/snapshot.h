@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The map and the trajectory as those outside see them: one value of one moment, which never changes and needs no lock.
-// Poses are resolved, and nothing of it refers to the map.
+// The map and the trajectory as those outside see them: one value, which never changes and needs no lock. Poses are
+// resolved, and nothing of it refers to the map. Units and frames are those of map.h.
 #pragma once
 
 #include <cstdint>
@@ -65,8 +65,8 @@ class SnapshotSource {
   // A map was put in place, submaps of ids below `loaded_end`. `frames_camera`: the camera of the frames, where it is
   // not that of the map.
   void map_loaded(uint32_t loaded_end, const std::optional<Pinhole>& frames_camera);
-  // The newest one. A thread that asks while one is made waits for it. Making one holds a read guard of the map, and
-  // of the log its lock while its records are copied.
+  // The newest one. A thread that asks while one is made waits for it. Making one first copies the log's
+  // records, then holds a read guard of the map: do not call it under a guard.
   std::shared_ptr<const Snapshot> get() const;
 
  private:

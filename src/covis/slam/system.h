@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The whole system: images in, poses and a map out. It conducts: features are made, tracked, written into the log, and
-// key frames handed to mapping. The only place that makes threads beside the front end's.
+// key frames handed to mapping. Its threads are mapping's
+// (MappingActor), the background adjustment's, and one of the front end (stereo).
 //
 // Deterministic by default (architecture.md, decision 6): mapping runs beside tracking, but what it made of a key frame
 // shows to the tracker `mapping_delay` frames later, or at the next frame where few points were tracked, and the
@@ -44,7 +45,8 @@ struct FrameReport {
 
 class System {
  public:
-  // Without a vocabulary (null) places are not recognised: no relocalisation beyond the nearest key frames, no loops.
+  // Without a vocabulary (null) places are not recognised: a lost camera is looked for at the
+  // nearest key frames and at few others in turn, and no loops are closed.
   System(const Camera& camera, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary = nullptr);
   ~System();
   System(const System&) = delete;

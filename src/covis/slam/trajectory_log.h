@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The books of every frame: the pose it got when it was tracked, and the same pose relative to a key frame, which
+// The record of every frame: the pose it got when it was tracked, and the same pose relative to a key frame, which
 // carries every later correction (algorithms.md §6). The tracking thread writes; any thread may read.
 //
 // Each call holds the log's own lock while it copies or changes plain values; poses are worked out by the reader, from
