@@ -15,7 +15,7 @@
 // of the points in the first key frame is about 1.
 //
 // A camera lost for long begins a submap with a world of its own beside the old one. When it sees a place of the old
-// one again, the two are joined under one of their ids, and the other id is never used again. Ids of submaps count from
+// one again, the two are joined under the older id, and the other id is never used again. Ids of submaps count from
 // 0; poses and points of different submaps can't be compared.
 //
 // Threads: one thread calls track_*(), locate_*() and finish(), and destroys the object. Any thread may call the const
