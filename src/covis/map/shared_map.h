@@ -29,11 +29,6 @@ class SharedMap {
    public:
     Map* operator->() const { return map_; }
     Map& operator*() const { return *map_; }
-    // Lets go before the end of the scope; the guard may not be used afterwards.
-    void release() {
-      map_ = nullptr;
-      lock_.unlock();
-    }
 
    private:
     friend class SharedMap;
