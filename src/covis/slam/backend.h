@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The back end: conducts mapping, loop closing and the adjustments in the background for each key frame. Synchronous,
-// and the map's only writer while frames are tracked; its thread is in mapping_actor.h.
+// and the only one that changes key frames and points while frames are tracked; its thread is in mapping_actor.h.
 #pragma once
 
 #include <atomic>
