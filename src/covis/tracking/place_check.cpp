@@ -10,6 +10,7 @@ namespace covis {
 namespace {
 
 constexpr double kTentativeTime = 1.0;  // seconds
+constexpr double kEnoughExpected = 60;  // expected matches from which on the share that is found says something
 
 // The nearest view in which a point was seen before, compared with the present one.
 enum class Seen { elsewhere, near, here };
@@ -41,7 +42,7 @@ struct Tally {
     expected += match_ratio;
     found += matched;
   }
-  bool enough() const { return expected >= 60; }  // fewer points say nothing by their share
+  bool enough() const { return expected >= kEnoughExpected; }
   bool passes() const { return found >= share * expected; }
 };
 
@@ -101,9 +102,13 @@ bool PlaceCheck::jumped(const Found& found) const {
 bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand demand) {
   constexpr uint32_t kKnown = 5;  // frames that had a point in view, for its match ratio to be known
   const bool strict = demand == Demand::strict;
-  const double share = (strict ? 1 : 0.5) * options_.min_expected_match_ratio;
+  constexpr double kUsualFactor = 0.5;                              // on the share asked for where there was no jump
+  constexpr double kNearFactor = 0.25, kNearFactorSingle = 0.5;     // on it for points seen from the same side
+  constexpr double kYoungFactor = 0.17, kYoungFactorSingle = 0.25;  // the same with points not known well yet
+  const double share = (strict ? 1 : kUsualFactor) * options_.min_expected_match_ratio;
   const bool single = subject_ == Subject::single_image;
-  Tally from_here{share}, from_near{(single ? 0.5 : 0.25) * share}, young_too{(single ? 0.25 : 0.17) * share};
+  Tally from_here{share}, from_near{(single ? kNearFactorSingle : kNearFactor) * share},
+      young_too{(single ? kYoungFactorSingle : kYoungFactor) * share};
   const Eigen::Vector3d centre_w = found.frame.T_cw.centre();
   matched_.mark(found.frame);
   const std::vector<MapPointId>& points = found.local_map.points.id;

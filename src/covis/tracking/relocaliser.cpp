@@ -101,8 +101,9 @@ bool Relocaliser::find_at(const KeyFrameView& view, TrackedFrame& frame, PoseSea
                           TrackFigures& figures) const {
   const LocalMapOptions& o = options_.local_map;
   if (!find_first_pose(view, frame, search)) return false;
-  // It searches twice: the second search starts from a better pose, and so in narrower windows.
-  for (const double factor : {5.0, 2.0}) {
+  // The second search starts from a better pose, and so in narrower windows.
+  constexpr double kWide = 5, kNarrow = 2;  // factors on the windows of tracking
+  for (const double factor : {kWide, kNarrow}) {
     if (live) search.update_local_map(*live, frame, view.id, o.local_key_frames);
     const MatchGate gate =
         MatchGate::local_map(o.local_window * factor, o.local_window_frontal * factor, o.local_ratio);

@@ -62,7 +62,8 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
     }
   }
   result.state = state_;
-  health_.near_loss = result.inliers < 2 * settings_.options.local_map.min_inliers;
+  constexpr int kNearLoss = 2;  // times the inliers that a pose needs
+  health_.near_loss = result.inliers < kNearLoss * settings_.options.local_map.min_inliers;
   outcome.retract_from = search_.place.take_retraction();
   std::swap(last_.frame, current_);
   return outcome;

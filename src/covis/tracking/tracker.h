@@ -116,7 +116,8 @@ class Tracker {
     bool weak = false;             // few inliers lately
     bool near_loss = false;        // few with the last frame
 
-    bool recovered_lately(Timestamp now) const { return now - last_recovery < from_seconds(1.0); }
+    static constexpr double kLately = 1.0;  // seconds
+    bool recovered_lately(Timestamp now) const { return now - last_recovery < from_seconds(kLately); }
   };
 
   const SharedMap& map_;
