@@ -73,8 +73,9 @@ void Backend::refine_focal(KeyFrameId current) {
     background_.start(FocalRefinement::of(*map, current, given_fx_), *key_frames);
 }
 
-// Handles are held by the tracker (points of the last frame and counts, reported with the next key frame), by requests in
-// the inbox, and by the mapper's recent points: a few key frames.
+// Handles that are followed are held by the tracker (points of the last frame, and counts, reported with the next key
+// frame), by requests in the inbox, and by the mapper's recent points: for a few key frames. One that is held longer
+// finds its point erased, and the match or count is dropped.
 void Backend::forget_replaced_points(KeyFrameId current) {
   constexpr uint32_t kKept = 100, kEvery = 20;  // key frames
   const uint32_t serial = map_.read()->at(current).serial;
