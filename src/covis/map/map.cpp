@@ -28,7 +28,8 @@ KeyFrameId Map::add_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, F
   return insert_key_frame(frame, stamp, T_cw, std::move(features), submap.value_or(submaps_.front().id));
 }
 
-KeyFrameId Map::insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features, uint32_t submap) {
+KeyFrameId Map::insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features,
+                                 uint32_t submap) {
   if (!T_cw.all_finite()) {
     ++refused_non_finite_;
     log(LogLevel::error, "a key frame with a pose that is not finite was refused");
@@ -64,7 +65,8 @@ void Map::attach_to_tree(KeyFrameId id) {
   if (!parent.valid()) {
     uint32_t newest_serial = 0;
     for_each_key_frame([&](KeyFrameId other, const KeyFrame& k) {
-      if (k.submap == key_frame.submap && k.serial < key_frame.serial && (!parent.valid() || k.serial > newest_serial)) {
+      if (k.submap == key_frame.submap && k.serial < key_frame.serial &&
+          (!parent.valid() || k.serial > newest_serial)) {
         parent = other;
         newest_serial = k.serial;
       }

@@ -4,9 +4,9 @@
 // finds nothing. Every invariant is kept by the methods here and tested by check(). Source: Mur-Artal, Montiel, Tardós,
 // "ORB-SLAM", T-RO 2015, sections III-C and III-D; erasure: VI-E.
 //
-// It may have several submaps: what was mapped after the camera was lost in an unknown place stands beside the rest until
-// the submaps are joined (the "Atlas" of Elvira, Tardós, Montiel, IROS 2019, within one container). Each submap has a
-// world and a spanning tree of its own, and no point is seen from two submaps. A map made without a loss has one submap.
+// It may have several submaps: what was mapped after the camera was lost in an unknown place stands beside the rest
+// until the submaps are joined (the "Atlas" of Elvira, Tardós, Montiel, IROS 2019, within one container). Each has a
+// world and a spanning tree of its own, and no point is seen from two. A map made without a loss has one submap.
 //
 // All of it was seen by one camera: key frames hold pixels, the map the intrinsics, which may be refined as it grows.
 //
@@ -49,7 +49,7 @@ struct MapPoint {
   float d_min = 0, d_max = 0;                          // distances at which the pyramid can see it
   std::vector<Observation> observations;               // sorted by key-frame handle
   KeyFrameId reference;         // the observer that gives d_min, d_max (erased: the next observer)
-  uint32_t created_serial = 0;  // serial of the key frame that was newest when it was made
+  uint32_t created_serial = 0;  // serial of the newest key frame when it was made: for map files alone, which have it
   uint32_t visible = 1;         // frames in which it was predicted in view
   uint32_t found = 1;           // frames in which it was matched
 };
@@ -88,8 +88,8 @@ struct MapState;  // map_state.h
 class Map {
  public:
   // ---- Key frames ----
-  // Adds a key frame without points to a submap there is; without one to the oldest. The first of all begins a submap as
-  // begin_submap() does. Refuses (invalid handle) a pose that is not finite.
+  // Adds a key frame without points to a submap there is; without one to the oldest. The first of all begins a submap
+  // as begin_submap() does. Refuses (invalid handle) a pose that is not finite.
   KeyFrameId add_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features,
                            std::optional<uint32_t> submap = {});
   // Adds a key frame as the root of a new submap.
@@ -114,7 +114,7 @@ class Map {
   void add_loop_edge(KeyFrameId a, KeyFrameId b);
   const KeyFrameDatabase& database() const { return database_; }
   size_t key_frame_count() const { return key_frames_.size(); }
-  std::vector<KeyFrameId> key_frames() const;               // by rising serial
+  std::vector<KeyFrameId> key_frames() const;                 // by rising serial
   std::vector<KeyFrameId> key_frames(uint32_t submap) const;  // those of one submap
 
   // A live key frame that stands for `id`, and T_ar that takes r = the returned one's camera to a = the asked one's
@@ -124,8 +124,8 @@ class Map {
     KeyFrameId key_frame;
     SE3 T_ar;
     double scale = 1;
-    // The pose of a camera given relative to the asked key frame, relative to the returned one. T_ca, and KeyFrame::scale
-    // of the asked one, as they were when the camera was there: a loop may have changed lengths around it since.
+    // A camera's pose given relative to the asked key frame, relative to the returned one. T_ca and KeyFrame::scale of
+    // the asked one as they were when the camera was there: a loop may have changed lengths around it since.
     SE3 carry(const SE3& T_ca, double scale_then) const {
       return SE3(T_ca.R(), Eigen::Vector3d(scale / scale_then * T_ca.t())) * T_ar;
     }
@@ -143,12 +143,12 @@ class Map {
 
   // ---- Submaps ----
   const std::vector<Submap>& submaps() const { return submaps_; }  // by rising id: the oldest first
-  const Submap* submap(uint32_t id) const;                   // nullptr: there is none (any more)
+  const Submap* submap(uint32_t id) const;                         // nullptr: there is none (any more)
   KeyFrameId root() const { return submaps_.empty() ? KeyFrameId{} : submaps_.front().root; }  // the oldest submap's
   bool is_root(KeyFrameId id) const;
-  // Joins the submap of `child` to that of `parent`: all of it is moved by S (p_there = S * p_here), `child` becomes the
-  // root of its tree, and `parent` the parent of `child`. False (nothing done) when either is stale, both are of one submap,
-  // or S is not finite.
+  // Joins the submap of `child` to that of `parent`: all of it is moved by S (p_there = S * p_here), `child` becomes
+  // the root of its tree, and `parent` the parent of `child`. False (nothing done) when either is stale, both are of
+  // one submap, or S is not finite.
   bool join_submaps(KeyFrameId child, KeyFrameId parent, const Sim3& S);
   // Everything of a submap goes. False when there is none of this id.
   bool erase_submap(uint32_t id);
@@ -182,9 +182,9 @@ class Map {
   bool replace_point(MapPointId old, MapPointId by);
   // The live handle that `id` has become through replacements; invalid when it was erased.
   MapPointId forwarded(MapPointId id) const;
-  // Replacements made before the key frame of this serial are forgotten: the handles they forwarded lead nowhere from now
-  // on. For handles that nobody holds any more. (Erased key frames are never forgotten: every frame of a recording may be
-  // given relative to one.)
+  // Forgets replacements made before the key frame of this serial. A handle they forwarded then counts as erased, never
+  // as another point: generations differ. (Erased key frames are not forgotten, as every frame of a recording may be
+  // given relative to one: TrajectoryLog. Their number is bounded by that of the frames.)
   void forget_forwarding(uint32_t before_serial);
   size_t forwarding_count() const { return replaced_by_.size(); }
   const MapPoint* find(MapPointId id) const { return points_.find(id); }
@@ -214,8 +214,8 @@ class Map {
   uint64_t refused_non_finite() const { return refused_non_finite_; }  // commits refused for a non-finite pose or point
 
   // The first broken invariant found, described; empty when all hold: observations mutual, weights exact and mutual,
-  // each submap's tree a tree that holds every key frame of it, no link to an erased thing or another submap, everything
-  // finite, counts consistent.
+  // each submap's tree a tree that holds every key frame of it, no link to an erased thing or another submap,
+  // everything finite, counts consistent.
   std::string check() const;
 
   // ---- Saving and loading (map_state.h) ----
@@ -251,7 +251,7 @@ class Map {
   KeyFrameId insert_key_frame(int64_t frame, Timestamp stamp, const SE3& T_cw, FeaturesPtr features, uint32_t submap);
   void reroot_tree(KeyFrameId id);
   void add_weight(KeyFrameId a, KeyFrameId b, int delta);
-  void rebuild_shared();                                   // makes it anew for all key frames, from the observations
+  void rebuild_shared();                                     // makes it anew for all key frames, from the observations
   void find_submaps(const std::vector<KeyFrameId>& frames);  // from the trees; frames by rising serial
   void unlink_observations(MapPointId id);
   void reattach_children(KeyFrameId id);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Changes of the map's points that leave everything derived from their observations right: when the edit ends, every
-// point it touched and that lives gets its normal, its range of distances and its descriptor anew. A point that was only
-// moved, or lost an observation, keeps its descriptor.
+// point it touched and that lives gets its normal, its range of distances and its descriptor anew. A point that was
+// only moved, or lost an observation, keeps its descriptor.
 #pragma once
 
 #include <cstdint>

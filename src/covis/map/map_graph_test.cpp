@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Covisibility and the essential graph.
-#include "covis/map/map.h"
-
 #include <gtest/gtest.h>
 
+#include "covis/map/map.h"
 #include "covis/map/test_map.h"
 
 namespace covis {

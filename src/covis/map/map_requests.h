@@ -44,7 +44,7 @@ struct InitialMapRequest {
 
 // The answer to either request.
 struct KeyFrameMade {
-  int64_t frame = 0;     // the request's
+  int64_t frame = 0;       // the request's
   KeyFrameId key_frame{};  // the new one; invalid when the request was refused
   KeyFrameId first{};      // initial maps: the first of the two
 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The scene that other tests are made of.
-#include "covis/map/test_point_scene.h"
-
 #include <gtest/gtest.h>
+
+#include "covis/map/test_point_scene.h"
 
 namespace covis {
 namespace {

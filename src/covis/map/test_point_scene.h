@@ -94,8 +94,7 @@ struct PointScene {
         const uint32_t bit = random.below(256);
         descriptor.bits[bit / 64] ^= uint64_t{1} << (bit % 64);
       }
-      const int level =
-          f.pyramid->predict_level(static_cast<float>(points[p].reach), static_cast<float>(p_c.norm()));
+      const int level = f.pyramid->predict_level(static_cast<float>(points[p].reach), static_cast<float>(p_c.norm()));
       const bool has_depth = sensor != Sensor::monocular && p_c.z() <= max_depth;
       add(f,
           {.x = pixel.x(), .y = pixel.y(), .level = level, .descriptor = descriptor, .depth = has_depth ? p_c.z() : 0},
@@ -162,7 +161,8 @@ struct SceneMap {
     for (size_t i = 0; i < count; ++i) add(scene.T_cw(first + i * step));
   }
 
-  // Forgets which of the map's points are which: points seen from now on are new ones, as after coming back unrecognised.
+  // Forgets which of the map's points are which: points seen from now on are new ones, as after coming back
+  // unrecognised.
   void forget_points() { handles.assign(scene.points.size(), {}); }
   // The next key frame begins a submap of its own, with points of its own.
   void begin_submap() {
@@ -215,8 +215,8 @@ inline std::vector<MapPointId> points_matched(const Map& map, const PointScene& 
   return matched;
 }
 
-// The request for view `i` of the path: beside a key frame, with the points it observes, or as the first of a submap, with
-// a new point for each feature with depth.
+// The request for view `i` of the path: beside a key frame, with the points it observes, or as the first of a submap,
+// with a new point for each feature with depth.
 inline KeyFrameRequest scene_request(const PointScene& scene, const SharedMap& shared, Sensor sensor, size_t i,
                                      KeyFrameId from = {}, int keep = 1) {
   const PointScene::View view = scene.view(scene.T_cw(i), sensor, i);

@@ -66,9 +66,7 @@ TEST_F(PointFuserTest, AFeatureWithoutAPointGetsTheObservation) {
   EXPECT_EQ(fuse({}), 0) << "they are observed now";
 }
 
-TEST_F(PointFuserTest, AStaleTargetIsLeft) {
-  EXPECT_EQ(fuser.fuse(world.shared, KeyFrameId{77, 0}, points, {}), 0);
-}
+TEST_F(PointFuserTest, AStaleTargetIsLeft) { EXPECT_EQ(fuser.fuse(world.shared, KeyFrameId{77, 0}, points, {}), 0); }
 
 }  // namespace
 }  // namespace covis

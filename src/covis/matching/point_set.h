@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points copied out of the map, as arrays: what a search by projection needs of them, without the map's lock. Serves the
-// local map of tracking, the place a loop leads to, fusion, and the points that the last frame showed.
+// Points copied out of the map, as arrays: what a search by projection needs of them, without the map's lock. Serves
+// the local map of tracking, the place a loop leads to, fusion, and the points that the last frame showed.
 #pragma once
 
 #include <cstdint>

@@ -10,7 +10,7 @@ std::optional<PredictedView> predict_view(const PointSet& points, size_t k, cons
                                           const Eigen::Vector3d& centre_w, const Pinhole& camera,
                                           const Features& features) {
   constexpr float kNearestShare = 0.8f, kFarthestShare = 1.2f;  // shares of the range of distances
-  constexpr float kMinCosine = 0.5f;                  // 60 degrees
+  constexpr float kMinCosine = 0.5f;                            // 60 degrees
   const Eigen::Vector3d position = points.position(k);
   const Eigen::Vector3d p_c = T_cw * position;
   if (!(p_c.z() > 0)) return std::nullopt;

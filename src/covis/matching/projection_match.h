@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The search by projection: where a camera at a given pose should see known points, and which keypoints there look like
-// them. Tracking (last frame, local map), fusion and loop closing all search so; what they ask of a match is a gate with
-// a name. Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, sections V-B, V-D, VI-C and VII-B.
+// them. Tracking (last frame, local map), fusion and loop closing all search so; what they ask of a match is a gate
+// with a name. Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, sections V-B, V-D, VI-C and VII-B.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +31,8 @@ struct MatchGate {
   double window = 4;
   double window_frontal = 4;  // for points seen nearly as before (cosine above 0.998)
   int max_distance = kHammingHigh;
-  float ratio = 1;                            // best against second-best distance at one level; 1: not asked
-  LevelRule levels = LevelRule::predicted;    // other rules: sets of points just seen
+  float ratio = 1;                          // best against second-best distance at one level; 1: not asked
+  LevelRule levels = LevelRule::predicted;  // other rules: sets of points just seen
   MatchError error = MatchError::not_asked;
 
   // The points of the last frame, where the motion model expects them.
@@ -83,21 +83,21 @@ class ProjectionMatcher {
     SE3 T_cw;
   };
   // Finds the points of a set in a frame; matches() holds them by rising point. Points with known[k] != 0 (empty span:
-  // none) are in view, and not searched; features with taken[i] != 0 (likewise) are passed over. Returns how many points
-  // are in view.
+  // none) are in view, and not searched; features with taken[i] != 0 (likewise) are passed over. Returns how many
+  // points are in view.
   int match(const PointSet& points, const Frame& frame, const MatchGate& gate, std::span<const uint8_t> known = {},
             std::span<const uint8_t> taken = {});
 
   const std::vector<PointMatch>& matches() const { return matches_; }
   // For each point of the last search whether it was in view.
   const std::vector<uint8_t>& in_view() const { return in_view_; }
-  // Drops the matches whose keypoints turned otherwise than the bulk: angle[k] is the orientation of point k when it was
-  // seen last, radians. Returns how many are left.
+  // Drops the matches whose keypoints turned otherwise than the bulk: angle[k] is the orientation of point k when it
+  // was seen last, radians. Returns how many are left.
   int keep_consistent_rotations(std::span<const float> angle, const Features& features);
 
  private:
-  std::optional<WindowQuery> query(const PointSet& points, size_t k, const Frame& frame, const Eigen::Vector3d& centre_w,
-                                   const MatchGate& gate) const;
+  std::optional<WindowQuery> query(const PointSet& points, size_t k, const Frame& frame,
+                                   const Eigen::Vector3d& centre_w, const MatchGate& gate) const;
   std::optional<WindowQuery> query_seen(const PointSet& points, size_t k, const Frame& frame,
                                         const MatchGate& gate) const;
 

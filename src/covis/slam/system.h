@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The whole system: images in, poses and a map out. It conducts: features are made, tracked, written into the log, and
-// key frames handed to mapping. The only place that makes threads beside the front end's.
+// key frames handed to mapping.
 //
 // Deterministic by default (architecture.md, decision 6): mapping runs beside tracking, but what it made of a key frame
 // shows to the tracker `mapping_delay` frames later, or at the next frame where few points were tracked, and the
