@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "apps/run/system_input.h"
 #include "commands.h"
 #include "common.h"
 #include "covis/core/log.h"
@@ -14,7 +15,6 @@
 #include "covis/io/trajectory.h"
 #include "covis/storage/compatibility.h"
 #include "places.h"
-#include "apps/run/system_input.h"
 
 namespace covis::app {
 namespace {

@@ -119,16 +119,16 @@ int conclude(const RunArguments& arguments, const RunSummary& summary, io::Seque
   return summary.frames.tracked > 0 ? 0 : 1;
 }
 
-LoopOptions loop_options(const RunArguments& arguments, const SystemOptions& options, io::SequenceKind kind) {
-  LoopOptions loop;
-  loop.first = arguments.reading.first;
-  loop.stride = arguments.reading.stride;
+PlayOptions play_options(const RunArguments& arguments, const SystemOptions& options, io::SequenceKind kind) {
+  PlayOptions play;
+  play.first = arguments.reading.first;
+  play.stride = arguments.reading.stride;
   // A camera's frames arrive in real time anyway.
-  if (arguments.realtime && kind != io::SequenceKind::camera) loop.pacing = Pacing::recorded;
-  if (options.localize) loop.mode = RunMode::localization;
-  loop.show_progress = !arguments.quiet;
-  loop.stop = &interrupted;
-  return loop;
+  if (arguments.realtime && kind != io::SequenceKind::camera) play.pacing = Pacing::recorded;
+  if (options.localize) play.mode = RunMode::localization;
+  play.show_progress = !arguments.quiet;
+  play.stop = &interrupted;
+  return play;
 }
 
 int run(const RunArguments& arguments) {
@@ -171,7 +171,7 @@ int run(const RunArguments& arguments) {
     if (const auto set = system.set_map(std::move(map->map), map->header.camera); !set)
       return fail_with(arguments.map + ": " + set.error().message);
   }
-  track_all(**sequence, system, loop_options(arguments, options, (*sequence)->kind()), record);
+  track_all(**sequence, system, play_options(arguments, options, (*sequence)->kind()), record);
   if (record.frames.empty() && !record.interrupted) return fail_with(arguments.path + ": no frame could be read");
 
   const auto summary = save(arguments, record, system, **sequence, header);

@@ -222,7 +222,7 @@ TEST(ApiMaps, APoseSaysInWhichMapItIs) {
 }
 
 // After a jump back to the place 40 frames earlier the camera relocalises, and its poses are tentative for a second.
-TEST(ApiMaps, APoseAfterAJumpIsDoubtfulForASecond) {
+TEST(ApiMaps, APoseAfterAJumpIsTentativeForASecond) {
   Recording recording(Sensor::rgbd, 61);
   const auto slam =
       Slam::create(parameters_of(recording.synth.camera(), Sensor::rgbd), SensorType::rgbd, {}, kVocabulary);

@@ -13,7 +13,7 @@ namespace covis {
 using nlohmann::json;
 
 inline const std::vector<std::string> kFiles{"trajectory.txt", "trajectory_online.txt", "keyframes.txt", "map.ply",
-                                      "stats.jsonl",    "summary.json",          "report.html"};
+                                             "stats.jsonl",    "summary.json",          "report.html"};
 
 inline json parsed(const fs::path& file) { return json::parse(text_of(file), nullptr, false); }
 
@@ -68,6 +68,5 @@ inline int expect_results(const fs::path& out) {
   EXPECT_THAT(text_of(out / "report.html"), testing::HasSubstr("</html>"));
   return frames;
 }
-
 
 }  // namespace covis

@@ -191,6 +191,7 @@ TEST(FurtherMap, ALoadedMapStaysTheFirst) {
   ASSERT_TRUE(system.set_map(map_before(walk, impatient(Sensor::rgbd)), recording.synth.camera()));
   for (int step = 12; step < 42; ++step) system.process(walk.input(step));
   system.finish();
+  EXPECT_FALSE(system.set_map(Map(), recording.synth.camera())) << "frames were tracked";
   const std::vector<SubmapSummary> submaps = system.submaps();
   ASSERT_EQ(submaps.size(), 2u);
   EXPECT_TRUE(submaps[0].loaded);

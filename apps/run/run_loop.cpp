@@ -17,7 +17,7 @@ constexpr size_t kMemoryEvery = 100;  // interval of the memory measurements, fr
 
 }  // namespace
 
-void track_all(io::Sequence& sequence, System& system, const LoopOptions& options, RunRecord& run) {
+void track_all(io::Sequence& sequence, System& system, const PlayOptions& options, RunRecord& run) {
   const Stopwatch wall;
   Progress progress(options.show_progress ? sequence.size() : Progress::kHidden);
   std::optional<Stopwatch> since_first;

@@ -11,7 +11,8 @@ namespace covis::app {
 // recorded: frames are processed at their own times, and late ones are dropped; free: as fast as possible.
 enum class Pacing { free, recorded };
 
-struct LoopOptions {
+// Which frames are processed, and how.
+struct PlayOptions {
   int64_t first = 0;  // index of the first frame
   int stride = 1;
   Pacing pacing = Pacing::free;
@@ -21,6 +22,6 @@ struct LoopOptions {
 };
 
 // Fills frames, mapping, times and `interrupted` of the record.
-void track_all(io::Sequence& sequence, System& system, const LoopOptions& options, RunRecord& run);
+void track_all(io::Sequence& sequence, System& system, const PlayOptions& options, RunRecord& run);
 
 }  // namespace covis::app

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The figures of one `covis run`, computed in one place from its record and the snapshot at its end; JSON, text and the report
-// only show them.
+// The figures of one `covis run`, computed in one place from its record and the snapshot at its end; JSON, text and the
+// report only show them.
 #pragma once
 
 #include <cstdint>

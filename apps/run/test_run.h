@@ -28,7 +28,8 @@ inline RunRecord made_record() {
   return run;
 }
 
-// Its end: frames 1 to 4 have poses in submap 0, frames 8 and 9 in submap 3, which was loaded. Frame 1 got its pose later.
+// Its end: frames 1 to 4 have poses in submap 0, frames 8 and 9 in submap 3, which was loaded. Frame 1 got its pose
+// later.
 inline Snapshot made_snapshot() {
   Snapshot snapshot;
   snapshot.camera = {500, 501, 320, 240, 40};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Structure and motion from two views without a prior, from a homography or a fundamental matrix, whichever fits the
-// matches better. Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section IV; Hartley and Zisserman,
-// "Multiple
-// View Geometry", 2004, sections 4.1, 4.4 (normalised DLT), 9.6, 11.2 (8 points); Faugeras and Lustman, "Motion and
+// matches better.
+// Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section IV; Hartley and Zisserman, "Multiple View
+// Geometry", 2004, sections 4.1, 4.4 (normalised DLT), 9.6, 11.2 (8 points); Faugeras and Lustman, "Motion and
 // structure from motion in a piecewise planar environment", 1988.
 #pragma once
 

@@ -74,8 +74,8 @@ bool FocalRefinement::apply(MapEdit& map) const {
   if (map->submaps().size() != 1 || !apply_submap(submap_, map)) return false;
   const Pinhole& camera = submap_.problem.camera;
   map.map().set_camera(camera);
-  log(LogLevel::info, "focal length refined: " + std::to_string(camera.fx) + " pixels instead of " +
-                          std::to_string(given_fx_));
+  log(LogLevel::info,
+      "focal length refined: " + std::to_string(camera.fx) + " pixels instead of " + std::to_string(given_fx_));
   return true;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The focal length of a monocular or RGB-D map: when the map is asked for it, and which answer is believed. A camera that
-// turns and moves tells its focal length; a wrong one makes a monocular scale drift at every turn, and motion by depth
-// too long or too short. Measured figures: docs/results.md, "The focal length".
+// The focal length of a monocular or RGB-D map: when the map is asked for it, and which answer is believed. A camera
+// that turns and moves tells its focal length; a wrong one makes a monocular scale drift at every turn, and motion by
+// depth too long or too short. Measured figures: docs/notes/002-focal-length.md.
 #pragma once
 
 #include <atomic>

@@ -89,8 +89,8 @@ double correct_loop(SharedMap& shared, KeyFrameId current, const Loop& loop, Sen
   return ms;
 }
 
-// The submap goes to the other's world as a whole. Nothing contradicts its new place, so that there is no error to spread
-// by a pose graph; the full bundle adjustment that follows does the rest.
+// The submap goes to the other's world as a whole. Nothing contradicts its new place, so that there is no error to
+// spread by a pose graph; the full bundle adjustment that follows does the rest.
 int join_at_loop(SharedMap& shared, KeyFrameId current, const Loop& loop) {
   const auto map = shared.write();
   const KeyFrameId place = loop.place.key_frame;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closing a recognised loop: the pose graph over Sim(3), the points carried along, and both places' points fused. Joining
-// two submaps that turn out to show one place.
+// Closing a recognised loop: the pose graph over Sim(3), the points carried along, and both places' points fused.
+// Joining two submaps that turn out to show one place.
 // Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, sections VII-C and VII-D; Strasdat et al., RSS 2010 (pose
 // graph over Sim(3)).
 #pragma once
@@ -32,8 +32,8 @@ double correct_loop(SharedMap& map, KeyFrameId current, const Loop& loop, Sensor
 // refused.
 int join_at_loop(SharedMap& map, KeyFrameId current, const Loop& loop);
 
-// Fuses the place's points with those of the current key frame and of those beside it. Returns the number of points fused
-// or observations added.
+// Fuses the place's points with those of the current key frame and of those beside it. Returns the number of points
+// fused or observations added.
 int fuse_loop(SharedMap& map, KeyFrameId current, const Loop& loop, PointFuser& fuser);
 
 }  // namespace covis

@@ -12,8 +12,10 @@ struct LoopCorrectionTest : testing::Test {
   void SetUp() override { around.go_around(); }
   // The loop as it should be found, without the points found again.
   Loop true_loop(const Map& map) {
-    return {LoopPlace(map, around.place()), LoopRelation::same_submap,
-            Sim3(around.scene.T_cw(around.world.frames.size() - 1)), {}};
+    return {LoopPlace(map, around.place()),
+            LoopRelation::same_submap,
+            Sim3(around.scene.T_cw(around.world.frames.size() - 1)),
+            {}};
   }
 
   LoopScene around;

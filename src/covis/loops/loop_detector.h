@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds places that look like a new key frame's: by words, at least as alike as the key frame's least similar neighbour.
+// Finds places that look like a new key frame's: by words, at least as alike as the key frame's least similar
+// neighbour.
 // Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VII-A.
 #pragma once
 

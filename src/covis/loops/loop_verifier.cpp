@@ -176,8 +176,7 @@ LoopVerdict LoopVerifier::verify(const LoopCandidate& candidate) {
 std::optional<Sim3> LoopVerifier::similarity(const std::vector<Sim3Match>& matches, const LoopCandidate& candidate,
                                              LoopEvidence& evidence) const {
   const Pinhole& camera = candidate.camera;
-  const uint64_t seed =
-      hash_seed(static_cast<uint64_t>(seed_), RandomStage::loops, candidate.place.key_frame.slot);
+  const uint64_t seed = hash_seed(static_cast<uint64_t>(seed_), RandomStage::loops, candidate.place.key_frame.slot);
   const auto start = ransac_sim3(matches, camera, camera, !monocular(), seed, options_.min_inliers);
   if (!start) return std::nullopt;
   std::vector<Sim3Match> agreeing;

@@ -9,8 +9,8 @@
 //   4. the neighbours of the key frame, moved along, find the old place's points too,
 //   5. the correction is one that drift can explain: a share of the path travelled since. What looks alike but is
 //      another place (the same poster on two walls, two equal rooms) fails here.
-// A place in another submap joins the two submaps. Their relation is unknown, so that no drift could explain it: tests 3
-// and 4 ask for more instead, and the old place's views must find the new one's points as well.
+// A place in another submap joins the two submaps. Their relation is unknown, so that no drift could explain it: tests
+// 3 and 4 ask for more instead, and the old place's views must find the new one's points as well.
 //
 // Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VII-B; verification at once by several covisible
 // key frames: Campos et al., "ORB-SLAM3", T-RO 2021, section VI (merging of maps, too).

@@ -13,9 +13,7 @@ class LoopVerifierTest : public testing::Test {
  protected:
   void SetUp() override { around.go_around(); }
 
-  LoopCandidate candidate() const {
-    return {*around.world.shared.read(), around.current, around.place()};
-  }
+  LoopCandidate candidate() const { return {*around.world.shared.read(), around.current, around.place()}; }
   static LoopVerdict verify(const LoopCandidate& candidate, const LoopOptions& options = {},
                             Sensor sensor = Sensor::rgbd) {
     return LoopVerifier(sensor, options, 0).verify(candidate);
@@ -50,9 +48,7 @@ class JoinVerifierTest : public LoopVerifierTest {
   const SE3 shift = SE3::exp((Vector6d() << 3, 1, -2, 0.1, 0.7, 0.2).finished());
   void SetUp() override { around.go_twice(12, shift); }
 
-  LoopCandidate candidate() const {
-    return {*around.world.shared.read(), around.current, around.world.frames[11]};
-  }
+  LoopCandidate candidate() const { return {*around.world.shared.read(), around.current, around.world.frames[11]}; }
 };
 
 TEST_F(LoopVerifierTest, ThePlaceSeenAgainIsALoop) {
@@ -105,11 +101,12 @@ TEST_F(LoopVerifierTest, TiedAlready) {
 TEST_F(LoopVerifierTest, NeighboursDisagree) {
   LoopCandidate alone = candidate();
   ASSERT_GE(alone.neighbours.size(), 2u);
-  for (KeyFrameView& neighbour : alone.neighbours) neighbour.features = std::make_shared<Features>([] {
-    Features none = no_features();
-    finish(none);
-    return none;
-  }());
+  for (KeyFrameView& neighbour : alone.neighbours)
+    neighbour.features = std::make_shared<Features>([] {
+      Features none = no_features();
+      finish(none);
+      return none;
+    }());
   EXPECT_EQ(refusal(alone), LoopRefusal::neighbours_disagree);
   alone.neighbours.clear();
   EXPECT_EQ(refusal(alone), LoopRefusal::none) << "there is none to be asked";

@@ -37,8 +37,7 @@ std::vector<KeyFrameId> carry_down(const Map& map, KeyFrameId root, Poses& poses
     const KeyFrame& key_frame = map.at(open[k]);
     if (!poses.adjusted[open[k].slot] && key_frame.parent.valid()) {
       const uint32_t parent = key_frame.parent.slot;
-      poses.after[open[k].slot] =
-          (key_frame.T_cw * poses.before[parent].inverse() * poses.after[parent]).normalized();
+      poses.after[open[k].slot] = (key_frame.T_cw * poses.before[parent].inverse() * poses.after[parent]).normalized();
     }
     open.insert(open.end(), key_frame.children.begin(), key_frame.children.end());
   }

@@ -50,7 +50,7 @@ struct MapPoint {
   float d_min = 0, d_max = 0;                          // distances at which the pyramid can see it
   std::vector<Observation> observations;               // sorted by key-frame handle
   KeyFrameId reference;         // the observer that gives d_min, d_max (erased: the next observer)
-  uint32_t created_serial = 0;  // serial of the key frame that was newest when it was made
+  uint32_t created_serial = 0;  // serial of the newest key frame when it was made: for map files alone, which have it
   uint32_t visible = 1;         // frames in which it was predicted in view
   uint32_t found = 1;           // frames in which it was matched
 };
@@ -189,8 +189,8 @@ class Map {
   bool replace_point(MapPointId old, MapPointId by);
   // The live handle that `id` has become through replacements; invalid when it was erased.
   MapPointId forwarded(MapPointId id) const;
-  // Replacements made before the key frame of this serial are forgotten: the handles they forwarded lead nowhere from
-  // now on. For handles that nobody holds any more.
+  // Forgets replacements made before the key frame of this serial, whose handles nobody should hold any more. A handle
+  // they forwarded then counts as erased, never as another point: generations differ.
   void forget_forwarding(uint32_t before_serial);
   size_t forwarding_count() const { return replaced_by_.size(); }
   const MapPoint* find(MapPointId id) const { return points_.find(id); }

@@ -72,11 +72,10 @@ std::optional<InitialMap> make_initial_map(SharedMap& shared, const InitialMapRe
   const auto copy = [](const FeaturesPtr& features) { return std::make_shared<Features>(*features); };
   const SE3 T_21(problem.poses[1].R(), Eigen::Vector3d(problem.poses[1].t() * *scale));
   InitialMap made;
-  made.first = map.map().begin_submap(request.first.frame, request.first.stamp, SE3(),
-                                             copy(request.first.features));
+  made.first = map.map().begin_submap(request.first.frame, request.first.stamp, SE3(), copy(request.first.features));
   const uint32_t submap = map->at(made.first).submap;
-  made.second = map.map().add_key_frame(request.second.frame, request.second.stamp, T_21,
-                                               copy(request.second.features), submap);
+  made.second =
+      map.map().add_key_frame(request.second.frame, request.second.stamp, T_21, copy(request.second.features), submap);
   if (!made.second.valid()) {
     map.map().erase_submap(submap);
     return std::nullopt;

@@ -26,10 +26,9 @@ KeyFrameId insert_key_frame(SharedMap& shared, const KeyFrameRequest& request, R
     map.map().count_visible(point, count.visible);
     map.map().count_found(point, count.found);
   }
-  const KeyFrameId id =
-      reference ? map.map().add_key_frame(request.frame, request.stamp, T_cw, std::move(features),
-                                                 map->at(reference->key_frame).submap)
-                : map.map().begin_submap(request.frame, request.stamp, T_cw, std::move(features));
+  const KeyFrameId id = reference ? map.map().add_key_frame(request.frame, request.stamp, T_cw, std::move(features),
+                                                            map->at(reference->key_frame).submap)
+                                  : map.map().begin_submap(request.frame, request.stamp, T_cw, std::move(features));
   if (!id.valid()) return id;
   for (uint32_t feature = 0; feature < request.points.size(); ++feature) {
     const MapPointId point = map->forwarded(request.points[feature]);

@@ -56,17 +56,16 @@ AdjustmentReport adjust_locally(SharedMap& shared, KeyFrameId current, const Map
     report.points = static_cast<int>(local.points.size());
     report.observations = static_cast<int>(local.problem.observations.size());
   }
-  // With no other key frame to hold it the window would drift as a whole: the one that shares fewest points with the new
-  // key frame stays.
+  // With no other key frame to hold it the window would drift as a whole: the one that shares fewest points with the
+  // new key frame stays.
   BundleProblem& problem = local.problem;
   if (std::find(problem.fixed.begin(), problem.fixed.end(), 1) == problem.fixed.end()) problem.fixed.back() = 1;
 
-  BundleSummary summary =
-      adjuster.solve(problem, {.iterations = options.ba_iterations_first, .interrupt = interrupt});
+  BundleSummary summary = adjuster.solve(problem, {.iterations = options.ba_iterations_first, .interrupt = interrupt});
   if (summary.ok && !summary.interrupted && options.ba_iterations_second > 0) {
     classify_observations(problem);
-    summary = adjuster.solve(
-        problem, {.iterations = options.ba_iterations_second, .robust = false, .interrupt = interrupt});
+    summary =
+        adjuster.solve(problem, {.iterations = options.ba_iterations_second, .robust = false, .interrupt = interrupt});
   }
   report.interrupted = summary.interrupted;
   if (!summary.ok) return report;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bundle adjustment of the key frames around a new one, on a copy.
-// Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VI-D; Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017,
-// section III-C.
+// Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VI-D; Mur-Artal and Tardós, "ORB-SLAM2", T-RO
+// 2017, section III-C.
 #pragma once
 
 #include <atomic>

@@ -20,7 +20,8 @@ TEST_F(LocalAdjustmentTest, TheWindowIsTheBestNeighboursAndThoseThatHoldThem) {
   const LocalWindow window = local_window(*world.shared.read(), world.frames.back(), 4, 3);
   EXPECT_EQ(window.moving, 4u);
   ASSERT_EQ(window.key_frames.size(), 7u);
-  for (size_t k = 0; k < 4; ++k) EXPECT_EQ(window.key_frames[k], world.frames[11 - k]) << "the nearer, the more is shared";
+  for (size_t k = 0; k < 4; ++k)
+    EXPECT_EQ(window.key_frames[k], world.frames[11 - k]) << "the nearer, the more is shared";
   for (size_t k = 4; k < 7; ++k) EXPECT_EQ(window.key_frames[k], world.frames[11 - k]);
 }
 

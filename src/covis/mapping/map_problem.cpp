@@ -2,7 +2,10 @@
 #include "covis/mapping/map_problem.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
+
+#include "covis/matching/point_set.h"
 
 namespace covis {
 
@@ -16,13 +19,7 @@ void MapProblem::gather(const Map& map, const std::vector<KeyFrameId>& frames, s
     pose_of.emplace_back(frames[k], static_cast<int32_t>(k));
   }
   std::sort(pose_of.begin(), pose_of.end());
-  for (size_t k = 0; k < moving; ++k) {
-    for (const MapPointId& id : map.at(frames[k]).points) {
-      if (id.valid()) points.push_back(id);
-    }
-  }
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
+  points = points_of(map, std::span(frames).first(moving));
   problem.points.reserve(points.size());
   for (size_t p = 0; p < points.size(); ++p) {
     const MapPoint& point = map.at(points[p]);

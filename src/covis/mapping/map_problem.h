@@ -16,8 +16,8 @@ struct MapProblem {
   std::vector<KeyFrameId> key_frames;  // for each pose
   std::vector<MapPointId> points;      // for each point
 
-  // Takes the points that the first `moving` of `frames` see, with all observations from any of `frames`. Key frames from
-  // the `moving`th on, and roots, stay fixed.
+  // Takes the points that the first `moving` of `frames` see, with all observations from any of `frames`. Key frames
+  // from the `moving`th on, and roots, stay fixed.
   void gather(const Map& map, const std::vector<KeyFrameId>& frames, size_t moving);
   // Writes the result to what still exists; observations found to be outliers go.
   void commit(MapEdit& map) const;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Local mapping: the work that every new key frame asks for. Synchronous; its thread is in slam/mapping_actor.h. The
-// mapper is called by the one thread that writes to the map: it reads under read guards, computes on copies, and commits
-// under short write guards.
+// mapper is called by the one thread that writes to the map: it reads under read guards, computes on copies, and
+// commits under short write guards.
 // Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VI; Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017,
 // III-C.
 #pragma once
@@ -21,15 +21,11 @@ namespace covis {
 
 class Mapper {
  public:
-  // `close_depth`: baselines up to which a depth is close (culling of key frames). Without a vocabulary (null) key frames
-  // have no words.
+  // `close_depth`: baselines up to which a depth is close (culling of key frames). Without a vocabulary (null) key
+  // frames have no words.
   Mapper(SharedMap& map, Sensor sensor, const MapperOptions& options, double close_depth,
          std::shared_ptr<const Vocabulary> vocabulary = nullptr)
-      : map_(map),
-        sensor_(sensor),
-        options_(options),
-        close_depth_(close_depth),
-        vocabulary_(std::move(vocabulary)) {}
+      : map_(map), sensor_(sensor), options_(options), close_depth_(close_depth), vocabulary_(std::move(vocabulary)) {}
 
   // The whole of local mapping for one key frame. `interrupt` (may be null) becomes true when another waits: bundle
   // adjustment is then cut short.

@@ -18,7 +18,7 @@ struct MapperOptions {
   int ba_fixed_key_frames = 40;     // key frames that hold it, at most
   int ba_iterations_first = 5;      // before outliers are dropped
   int ba_iterations_second = 10;    // after
-  bool refine_focal = true;         // monocular, RGB-D: the focal length too, when the map tells it (docs/notes/002-focal-length.md)
+  bool refine_focal = true;         // monocular, RGB-D: the focal length too (docs/notes/002-focal-length.md)
   double cull_redundancy = 0.9;     // share of points seen by three others that makes a key frame redundant
 
   int neighbours(Sensor sensor) const {

@@ -12,8 +12,8 @@ struct MappingCounts {
 
 // The local bundle adjustment; all 0 when there was none.
 struct AdjustmentReport {
-  int key_frames = 0;    // that could move
-  int points = 0;        // all of them move
+  int key_frames = 0;  // that could move
+  int points = 0;      // all of them move
   int observations = 0;
   bool interrupted = false;
 };

@@ -67,8 +67,7 @@ bool holds(const Eigen::Vector3d& p_w, const Pinhole& camera, const View& a, uin
 bool too_near(const Pinhole& camera, Sensor sensor, const View& a, const View& b, const KeyFrameView& neighbour) {
   constexpr double kMinBaselineShare = 0.01;  // a share of the neighbour's median depth; monocular
   const double baseline = (a.T_wc.t() - b.T_wc.t()).norm();
-  return baseline <
-         (sensor == Sensor::monocular ? kMinBaselineShare * median_depth(neighbour) : camera.baseline());
+  return baseline < (sensor == Sensor::monocular ? kMinBaselineShare * median_depth(neighbour) : camera.baseline());
 }
 
 }  // namespace

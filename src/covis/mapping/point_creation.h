@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes points of features that a new key frame and its neighbours have in common, by triangulation or depth.
-// Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VI-C; Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017,
-// III-C.
+// Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VI-C; Mur-Artal and Tardós, "ORB-SLAM2", T-RO
+// 2017, III-C.
 #pragma once
 
 #include <cstdint>

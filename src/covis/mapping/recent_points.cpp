@@ -34,6 +34,7 @@ int RecentPoints::cull(SharedMap& shared, KeyFrameId current, Sensor sensor, dou
       return true;
     });
   }
+  if (failed.empty()) return 0;
   const auto map = shared.write();
   int culled = 0;
   for (const MapPointId& id : failed) culled += map->erase_point(id);

@@ -39,7 +39,8 @@ TEST_F(RecentPointsTest, ThoseNotObservedAgainGoAfterTwoKeyFrames) {
   look_elsewhere();
   EXPECT_EQ(cull(), 0);
   look_elsewhere();
-  EXPECT_EQ(cull(), static_cast<int>(points.size())) << "one observation with depth counts as two, and three are too few";
+  EXPECT_EQ(cull(), static_cast<int>(points.size()))
+      << "one observation with depth counts as two, and three are too few";
   EXPECT_EQ(recent.size(), 0u);
 }
 

@@ -36,6 +36,8 @@ System::System(const Camera& camera, const SystemOptions& options, std::shared_p
 System::~System() = default;
 
 Result<void> System::set_map(Map map, const Camera& made_by) {
+  // Handles of the map that is there would name other things in this one.
+  if (processed_ > 0) return fail("a map can be put in place before the first frame only");
   if (const std::string other = difference(given_, made_by); !other.empty()) {
     const std::string what = "the map was made by another camera (" + other + ")";
     if (!options_.localize)

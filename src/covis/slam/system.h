@@ -52,9 +52,9 @@ class System {
   System(const System&) = delete;
   System& operator=(const System&) = delete;
 
-  // Puts a map in place, for example a saved one: before the first frame. The camera is looked for in it. `made_by`:
-  // the camera it was made with, as it was given then. A map has one camera: made by another it is an error, unless it
-  // serves for localisation only.
+  // Puts a map in place, for example a saved one; an error after the first frame. The camera is looked for in it.
+  // `made_by`: the camera it was made with, as it was given then. A map has one camera: made by another it is an error,
+  // unless it serves for localisation only.
   Result<void> set_map(Map map, const Camera& made_by);
 
   struct Input {

@@ -36,7 +36,7 @@ struct Words {
 };
 
 // An image's features grouped by their ancestors at kDirectIndexLevel. (Covis itself does not use it for matching:
-// docs/results.md compares its results and cost with those of comparing all features.)
+// docs/notes/007-matching-by-words.md compares it with comparing all features.)
 struct DirectIndex {
   std::vector<uint32_t> node;     // distinct ancestor nodes, ascending
   std::vector<uint32_t> offset;   // the features of node[k] are feature[offset[k] .. offset[k + 1])

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/loops/loop_options.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+namespace covis {
+namespace {
+
+TEST(LoopOptions, EverySettingHasANameOfItsOwn) {
+  LoopOptions options;
+  std::set<std::string> names;
+  for (const Field& field : fields(options)) {
+    EXPECT_EQ(field.name.rfind("loop.", 0), 0u) << field.name;
+    EXPECT_TRUE(names.insert(field.name).second) << field.name;
+  }
+  EXPECT_EQ(names.size(), 13u);
+}
+
+TEST(LoopOptions, OneCameraMayDriftMore) {
+  const LoopOptions options;
+  EXPECT_EQ(options.drift(Sensor::monocular), options.max_drift_mono);
+  EXPECT_EQ(options.drift(Sensor::stereo), options.max_drift);
+  EXPECT_EQ(options.drift(Sensor::rgbd), options.max_drift);
+  EXPECT_GT(options.drift(Sensor::monocular), options.drift(Sensor::rgbd));
+}
+
+}  // namespace
+}  // namespace covis
