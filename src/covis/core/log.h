@@ -10,7 +10,8 @@ namespace covis {
 enum class LogLevel { debug, info, warning, error };
 using LogSink = std::function<void(LogLevel, std::string_view)>;
 
-// Must be called before threads start. The sink is called from any thread, under a lock, with one message at a time.
+// Must be called before threads start. The sink is called from any thread, one message at a time, under locks: it must
+// not call the system.
 void set_log_sink(LogSink sink);
 void log(LogLevel level, std::string_view message);
 
