@@ -58,7 +58,7 @@ inline int expect_results(const fs::path& out) {
     if (!line.is_object()) break;
     for (const char* key : {"frame", "stamp", "state", "reason"})
       EXPECT_TRUE(line.contains(key)) << key << " is missing in " << line;
-    // What came too late (a busy machine, in real time) was not looked at.
+    // Frames that came too late (a busy machine, in real time) were not processed.
     for (const char* key : {"inliers", "features", "ms"})
       EXPECT_EQ(line.contains(key), line["state"] != "late" && line["state"] != "unreadable") << key << " in " << line;
     EXPECT_EQ(line["state"] == "tracking", line["reason"] == "") << line;

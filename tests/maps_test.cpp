@@ -44,7 +44,7 @@ struct Walked {
   int merges = 0;
   size_t most_submaps = 0;         // at a time
   size_t reported = 0;             // frames reported to be tracked
-  std::vector<int64_t> tentative;  // of them
+  std::vector<int64_t> tentative;  // frames among them whose place was tentative
 
   Walked(Walk& the_walk, const SystemOptions& options)
       : walk(the_walk), system(walk.recording.synth.camera(), options, vocabulary()) {
@@ -293,7 +293,7 @@ TEST(Jump, IsNotToAnotherPosterInRealTimeEitherLong) {
     options.realtime = true;
     Walked run(walk, options);
     EXPECT_EQ(run.merges, 0);
-    std::map<uint32_t, PoseOfFrame> first;  // of each map
+    std::map<uint32_t, PoseOfFrame> first;  // the first pose of each submap
     for (const PoseOfFrame& pose : run.system.trajectory()) {
       const PoseOfFrame& begin = first.emplace(pose.submap, pose).first->second;
       const SE3 moved = begin.T_wc.inverse() * pose.T_wc,

@@ -48,7 +48,7 @@ struct LoopCandidate {
   Pinhole camera;
   KeyFrameView current;
   LoopPlace place;
-  LoopRelation relation = LoopRelation::same_submap;  // where the place lies
+  LoopRelation relation = LoopRelation::same_submap;  // the place lies in the same submap, or in another
   std::vector<KeyFrameView> members;                  // the first of the place's group
   std::vector<KeyFrameView> neighbours;               // the current key frame's best
   std::optional<LoopPlace> here;                      // around the current key frame; other_submap alone

@@ -78,7 +78,7 @@ FrameReport System::process(const Input& input) {
     discard(*outcome.discard_submap);
   }
   submit(std::move(outcome.request));
-  if (outcome.result.method == TrackMethod::initialised) {  // nothing can be tracked before the map is there
+  if (outcome.result.method == TrackMethod::initialised) {  // the map has to be there before a frame can be tracked
     apply_all_mapping(report);
     report_begun_map(report);
   }

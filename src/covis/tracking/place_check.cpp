@@ -127,7 +127,7 @@ bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand de
   if (from_here.enough()) return from_here.passes();
   if (from_near.enough() && !from_near.passes()) return false;
   if (young_too.enough()) return young_too.passes();
-  return !strict || share == 0;  // nothing was seen from here before
+  return !strict || share == 0;  // no point was seen from here before
 }
 
 bool well_determined(const Matrix6d& information, double mean_depth, const Pinhole& camera) {
