@@ -49,10 +49,9 @@ struct MapPoint {
   Descriptor descriptor;                               // the observation's with the least median distance to the others
   float d_min = 0, d_max = 0;                          // distances at which the pyramid can see it
   std::vector<Observation> observations;               // sorted by key-frame handle
-  KeyFrameId reference;         // the observer that gives d_min, d_max (erased: the next observer)
-  uint32_t created_serial = 0;  // serial of the newest key frame when it was made: for map files alone, which have it
-  uint32_t visible = 1;         // frames in which it was predicted in view
-  uint32_t found = 1;           // frames in which it was matched
+  KeyFrameId reference;  // the observer that gives d_min, d_max (erased: the next observer)
+  uint32_t visible = 1;  // frames in which it was predicted in view
+  uint32_t found = 1;    // frames in which it was matched
 };
 
 struct Neighbour {

@@ -28,7 +28,6 @@ MapPointId Map::add_point(const Eigen::Vector3d& position_w, KeyFrameId referenc
   point.descriptor = key_frame->features->descriptor[feature];
   reserve_one_more(point.observations);
   point.observations.push_back({reference, feature});
-  point.created_serial = next_serial_ - 1;
   const MapPointId id = points_.insert(std::move(point));
   key_frame->points[feature] = id;
   refresh_point_geometry(id);

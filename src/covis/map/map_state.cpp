@@ -56,7 +56,6 @@ std::string problem_of(const MapState& state, const MapPointState& p) {
   if (!p.position_w.allFinite() || !p.normal_w.allFinite()) return "is not finite";
   if (!std::isfinite(p.d_min) || !std::isfinite(p.d_max)) return "has a range of distances that is not finite";
   if (p.reference >= state.key_frames.size()) return "has a reference that is not there";
-  if (p.created_serial >= state.next_serial) return "is newer than the newest key frame";
   return {};
 }
 
@@ -123,8 +122,8 @@ MapState Map::state() const {
   for_each_point([&](MapPointId id, const MapPoint& p) {
     point_index.resize(id.slot + size_t{1});
     point_index[id.slot] = static_cast<uint32_t>(state.points.size());
-    state.points.push_back({p.position_w, p.normal_w, p.descriptor, p.d_min, p.d_max, frame_index[p.reference.slot],
-                            p.created_serial, p.visible, p.found});
+    state.points.push_back(
+        {p.position_w, p.normal_w, p.descriptor, p.d_min, p.d_max, frame_index[p.reference.slot], p.visible, p.found});
   });
   state.key_frames.reserve(frames.size());
   for (const KeyFrameId& id : frames) {
@@ -189,7 +188,6 @@ Result<Map> Map::from_state(MapState state) {
     point.descriptor = p.descriptor;
     point.d_min = p.d_min;
     point.d_max = p.d_max;
-    point.created_serial = p.created_serial;
     point.visible = p.visible;
     point.found = p.found;
     points.push_back(map.points_.insert(std::move(point)));

@@ -32,7 +32,6 @@ struct MapPointState {
   Descriptor descriptor;
   float d_min = 0, d_max = 0;  // metres
   uint32_t reference = 0;      // index of a key frame
-  uint32_t created_serial = 0;
   uint32_t visible = 1, found = 1;
 };
 

@@ -110,7 +110,11 @@ void point_fields(Fields& fields, P& p) {
   fields.array(p.descriptor.bits.data(), p.descriptor.bits.size());
   fields(p.d_min);
   fields(p.d_max);
-  for (auto* value : {&p.reference, &p.created_serial, &p.visible, &p.found}) fields(*value);
+  fields(p.reference);
+  uint32_t reserved = 0;  // written as 0, which earlier readers accept; what a file has here is not looked at
+  fields(reserved);
+  fields(p.visible);
+  fields(p.found);
 }
 
 // ---- Checks ----

@@ -107,6 +107,25 @@ TEST_F(MapFile, EmptyMapAndSmallMaps) {
   EXPECT_EQ(map.at(k).serial, 1u);
 }
 
+// Older files have a key frame's serial there.
+TEST_F(MapFile, TheReservedFieldOfAPointIsNotLookedAt) {
+  constexpr size_t kRecord = 104, kReserved = 92;  // bytes
+  const Map map = random_map(3, 300);
+  const std::string bytes = bytes_of(map);
+  const std::string older = with_changed(5, [](std::string& points) {
+    for (size_t at = kReserved; at < points.size(); at += kRecord) {
+      EXPECT_EQ(points.substr(at, 4), std::string(4, '\0'));
+      points[at] = 7;
+    }
+  });
+  EXPECT_NE(older, bytes);
+  write_file(file(), older);
+  const auto loaded = load_map(file());
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  expect_equal(map, loaded->map);
+  EXPECT_EQ(bytes_of(loaded->map), bytes);
+}
+
 TEST_F(MapFile, LoadedMapGoesOn) {
   const Map map = random_map(3, 700);
   bytes_of(map);

@@ -150,7 +150,6 @@ inline void expect_equal(const Map& a, const Map& b) {
     EXPECT_EQ(p.d_min, q.d_min);
     EXPECT_EQ(p.d_max, q.d_max);
     EXPECT_EQ(frame(p.reference), q.reference);
-    EXPECT_EQ(p.created_serial, q.created_serial);
     EXPECT_EQ(p.visible, q.visible);
     EXPECT_EQ(p.found, q.found);
     ASSERT_EQ(p.observations.size(), q.observations.size());

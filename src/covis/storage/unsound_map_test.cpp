@@ -87,7 +87,6 @@ std::vector<Unsound> unsound_points(const Places& at) {
           {"not finite", [](MapState& s) { s.points[0].d_max = std::numeric_limits<float>::infinity(); }},
           {"range of distances", [](MapState& s) { s.points[0].d_min = s.points[0].d_max + 1; }},
           {"reference", [=](MapState& s) { s.points[0].reference = at.last + 1; }},
-          {"newer than", [](MapState& s) { s.points[0].created_serial = s.next_serial; }},
           {"no observation", [](MapState& s) { s.points.emplace_back(s.points[0]); }}};
 }
 
