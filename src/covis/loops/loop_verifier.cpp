@@ -128,7 +128,7 @@ LoopPlace::LoopPlace(const Map& map, KeyFrameId id) : key_frame(id), T_cw(map.at
 }
 
 LoopCandidate::LoopCandidate(const Map& map, KeyFrameId from, KeyFrameId to)
-    : camera(map.camera()), current(map, from), place(map, to) {
+    : camera(map.camera()), frame(map.at(from).frame), current(map, from), place(map, to) {
   for (size_t g = 0; g < place.group.size() && g < kGroupMatching; ++g) members.emplace_back(map, place.group[g]);
   for (const Neighbour& n : map.best_neighbours(from, kNeighbours)) neighbours.emplace_back(map, n.key_frame);
   if (map.at(from).submap == map.at(to).submap) {
@@ -176,7 +176,8 @@ LoopVerdict LoopVerifier::verify(const LoopCandidate& candidate) {
 std::optional<Sim3> LoopVerifier::similarity(const std::vector<Sim3Match>& matches, const LoopCandidate& candidate,
                                              LoopEvidence& evidence) const {
   const Pinhole& camera = candidate.camera;
-  const uint64_t seed = hash_seed(static_cast<uint64_t>(seed_), RandomStage::loops, candidate.place.key_frame.slot);
+  const uint64_t seed =
+      hash_seed(static_cast<uint64_t>(seed_), RandomStage::loops, static_cast<uint64_t>(candidate.frame));
   const auto start = ransac_sim3(matches, camera, camera, !monocular(), seed, options_.min_inliers);
   if (!start) return std::nullopt;
   std::vector<Sim3Match> agreeing;
