@@ -21,12 +21,11 @@ void BackgroundAdjustment::start(std::unique_ptr<AdjustmentJob> job, int key_fra
   });
 }
 
-BackgroundAdjustment::Outcome BackgroundAdjustment::apply(SharedMap& shared) {
+BackgroundAdjustment::Outcome BackgroundAdjustment::apply(SharedMap& map) {
   thread_.join();
   const std::unique_ptr<AdjustmentJob> job = std::move(job_);
   Outcome outcome{.kind = job->kind(), .solved = solved_, .ms = ms_};
   if (!solved_) return outcome;
-  MapEdit map(shared);
   outcome.applied = job->apply(map);
   return outcome;
 }

@@ -8,7 +8,7 @@
 #include <memory>
 #include <thread>
 
-#include "covis/map/map_edit.h"
+#include "covis/map/shared_map.h"
 
 namespace covis {
 
@@ -21,8 +21,9 @@ class AdjustmentJob {
   virtual AdjustmentKind kind() const = 0;
   // On the job's thread, without the map; ends soon when `interrupt` becomes true. False: there is no result to apply.
   virtual bool run(const std::atomic<bool>& interrupt) = 0;
-  // On the mapping thread. False: the map has changed so that the result does not fit, and was left alone.
-  virtual bool apply(MapEdit& map) const = 0;
+  // On the mapping thread, without a guard: reads what it needs, then writes. False: the map has changed so that the
+  // result does not fit, and was left alone.
+  virtual bool apply(SharedMap& map) const = 0;
 };
 
 class BackgroundAdjustment {

@@ -18,8 +18,8 @@ class HeldJob : public AdjustmentJob {
     while (!let_go_ && !interrupt) std::this_thread::yield();
     return solved_ && !interrupt;
   }
-  bool apply(MapEdit& map) const override {
-    map.map().count_move();
+  bool apply(SharedMap& map) const override {
+    map.write()->count_move();
     return true;
   }
 

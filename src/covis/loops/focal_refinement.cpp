@@ -70,10 +70,10 @@ bool FocalRefinement::run(const std::atomic<bool>& interrupt) {
   return solved && refine_focal(problem, adjuster, given_fx_, &interrupt);
 }
 
-bool FocalRefinement::apply(MapEdit& map) const {
-  if (map->submaps().size() != 1 || !apply_submap(submap_, map)) return false;
+bool FocalRefinement::apply(SharedMap& map) const {
   const Pinhole& camera = submap_.problem.camera;
-  map.map().set_camera(camera);
+  const size_t submaps = map.read()->submaps().size();
+  if (submaps != 1 || !apply_submap(submap_, map, camera)) return false;
   log(LogLevel::info,
       "focal length refined: " + std::to_string(camera.fx) + " pixels instead of " + std::to_string(given_fx_));
   return true;

@@ -47,7 +47,7 @@ class FocalRefinement : public AdjustmentJob {
 
   AdjustmentKind kind() const override { return AdjustmentKind::focal; }
   bool run(const std::atomic<bool>& interrupt) override;
-  bool apply(MapEdit& map) const override;
+  bool apply(SharedMap& map) const override;
 
  private:
   FocalRefinement(MapProblem submap, double given_fx) : submap_(std::move(submap)), given_fx_(given_fx) {}

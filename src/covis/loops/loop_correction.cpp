@@ -28,13 +28,13 @@ void write_back(const LoopGraph& graph, SharedMap& shared) {
   std::vector<std::pair<KeyFrameId, size_t>> order;
   for (size_t k = 0; k < graph.frames.size(); ++k) order.emplace_back(graph.frames[k], k);
   std::sort(order.begin(), order.end());
-  MapEdit map(shared);
   std::vector<std::pair<MapPointId, Eigen::Vector3d>> places;
-  map->for_each_point([&](MapPointId id, const MapPoint& point) {
+  shared.read()->for_each_point([&](MapPointId id, const MapPoint& point) {
     const auto at = std::lower_bound(order.begin(), order.end(), std::pair{point.reference, size_t{0}});
     if (at == order.end() || at->first != point.reference) return;
     places.emplace_back(id, problem.poses[at->second].inverse() * (graph.before[at->second] * point.position_w));
   });
+  MapEdit map(shared);  // all of it at once: a reader must not see half a loop
   for (size_t k = 0; k < graph.frames.size(); ++k) {
     if (!problem.fixed[k])
       map.map().correct_pose(graph.frames[k], problem.poses[k].as_pose(), 1 / problem.poses[k].scale());
@@ -127,8 +127,7 @@ int fuse_loop(SharedMap& shared, KeyFrameId current, const Loop& loop, PointFuse
     fused += fuser.fuse(shared, target, loop.place.points.id,
                         {.window = 4, .keep = FuseKeep::given, .error = MatchError::not_asked});
   }
-  MapEdit map(shared);
-  for (const KeyFrameId& target : targets) map.touch_points_of(target);
+  refresh_points_of(shared, targets);
   return fused;
 }
 

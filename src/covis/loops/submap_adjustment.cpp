@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "covis/map/map_edit.h"
+
 namespace covis {
 namespace {
 
@@ -44,6 +46,33 @@ std::vector<KeyFrameId> carry_down(const Map& map, KeyFrameId root, Poses& poses
   return open;
 }
 
+// The new places of a submap's key frames and points.
+struct SubmapPlaces {
+  std::vector<std::pair<KeyFrameId, SE3>> poses;
+  std::vector<std::pair<MapPointId, Eigen::Vector3d>> points;
+};
+
+std::optional<SubmapPlaces> places_of(const Map& map, const MapProblem& adjusted) {
+  const auto& frames = adjusted.key_frames;
+  const auto alive = std::find_if(frames.begin(), frames.end(), [&](KeyFrameId id) { return map.find(id); });
+  if (alive == frames.end()) return std::nullopt;
+  const Submap& submap = *map.submap(map.at(*alive).submap);
+  Poses poses(map, adjusted);
+  SubmapPlaces places;
+  for (const KeyFrameId& id : carry_down(map, submap.root, poses)) places.poses.emplace_back(id, poses.after[id.slot]);
+  map.for_each_point([&](MapPointId id, const MapPoint& point) {
+    if (map.at(point.reference).submap != submap.id) return;
+    const auto at = std::lower_bound(adjusted.points.begin(), adjusted.points.end(), id);
+    if (at != adjusted.points.end() && *at == id) {
+      places.points.emplace_back(id, adjusted.problem.points[static_cast<size_t>(at - adjusted.points.begin())]);
+    } else {
+      const uint32_t reference = point.reference.slot;
+      places.points.emplace_back(id, poses.after[reference].inverse() * (poses.before[reference] * point.position_w));
+    }
+  });
+  return places;
+}
+
 }  // namespace
 
 std::optional<MapProblem> copy_submap(const Map& map, KeyFrameId key_frame) {
@@ -54,28 +83,15 @@ std::optional<MapProblem> copy_submap(const Map& map, KeyFrameId key_frame) {
   return problem;
 }
 
-bool apply_submap(const MapProblem& adjusted, MapEdit& map) {
-  const auto& frames = adjusted.key_frames;
-  const auto alive = std::find_if(frames.begin(), frames.end(), [&](KeyFrameId id) { return map->find(id); });
-  if (alive == frames.end()) return false;
+bool apply_submap(const MapProblem& adjusted, SharedMap& shared, const std::optional<Pinhole>& camera) {
+  const std::optional<SubmapPlaces> places = places_of(*shared.read(), adjusted);
+  if (!places) return false;
+  MapEdit map(shared);  // all of it at once: poses, points and camera belong together
   map.map().count_move();
-  const Submap submap = *map->submap(map->at(*alive).submap);
-  Poses poses(*map, adjusted);
-  const std::vector<KeyFrameId> moved = carry_down(*map, submap.root, poses);
-  std::vector<std::pair<MapPointId, Eigen::Vector3d>> places;
-  map->for_each_point([&](MapPointId id, const MapPoint& point) {
-    if (map->at(point.reference).submap != submap.id) return;
-    const auto at = std::lower_bound(adjusted.points.begin(), adjusted.points.end(), id);
-    if (at != adjusted.points.end() && *at == id) {
-      places.emplace_back(id, adjusted.problem.points[static_cast<size_t>(at - adjusted.points.begin())]);
-    } else {
-      const uint32_t reference = point.reference.slot;
-      places.emplace_back(id, poses.after[reference].inverse() * (poses.before[reference] * point.position_w));
-    }
-  });
-  for (const KeyFrameId& id : moved) map.map().set_pose(id, poses.after[id.slot]);
-  for (const auto& [id, position] : places) map.set_position(id, position);
+  for (const auto& [id, T_cw] : places->poses) map.map().set_pose(id, T_cw);
+  for (const auto& [id, position] : places->points) map.set_position(id, position);
   adjusted.erase_outliers(map);
+  if (camera) map.map().set_camera(*camera);
   return true;
 }
 

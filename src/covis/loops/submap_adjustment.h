@@ -14,10 +14,11 @@ namespace covis {
 // A copy of the submap that a key frame belongs to; nothing when it has fewer than two key frames.
 std::optional<MapProblem> copy_submap(const Map& map, KeyFrameId key_frame);
 
-// Writes an adjusted submap to the map. What came meanwhile moves along: key frames keep their poses relative to their
-// parents in the spanning tree, points relative to their reference key frames. False (and nothing done) when the submap
-// was given up meanwhile.
-bool apply_submap(const MapProblem& adjusted, MapEdit& map);
+// Writes an adjusted submap to the map, and its camera where that was adjusted too. What came meanwhile moves along:
+// key frames keep their poses relative to their parents in the spanning tree, points relative to their reference key
+// frames. Works out all places under a read guard before it takes the write guard. False (and nothing done) when the
+// submap was given up meanwhile.
+bool apply_submap(const MapProblem& adjusted, SharedMap& shared, const std::optional<Pinhole>& camera = {});
 
 // Full bundle adjustment, after a loop.
 class FullAdjustment : public AdjustmentJob {
@@ -27,7 +28,7 @@ class FullAdjustment : public AdjustmentJob {
 
   AdjustmentKind kind() const override { return AdjustmentKind::full; }
   bool run(const std::atomic<bool>& interrupt) override;
-  bool apply(MapEdit& map) const override { return apply_submap(submap_, map); }
+  bool apply(SharedMap& map) const override { return apply_submap(submap_, map); }
 
  private:
   FullAdjustment(MapProblem submap, int iterations) : submap_(std::move(submap)), iterations_(iterations) {}

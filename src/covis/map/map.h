@@ -54,6 +54,13 @@ struct MapPoint {
   uint32_t found = 1;    // frames in which it was matched
 };
 
+// What follows from a point's observations: the members of MapPoint of the same names.
+struct PointAppearance {
+  Eigen::Vector3d normal_w;
+  float d_min = 0, d_max = 0;
+  Descriptor descriptor;
+};
+
 struct Neighbour {
   KeyFrameId key_frame;
   int weight = 0;  // points shared
@@ -195,8 +202,12 @@ class Map {
   const MapPoint* find(MapPointId id) const { return points_.find(id); }
   const MapPoint& at(MapPointId id) const { return points_.at(id); }
   bool set_position(MapPointId id, const Eigen::Vector3d& position_w);  // false when stale or not finite
-  // Recomputes normal, distance range and representative descriptor from the observations.
-  void refresh_point(MapPointId id);
+  // A live point's appearance as its observations have it now. It takes long where there are many: they are compared
+  // pair by pair.
+  PointAppearance appearance(MapPointId id) const;
+  void set_appearance(MapPointId id, const PointAppearance& appearance);
+  // Both at once.
+  void refresh_point(MapPointId id) { set_appearance(id, appearance(id)); }
   // Only normal and distance range: after poses or positions moved.
   void refresh_point_geometry(MapPointId id);
   void count_visible(MapPointId id, uint32_t frames);

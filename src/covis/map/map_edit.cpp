@@ -2,6 +2,8 @@
 #include "covis/map/map_edit.h"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 namespace covis {
 namespace {
@@ -53,10 +55,22 @@ bool MapEdit::set_position(MapPointId id, const Eigen::Vector3d& position_w) {
   return map_.set_position(id, position_w);
 }
 
-void MapEdit::touch_points_of(KeyFrameId key_frame) {
-  for (const MapPointId& id : map_.at(key_frame).points) {
-    if (id.valid()) touched_.push_back(id);
+void refresh_points_of(SharedMap& shared, std::span<const KeyFrameId> key_frames) {
+  std::vector<std::pair<MapPointId, PointAppearance>> seen;
+  {
+    const auto map = shared.read();
+    std::vector<MapPointId> points;
+    for (const KeyFrameId& key_frame : key_frames) {
+      const std::vector<MapPointId>& observed = map->at(key_frame).points;
+      std::copy_if(observed.begin(), observed.end(), std::back_inserter(points),
+                   [](MapPointId id) { return id.valid(); });
+    }
+    make_unique(points);
+    seen.reserve(points.size());
+    for (const MapPointId& id : points) seen.emplace_back(id, map->appearance(id));
   }
+  const auto map = shared.write();
+  for (const auto& [id, appearance] : seen) map->set_appearance(id, appearance);
 }
 
 }  // namespace covis

@@ -2,10 +2,14 @@
 // Changes of the map's points that leave everything derived from their observations right: when the edit ends, every
 // point it touched and that lives gets its normal, its range of distances and its descriptor anew. A point that was
 // only moved, or lost an observation, keeps its descriptor.
+//
+// An edit holds the write guard from its first change to the last refresh, so that no reader meets a point in between.
+// It is short because callers work out values before they begin it, and bounded by the observations of what it touches.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "covis/map/shared_map.h"
@@ -33,8 +37,6 @@ class MapEdit {
   bool erase_observation(MapPointId point, KeyFrameId key_frame);
   bool replace_point(MapPointId old, MapPointId by);
   bool set_position(MapPointId id, const Eigen::Vector3d& position_w);
-  // All points that a key frame observes were touched outside this edit (PointFuser).
-  void touch_points_of(KeyFrameId key_frame);
 
  private:
   std::optional<SharedMap::WriteGuard> guard_;
@@ -42,5 +44,9 @@ class MapEdit {
   std::vector<MapPointId> touched_;  // everything derived is made anew
   std::vector<MapPointId> moved_;    // normal and range alone
 };
+
+// Refreshes all points that these key frames observe, after PointFuser, which leaves that to its caller: works it out
+// under a read guard, and stores it under a write guard. For the one thread that writes to the map.
+void refresh_points_of(SharedMap& shared, std::span<const KeyFrameId> key_frames);
 
 }  // namespace covis

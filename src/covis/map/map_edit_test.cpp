@@ -74,10 +74,16 @@ TEST_F(MapEditTest, ReplacedAndErasedPointsAreNoHarm) {
 }
 
 TEST_F(MapEditTest, PointsTouchedElsewhereAreRefreshedOnDemand) {
-  const MapPointId p = f.map.add_point({0, 0, 4}, frames[0], 0);
+  const MapPointId p = f.map.add_point({0, 0, 4}, frames[0], 0), q = f.map.add_point({0, 0, 4}, frames[1], 3);
   f.map.add_observation(p, frames[1], 1);
   f.map.add_observation(p, frames[2], 2);
-  MapEdit(f.map).touch_points_of(frames[2]);
+  f.map.add_observation(q, frames[0], 3);
+  const Eigen::Vector3d normal = f.map.at(q).normal_w;
+  SharedMap shared;
+  *shared.write() = std::move(f.map);
+  refresh_points_of(shared, std::vector{frames[2]});
+  f.map = std::move(*shared.write());
+  EXPECT_EQ(f.map.at(q).normal_w, normal) << "not seen from there";
   expect_fresh(p);
 }
 

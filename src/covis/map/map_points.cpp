@@ -12,6 +12,21 @@ namespace {
 // More observations than this add nothing to the representative descriptor; the first ones are compared.
 constexpr size_t kMaxCompared = 48;
 
+// Normal and range of distances.
+void derive_geometry(const Map& map, const MapPoint& point, PointAppearance& seen) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Observation& o : point.observations) {
+    const Eigen::Vector3d ray = point.position_w - map.at(o.key_frame).T_cw.centre();
+    const double distance = ray.norm();
+    if (distance > 0) sum += ray / distance;
+    if (o.key_frame != point.reference) continue;
+    const Features& f = *map.at(o.key_frame).features;
+    seen.d_max = static_cast<float>(distance) * f.pyramid->scale[f.level[o.feature]];
+    seen.d_min = seen.d_max / f.pyramid->scale.back();
+  }
+  seen.normal_w = sum / static_cast<double>(point.observations.size());
+}
+
 }  // namespace
 
 MapPointId Map::add_point(const Eigen::Vector3d& position_w, KeyFrameId reference, uint32_t feature) {
@@ -128,25 +143,18 @@ bool Map::set_position(MapPointId id, const Eigen::Vector3d& position_w) {
 }
 
 void Map::refresh_point_geometry(MapPointId id) {
-  MapPoint& point = points_.at(id);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Observation& o : point.observations) {
-    const Eigen::Vector3d ray = point.position_w - at(o.key_frame).T_cw.centre();
-    const double distance = ray.norm();
-    if (distance > 0) sum += ray / distance;
-    if (o.key_frame != point.reference) continue;
-    const Features& f = *at(o.key_frame).features;
-    point.d_max = static_cast<float>(distance) * f.pyramid->scale[f.level[o.feature]];
-    point.d_min = point.d_max / f.pyramid->scale.back();
-  }
-  point.normal_w = sum / static_cast<double>(point.observations.size());
+  const MapPoint& point = at(id);
+  PointAppearance seen{point.normal_w, point.d_min, point.d_max, point.descriptor};
+  derive_geometry(*this, point, seen);
+  set_appearance(id, seen);
 }
 
-void Map::refresh_point(MapPointId id) {
-  refresh_point_geometry(id);
-  MapPoint& point = points_.at(id);
+PointAppearance Map::appearance(MapPointId id) const {
+  const MapPoint& point = at(id);
+  PointAppearance seen{point.normal_w, point.d_min, point.d_max, point.descriptor};
+  derive_geometry(*this, point, seen);
   const size_t n = std::min(point.observations.size(), kMaxCompared);
-  if (n <= 1) return;
+  if (n <= 1) return seen;
   std::vector<const Descriptor*> descriptors(n);
   for (size_t i = 0; i < n; ++i) {
     const Observation& o = point.observations[i];
@@ -160,9 +168,18 @@ void Map::refresh_point(MapPointId id) {
     std::nth_element(distances.begin(), middle, distances.end());
     if (*middle < best) {
       best = *middle;
-      point.descriptor = *descriptors[i];
+      seen.descriptor = *descriptors[i];
     }
   }
+  return seen;
+}
+
+void Map::set_appearance(MapPointId id, const PointAppearance& appearance) {
+  MapPoint& point = points_.at(id);
+  point.normal_w = appearance.normal_w;
+  point.d_min = appearance.d_min;
+  point.d_max = appearance.d_max;
+  point.descriptor = appearance.descriptor;
 }
 
 void Map::count_visible(MapPointId id, uint32_t frames) {

@@ -53,6 +53,7 @@ int cull_key_frames(SharedMap& shared, KeyFrameId current, Sensor sensor, double
       const Redundancy counts = count_redundant(*map, id, sensor, close_depth);
       if (counts.points == 0 || !(counts.redundant > max_redundancy * counts.points)) continue;
     }
+    // No MapEdit: points keep normal and descriptor (architecture.md, decision 3).
     culled += shared.write()->erase_key_frame(id);
   }
   return culled;

@@ -40,7 +40,7 @@ int fuse_neighbours(SharedMap& shared, KeyFrameId current, Sensor sensor, const 
   for (const KeyFrameId& target : targets) fused += fuser.fuse(shared, target, own, fuse_options);
   const std::vector<MapPointId> others = points_of(*shared.read(), targets);
   fused += fuser.fuse(shared, current, others, fuse_options);
-  MapEdit(shared).touch_points_of(current);
+  refresh_points_of(shared, {&current, 1});
   return fused;
 }
 

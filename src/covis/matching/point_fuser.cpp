@@ -28,7 +28,7 @@ int PointFuser::fuse(SharedMap& shared, KeyFrameId target, const std::vector<Map
   matcher_.match(candidates_, {camera, *features, T_cw}, MatchGate::fusion(options.window, options.error));
   if (matcher_.matches().empty()) return 0;
 
-  // No MapEdit: callers fuse into several key frames with the descriptors of before, and touch the points at the end.
+  // No MapEdit: callers fuse into several key frames with the descriptors of before, and refresh the points at the end.
   const auto map = shared.write();
   if (!map->find(target)) return 0;
   int fused = 0;

@@ -40,6 +40,7 @@ class Backend {
   MappingReport process(const KeyFrameRequest& request, const std::atomic<bool>* interrupt);
   MappingReport initialise(const InitialMapRequest& request);
   void discard(uint32_t submap);
+  void forget_erased(uint64_t count) { map_.write()->forget_erased(count); }
   // Waits for the job in the background and applies its result.
   void finish();
 

@@ -62,6 +62,7 @@ std::optional<MappingReport> MappingActor::work_on(const BackendRequest& request
   if (const auto* key_frame = std::get_if<KeyFrameRequest>(&request)) return backend_.process(*key_frame, &interrupt_);
   if (const auto* initial = std::get_if<InitialMapRequest>(&request)) return backend_.initialise(*initial);
   if (const auto* discarded = std::get_if<DiscardSubmap>(&request)) backend_.discard(discarded->submap);
+  if (const auto* erased = std::get_if<ForgetErased>(&request)) backend_.forget_erased(erased->count);
   if (std::holds_alternative<FinishAdjustment>(request)) backend_.finish();
   return std::nullopt;
 }

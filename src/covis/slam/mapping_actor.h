@@ -24,6 +24,8 @@ class MappingActor {
   void submit(InitialMapRequest request);
   // Waits until all requests are worked off, and the submap is erased.
   void discard(uint32_t submap);
+  // The map forgets the first `count` erased key frames. Does not wait for that, as nobody refers to them.
+  void forget_erased(uint64_t count) { push(ForgetErased{count}); }
   // Waits until all requests are worked off, and the job in the background has ended and its result is applied.
   void finish();
 

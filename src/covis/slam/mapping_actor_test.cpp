@@ -91,6 +91,19 @@ TEST_F(MappingActorTest, ASubmapIsDiscardedAfterTheRequestsBeforeIt) {
   EXPECT_TRUE(actor->wait().key_frame.valid());
 }
 
+TEST_F(MappingActorTest, ErasedKeyFramesAreForgottenOnItsThread) {
+  actor->submit(first());
+  const KeyFrameId root = actor->wait().key_frame;
+  actor->submit(next(3, root));
+  const KeyFrameId erased = actor->wait().key_frame;
+  shared.write()->erase_key_frame(erased);
+  ASSERT_EQ(shared.read()->erased_count(), 1u);
+  actor->forget_erased(1);
+  actor->wait_idle();
+  EXPECT_EQ(actor->pending(), 0) << "the message is not answered";
+  EXPECT_EQ(shared.read()->erased_count(), 0u);
+}
+
 TEST_F(MappingActorTest, FinishingWaitsForTheRequestsBeforeIt) {
   actor->submit(first());
   const KeyFrameId root = actor->wait().key_frame;

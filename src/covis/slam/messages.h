@@ -14,10 +14,14 @@ namespace covis {
 struct DiscardSubmap {
   uint32_t submap = 0;
 };
+// The first so many erased key frames are forgotten (Map::forget_erased()).
+struct ForgetErased {
+  uint64_t count = 0;
+};
 // The result of the job in the background is waited for and applied.
 struct FinishAdjustment {};
 
-using BackendRequest = std::variant<KeyFrameRequest, InitialMapRequest, DiscardSubmap, FinishAdjustment>;
+using BackendRequest = std::variant<KeyFrameRequest, InitialMapRequest, DiscardSubmap, ForgetErased, FinishAdjustment>;
 
 // The answer to a KeyFrameRequest or an InitialMapRequest.
 struct MappingReport : MapperReport {

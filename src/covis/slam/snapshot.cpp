@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <unordered_map>
 
 namespace covis {
 namespace {
@@ -33,11 +34,33 @@ void add_points(const Map& map, Snapshot& snapshot) {
   map.for_each_point([&](MapPointId id, const MapPoint& point) {
     const uint32_t submap = map.at(point.reference).submap;
     snapshot.points.push_back({id, point.position_w, submap});
-    ++summary_of(submap, snapshot).points;
   });
 }
 
-void add_frames(const Map& map, const std::vector<FrameRecord>& records, Snapshot& snapshot) {
+// A key frame that frames refer to, or the one that lives in its place.
+struct Reference {
+  Map::Resolved living;
+  SE3 T_rw;  // its pose
+  uint32_t submap = 0;
+};
+using References = std::unordered_map<KeyFrameId, Reference>;
+
+// Many frames refer to one key frame, which is looked for once.
+References references_of(const Map& map, const std::vector<FrameRecord>& records) {
+  References references;
+  KeyFrameId last;
+  for (const FrameRecord& record : records) {
+    if (!record.pose || record.pose->key_frame == last) continue;
+    last = record.pose->key_frame;
+    const auto living = references.contains(last) ? std::nullopt : map.resolve(last);
+    if (!living) continue;
+    const KeyFrame& key_frame = map.at(living->key_frame);
+    references.emplace(last, Reference{*living, key_frame.T_cw, key_frame.submap});
+  }
+  return references;
+}
+
+void add_frames(const References& references, const std::vector<FrameRecord>& records, Snapshot& snapshot) {
   const auto pose_of = [](const FrameRecord& record, const SubmapPose& pose) {
     return PoseOfFrame{pose, record.frame, record.stamp};
   };
@@ -45,12 +68,18 @@ void add_frames(const Map& map, const std::vector<FrameRecord>& records, Snapsho
   snapshot.online.reserve(records.size());
   for (const FrameRecord& record : records) {
     if (record.online) snapshot.online.push_back(pose_of(record, *record.online));
-    const auto resolved = record.pose ? record.pose->resolved(map) : std::nullopt;
-    if (!resolved) continue;
-    const uint32_t submap = map.at(resolved->key_frame).submap;
-    snapshot.trajectory.push_back(pose_of(record, {resolved->T_cw(map).inverse(), submap}));
-    ++summary_of(submap, snapshot).frames;
+    if (!record.pose) continue;
+    const auto found = references.find(record.pose->key_frame);
+    if (found == references.end()) continue;
+    const Reference& reference = found->second;
+    const SE3 T_cw = reference.living.carry(record.pose->T_cr, record.pose->scale) * reference.T_rw;
+    snapshot.trajectory.push_back(pose_of(record, {T_cw.inverse(), reference.submap}));
   }
+}
+
+void count(Snapshot& snapshot) {
+  for (const Snapshot::Point& point : snapshot.points) ++summary_of(point.submap, snapshot).points;
+  for (const PoseOfFrame& pose : snapshot.trajectory) ++summary_of(pose.submap, snapshot).frames;
 }
 
 void sort_submaps(Snapshot& snapshot) {
@@ -90,15 +119,19 @@ std::shared_ptr<const Snapshot> SnapshotSource::get() const {
   auto snapshot = std::make_shared<Snapshot>();
   snapshot->revision = revision;
   const std::vector<FrameRecord> records = log_.records();
+  References references;
   {
+    // Copies alone: mapping waits for the guard. The poses of frames are worked out after it.
     const auto map = map_.read();
     snapshot->camera = frames_camera_.value_or(map->camera());
     snapshot->refused_non_finite = map->refused_non_finite();
     add_submaps(*map, loaded_end_, *snapshot);
     add_key_frames(*map, *snapshot);
     add_points(*map, *snapshot);
-    add_frames(*map, records, *snapshot);
+    references = references_of(*map, records);
   }
+  add_frames(references, records, *snapshot);
+  count(*snapshot);
   sort_submaps(*snapshot);
   latest_ = snapshot;
   return latest_;

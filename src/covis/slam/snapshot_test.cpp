@@ -100,6 +100,26 @@ TEST_F(SnapshotTest, IsMadeAnewWhenSomethingChangedOnly) {
   EXPECT_TRUE(first->trajectory.empty());
 }
 
+TEST_F(SnapshotTest, FramesOfAnErasedKeyFrameAreWhereTheMapHasThem) {
+  append(3, a);
+  append(4, b);
+  append(5, b);
+  append(6, a);
+  const std::vector<FrameRecord> records = log.records();
+  std::vector<Eigen::Vector3d> expected;
+  {
+    const auto map = shared.write();
+    map->attach_to_tree(b);
+    ASSERT_TRUE(map->erase_key_frame(b));
+    map->correct_pose(a, pose_at(-2), 1.5);
+    for (const FrameRecord& record : records) expected.push_back(record.pose->resolved(*map)->T_cw(*map).inverse().t());
+  }
+  const auto snapshot = source.get();
+  ASSERT_EQ(snapshot->trajectory.size(), 4u);
+  for (size_t k = 0; k < 4; ++k) EXPECT_EQ(snapshot->trajectory[k].T_wc.t(), expected[k]) << k;
+  EXPECT_EQ(snapshot->submaps[*snapshot->index_of(0)].frames, 4u);
+}
+
 TEST_F(SnapshotTest, FramesOfAnErasedSubmapAreLeftOut) {
   append(3, c);
   shared.write()->erase_submap(1);

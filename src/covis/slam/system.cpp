@@ -168,7 +168,7 @@ void System::anchor(const KeyFrameMade& made) {
     anchor_in(*map, made);
     forgettable = log_.reanchor(*map);
   }
-  if (forgettable) map_.write()->forget_erased(*forgettable);
+  if (forgettable) mapping_.forget_erased(*forgettable);
 }
 
 void System::anchor_in(const Map& map, const KeyFrameMade& made) {

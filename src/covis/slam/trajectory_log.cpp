@@ -56,6 +56,8 @@ void TrajectoryLog::forget(const Map& map, uint32_t submap) {
   }
 }
 
+// The caller holds a read guard meanwhile: a look at each frame, once in so many erased key frames, and a chain of
+// poses for the few whose key frame was erased since.
 std::optional<uint64_t> TrajectoryLog::reanchor(const Map& map) {
   constexpr uint64_t kEvery = 1024;  // erased key frames: some 200 kB of them
   const std::lock_guard lock(mutex_);

@@ -95,6 +95,9 @@ bool PlaceCheck::jumped(const Found& found) const {
   return T_cl.t().norm() > kWay * found.frame.mean_depth() || (T_cl.R().trace() - 1) / 2 < kTurn;
 }
 
+// Holds a read guard for as long as it goes through the points in view and their observers, some thousands of plain
+// numbers: copying these would take as long.
+//
 // Compares the points in view that were seen from about here before with how often they usually match. Points seen from
 // here decide: 0.6 of what is expected is exceeded by some 98 % of right places and 3 % of wrong ones. Where they are
 // too few, those seen from the same side say less, and must not speak against the place. More is asked of a single
