@@ -17,6 +17,12 @@ class Stopwatch {
   // Returns the milliseconds since construction or the last restart().
   double ms() const { return std::chrono::duration<double, std::milli>(Clock::now() - start_).count(); }
   void restart() { start_ = Clock::now(); }
+  // The same milliseconds; restarts.
+  double lap() {
+    const double since = ms();
+    restart();
+    return since;
+  }
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -171,8 +171,7 @@ FeaturesPtr Frontend::monocular(ImageView<const uint8_t> image) {
 FeaturesPtr Frontend::rgbd(ImageView<const uint8_t> image, ImageView<const float> depth) {
   Stopwatch watch;
   impl_->left.extract(image);
-  impl_->timing.extract_ms = watch.ms();
-  watch.restart();
+  impl_->timing.extract_ms = watch.lap();
   FeaturesPtr features = impl_->finish(depth);
   impl_->timing.depth_ms = watch.ms();
   return features;
@@ -181,8 +180,7 @@ FeaturesPtr Frontend::rgbd(ImageView<const uint8_t> image, ImageView<const float
 FeaturesPtr Frontend::stereo(ImageView<const uint8_t> left, ImageView<const uint8_t> right) {
   Stopwatch watch;
   impl_->pair->extract(left, right);
-  impl_->timing.extract_ms = watch.ms();
-  watch.restart();
+  impl_->timing.extract_ms = watch.lap();
   std::shared_ptr<Features> features = impl_->finish({});
   const Pinhole& camera = impl_->camera.pinhole;
   impl_->matcher.match(impl_->left, *impl_->right, camera.fx, camera.bf, features->u_right, features->depth);

@@ -7,26 +7,15 @@
 #include "covis/loops/loop_correction.h"
 
 namespace covis {
-namespace {
-
-// Milliseconds since the last lap.
-double lap(Stopwatch& watch) {
-  const double ms = watch.ms();
-  watch.restart();
-  return ms;
-}
-
-}  // namespace
-
 LoopReport LoopCloser::process(KeyFrameId current) {
   LoopReport report;
   Stopwatch watch;
   const std::vector<KeyFrameId> places = detector_.candidates(*map_.read(), current);
-  report.ms.query = lap(watch);
+  report.ms.query = watch.lap();
   report.candidates = static_cast<int>(places.size());
   if (places.empty()) return report;
   const std::optional<Loop> loop = recognise(current, places, report);
-  report.ms.verify = lap(watch);
+  report.ms.verify = watch.lap();
   if (!loop || !correct(current, *loop, report)) return report;
   report.fused = fuse_loop(map_, current, *loop, fuser_);
   {
@@ -34,7 +23,7 @@ LoopReport LoopCloser::process(KeyFrameId current) {
     if (report.changed_map()) map->add_loop_edge(current, loop->place.key_frame);
     detector_.recognised(map->at(current).serial);
   }
-  report.ms.correct = lap(watch);
+  report.ms.correct = watch.lap();
   return report;
 }
 

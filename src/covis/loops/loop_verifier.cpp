@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "covis/core/quantile.h"
 #include "covis/core/random.h"
 #include "covis/matching/descriptor_match.h"
 #include "covis/optimization/pose_optimization.h"
@@ -254,9 +255,8 @@ bool nothing_to_correct(const Loop& loop, const LoopDrift& drift, const Pinhole&
     const int32_t at = index_of(loop.place.points, id);
     depths.push_back((T_cw * loop.place.points.position(static_cast<size_t>(at))).z());
   }
-  const auto middle = depths.begin() + static_cast<ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  const double angle = drift.distance / std::max(*middle, 1e-9) + drift.rotation_deg * std::numbers::pi / 180;
+  const double median = quantile(std::move(depths), 0.5);
+  const double angle = drift.distance / std::max(median, 1e-9) + drift.rotation_deg * std::numbers::pi / 180;
   return angle * camera.fx < kPixels && std::abs(std::log(drift.scale)) < 0.005;
 }
 

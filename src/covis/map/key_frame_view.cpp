@@ -2,7 +2,9 @@
 #include "covis/map/key_frame_view.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "covis/core/quantile.h"
 #include "covis/core/reserve.h"
 
 namespace covis {
@@ -40,10 +42,7 @@ double median_depth(const KeyFrameView& view) {
   for (size_t i = 0; i < view.points.size(); ++i) {
     if (view.points[i].valid()) depths.push_back((view.T_cw * view.positions[i]).z());
   }
-  if (depths.empty()) return 0;
-  const auto middle = depths.begin() + static_cast<ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return quantile(std::move(depths), 0.5);
 }
 
 }  // namespace covis

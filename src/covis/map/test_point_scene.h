@@ -115,6 +115,21 @@ struct PointScene {
   }
 };
 
+// The request for view `i` of the path as the first of a submap, with the points it was matched to; other features with
+// depth make new ones.
+inline KeyFrameRequest request_of(const PointScene& scene, size_t i, const PointScene::View& view,
+                                  std::vector<MapPointId> matched) {
+  KeyFrameRequest r;
+  r.frame = r.stamp = static_cast<int64_t>(i);
+  r.features = view.features;
+  r.pose.T_cr = scene.T_cw(i);
+  r.points = std::move(matched);
+  for (uint32_t f = 0; f < view.point.size(); ++f) {
+    if (!r.points[f].valid() && view.features->has_depth(static_cast<int>(f))) r.new_points.push_back(f);
+  }
+  return r;
+}
+
 // A map of a scene, and which of its points is which of the scene's.
 struct SceneMap {
   const PointScene& scene;
@@ -173,23 +188,12 @@ struct SceneMap {
   // The request that makes view `i` of the path a key frame, relative to one of the map, with every point matched that
   // the map has; features with depth and without a point make new ones.
   KeyFrameRequest request(size_t i, KeyFrameId reference) const {
-    const SE3 T_cw = scene.T_cw(i);
-    const PointScene::View view = scene.view(T_cw, sensor, i);
-    KeyFrameRequest r;
-    r.frame = static_cast<int64_t>(i);
-    r.stamp = static_cast<Timestamp>(i);
-    r.features = view.features;
-    r.points.resize(view.point.size());
+    const PointScene::View view = scene.view(scene.T_cw(i), sensor, i);
     const auto map = shared.read();
-    r.pose.T_cr = T_cw;
-    if (reference.valid()) r.pose = RelativePose::of(*map, T_cw, reference);
-    for (uint32_t f = 0; f < view.point.size(); ++f) {
-      if (map->find(handles[view.point[f]])) {
-        r.points[f] = handles[view.point[f]];
-      } else if (view.features->has_depth(static_cast<int>(f))) {
-        r.new_points.push_back(f);
-      }
-    }
+    std::vector<MapPointId> matched;
+    for (const size_t p : view.point) matched.push_back(map->find(handles[p]) ? handles[p] : MapPointId{});
+    KeyFrameRequest r = request_of(scene, i, view, std::move(matched));
+    if (reference.valid()) r.pose = RelativePose::of(*map, scene.T_cw(i), reference);
     return r;
   }
 
@@ -220,20 +224,11 @@ inline std::vector<MapPointId> points_matched(const Map& map, const PointScene& 
 inline KeyFrameRequest scene_request(const PointScene& scene, const SharedMap& shared, Sensor sensor, size_t i,
                                      KeyFrameId from = {}, int keep = 1) {
   const PointScene::View view = scene.view(scene.T_cw(i), sensor, i);
-  KeyFrameRequest r;
-  r.frame = r.stamp = static_cast<int64_t>(i);
-  r.features = view.features;
-  r.pose.T_cr = scene.T_cw(i);
-  r.points.resize(view.point.size());
-  if (from.valid()) {
-    const auto map = shared.read();
-    r.points = points_matched(*map, scene, sensor, from, view, keep);
-    r.pose = RelativePose::of(*map, scene.T_cw(i), from);
-    return r;
-  }
-  for (uint32_t f = 0; f < view.point.size(); ++f) {
-    if (view.features->has_depth(static_cast<int>(f))) r.new_points.push_back(f);
-  }
+  if (!from.valid()) return request_of(scene, i, view, std::vector<MapPointId>(view.point.size()));
+  const auto map = shared.read();
+  KeyFrameRequest r = request_of(scene, i, view, points_matched(*map, scene, sensor, from, view, keep));
+  r.pose = RelativePose::of(*map, scene.T_cw(i), from);
+  r.new_points.clear();  // mapping is to make them
   return r;
 }
 

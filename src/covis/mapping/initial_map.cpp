@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "covis/core/log.h"
+#include "covis/core/quantile.h"
 #include "covis/map/map_edit.h"
 
 namespace covis {
@@ -45,9 +47,8 @@ std::optional<double> unit_scale(const BundleProblem& problem, const std::vector
     log(LogLevel::info, "initial map given up: too few points survive adjustment");
     return std::nullopt;
   }
-  const auto middle = depths.begin() + static_cast<ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  if (*middle > 0) return 1 / *middle;
+  const double median = quantile(std::move(depths), 0.5);
+  if (median > 0) return 1 / median;
   log(LogLevel::info, "initial map given up: its median depth is negative");
   return std::nullopt;
 }

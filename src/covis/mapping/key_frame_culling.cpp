@@ -36,11 +36,6 @@ Redundancy count_redundant(const Map& map, KeyFrameId id, Sensor sensor, double 
 
 }  // namespace
 
-double redundancy(const Map& map, KeyFrameId id, Sensor sensor, double close_depth) {
-  const Redundancy counts = count_redundant(map, id, sensor, close_depth);
-  return counts.points > 0 ? static_cast<double>(counts.redundant) / counts.points : 0;
-}
-
 int cull_key_frames(SharedMap& shared, KeyFrameId current, Sensor sensor, double max_redundancy, double close_depth) {
   const std::vector<Neighbour> neighbours = shared.read()->neighbours(current);
   int culled = 0;

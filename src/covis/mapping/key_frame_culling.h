@@ -9,12 +9,10 @@
 
 namespace covis {
 
-// The share of a key frame's points that at least three other key frames observe at the same or a finer scale; with a
-// depth sensor of its points up to `close_depth` baselines alone. 0 without points.
-double redundancy(const Map& map, KeyFrameId id, Sensor sensor, double close_depth);
-
 // Erases the key frames beside `current` whose redundancy exceeds `max_redundancy`, one after the other, as each one's
-// points count for the next. Roots and key frames with loop edges stay. Returns the number erased.
+// points count for the next. The redundancy is the share of a key frame's points that at least three other key frames
+// observe at the same or a finer scale; with a depth sensor only its points up to `close_depth` baselines count, and a
+// key frame without any stays. Roots and key frames with loop edges stay. Returns the number erased.
 int cull_key_frames(SharedMap& map, KeyFrameId current, Sensor sensor, double max_redundancy, double close_depth);
 
 }  // namespace covis

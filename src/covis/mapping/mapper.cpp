@@ -10,36 +10,25 @@
 #include "covis/mapping/point_fusion.h"
 
 namespace covis {
-namespace {
-
-// Milliseconds since the last lap.
-double lap(Stopwatch& watch) {
-  const double ms = watch.ms();
-  watch.restart();
-  return ms;
-}
-
-}  // namespace
-
 MapperReport Mapper::process(const KeyFrameRequest& request, const std::atomic<bool>* interrupt) {
   MapperReport report;
   report.frame = request.frame;
   Stopwatch watch;
   const KeyFrameId current = report.key_frame = insert_key_frame(map_, request, recent_);
-  report.ms.insert = lap(watch);
+  report.ms.insert = watch.lap();
   if (!current.valid()) return report;
   add_words(current);
   report.counts.points_culled = recent_.cull(map_, current, sensor_, options_.min_found_ratio);
-  report.ms.cull_points = lap(watch);
+  report.ms.cull_points = watch.lap();
   report.counts.points_created = create_points(map_, current, sensor_, options_, recent_);
-  report.ms.create = lap(watch);
+  report.ms.create = watch.lap();
   report.counts.points_fused = fuse_neighbours(map_, current, sensor_, options_, fuser_);
-  report.ms.fuse = lap(watch);
+  report.ms.fuse = watch.lap();
   if (!enough_to_adjust(current) || (interrupt && interrupt->load())) return report;
   report.adjustment = adjust_locally(map_, current, options_, adjuster_, interrupt);
-  report.ms.adjust = lap(watch);
+  report.ms.adjust = watch.lap();
   report.counts.key_frames_culled = cull_key_frames(map_, current, sensor_, options_.cull_redundancy, close_depth_);
-  report.ms.cull_key_frames = lap(watch);
+  report.ms.cull_key_frames = watch.lap();
   return report;
 }
 

@@ -5,6 +5,26 @@
 #include "covis/geometry/measurement.h"
 
 namespace covis {
+namespace {
+
+// A point's measurement at a pose; none behind the camera or outside the image.
+struct Projected {
+  float u = 0, v = 0;  // pixels, undistorted
+  float u_right = -1;  // negative: the camera has no depth sensor
+};
+
+std::optional<Projected> project(const Eigen::Vector3d& position_w, const SE3& T_cw, const Pinhole& camera,
+                                 const Features& features) {
+  const Eigen::Vector3d p_c = T_cw * position_w;
+  if (!(p_c.z() > 0)) return std::nullopt;
+  const PredictedMeasurement h = predict_measurement(p_c, camera);
+  Projected at{static_cast<float>(h.u), static_cast<float>(h.v)};
+  if (!features.grid.bounds.contains(at.u, at.v)) return std::nullopt;
+  if (camera.bf > 0) at.u_right = static_cast<float>(at.u - h.disparity);
+  return at;
+}
+
+}  // namespace
 
 std::optional<PredictedView> predict_view(const PointSet& points, size_t k, const SE3& T_cw,
                                           const Eigen::Vector3d& centre_w, const Pinhole& camera,
@@ -12,21 +32,14 @@ std::optional<PredictedView> predict_view(const PointSet& points, size_t k, cons
   constexpr float kNearestShare = 0.8f, kFarthestShare = 1.2f;  // shares of the range of distances
   constexpr float kMinCosine = 0.5f;                            // 60 degrees
   const Eigen::Vector3d position = points.position(k);
-  const Eigen::Vector3d p_c = T_cw * position;
-  if (!(p_c.z() > 0)) return std::nullopt;
-  const PredictedMeasurement h = predict_measurement(p_c, camera);
-  PredictedView view;
-  view.u = static_cast<float>(h.u);
-  view.v = static_cast<float>(h.v);
-  if (!features.grid.bounds.contains(view.u, view.v)) return std::nullopt;
+  const auto at = project(position, T_cw, camera, features);
+  if (!at) return std::nullopt;
   const Eigen::Vector3f ray = (position - centre_w).cast<float>();
   const float distance = ray.norm();
   if (distance < kNearestShare * points.d_min[k] || distance > kFarthestShare * points.d_max[k]) return std::nullopt;
-  view.cosine = ray.dot(Eigen::Vector3f(points.nx[k], points.ny[k], points.nz[k])) / distance;
-  if (view.cosine < kMinCosine) return std::nullopt;
-  view.level = features.pyramid->predict_level(points.d_max[k], distance);
-  if (camera.bf > 0) view.u_right = static_cast<float>(view.u - h.disparity);
-  return view;
+  const float cosine = ray.dot(Eigen::Vector3f(points.nx[k], points.ny[k], points.nz[k])) / distance;
+  if (cosine < kMinCosine) return std::nullopt;
+  return PredictedView{at->u, at->v, at->u_right, cosine, features.pyramid->predict_level(points.d_max[k], distance)};
 }
 
 // Reserves room in advance; its memory is used only when points come.
@@ -58,12 +71,9 @@ std::optional<WindowQuery> ProjectionMatcher::query(const PointSet& points, size
 
 std::optional<WindowQuery> ProjectionMatcher::query_seen(const PointSet& points, size_t k, const Frame& frame,
                                                          const MatchGate& gate) const {
-  const Eigen::Vector3d p_c = frame.T_cw * points.position(k);
-  if (!(p_c.z() > 0)) return std::nullopt;
-  const PredictedMeasurement h = predict_measurement(p_c, frame.camera);
-  const auto u = static_cast<float>(h.u), v = static_cast<float>(h.v);
-  if (!frame.features.grid.bounds.contains(u, v)) return std::nullopt;
-  const float u_right = frame.camera.bf > 0 ? static_cast<float>(u - h.disparity) : -1.0f;
+  const auto at = project(points.position(k), frame.T_cw, frame.camera, frame.features);
+  if (!at) return std::nullopt;
+  const auto [u, v, u_right] = *at;
   const int level = points.level[k], top = frame.features.pyramid->levels - 1;
   const float radius = static_cast<float>(gate.window) * frame.features.pyramid->scale[points.level[k]];
   switch (gate.levels) {

@@ -43,15 +43,14 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
     if (!options_.localize)
       return fail(what + ": it can't be continued, for a map has one camera; localise in it only");
     log(LogLevel::warning, what + ": places of it are looked for with the present one");
-    own_camera_ = given_.pinhole;
-    tracker_.use_camera(*own_camera_);
+    tracker_.use_camera(given_.pinhole);
   }
   finish();
   if (vocabulary_) {
     for (const KeyFrameId& id : map.key_frames())
       map.set_words(id, std::make_shared<const Words>(vocabulary_->transform(map.at(id).features->descriptor)));
   }
-  snapshots_.map_loaded(map.next_submap(), own_camera_);
+  snapshots_.map_loaded(map.next_submap(), tracker_.own_camera());
   *map_.write() = std::move(map);
   tracker_.start_lost();
   return {};
@@ -91,7 +90,7 @@ std::optional<SubmapPose> System::locate(const Input& input) {
   mapping_.wait_idle();
   Relocaliser relocaliser(map_, options_.tracker, options_.seed, vocabulary_);
   const int budget = (options_.tracker.local_map.weak_inliers > 0 ? 2 : 1) * options_.orb.features;
-  const auto found = relocaliser.locate(extract(input, budget), input.frame, own_camera_);
+  const auto found = relocaliser.locate(extract(input, budget), input.frame, tracker_.own_camera());
   if (!found) return std::nullopt;
   return SubmapPose{found->T_cw.inverse(), found->submap};
 }

@@ -106,7 +106,6 @@ class System {
   bool realtime() const { return options_.schedule() == Schedule::realtime; }
 
   const Camera given_;
-  std::optional<Pinhole> own_camera_;  // the camera of the frames, when the map is of another one
   const SystemOptions options_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
   SharedMap map_;

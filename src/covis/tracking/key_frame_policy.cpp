@@ -56,12 +56,8 @@ bool KeyFramePolicy::is_due(const TrackedFrame& frame, int inliers, const LocalM
 }
 
 KeyFrameRequest KeyFramePolicy::request(const TrackedFrame& frame, const RelativePose& pose, const Pinhole& camera) {
-  KeyFrameRequest request;
-  request.frame = frame.index;
-  request.stamp = frame.stamp;
-  request.features = frame.features;
+  KeyFrameRequest request = frame.request();
   request.pose = pose;
-  request.points.assign(frame.points.size(), {});
   for (size_t i = 0; i < frame.points.size(); ++i) {
     if (frame.on_map(i)) request.points[i] = frame.points[i];
   }

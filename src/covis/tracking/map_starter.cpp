@@ -30,11 +30,7 @@ MapStarter::Offer MapStarter::offer(const TrackedFrame& frame, const Pinhole& ca
 MapStarter::Offer MapStarter::offer_with_depth(const TrackedFrame& frame) const {
   const Features& f = *frame.features;
   if (f.size() < settings_.options.init_features) return {{}, "too few features for a first key frame"};
-  KeyFrameRequest request;
-  request.frame = frame.index;
-  request.stamp = frame.stamp;
-  request.features = frame.features;
-  request.points.assign(frame.points.size(), {});
+  KeyFrameRequest request = frame.request();
   for (uint32_t i = 0; i < static_cast<uint32_t>(f.size()); ++i) {
     if (f.depth[i] > 0) request.new_points.push_back(i);
   }

@@ -15,18 +15,6 @@ enum class TrackState { not_initialised, tracking, lost };
 // where the map has too few points.
 enum class TrackMethod { none, initialised, motion_model, reference_key_frame, recovered, dead_reckoned };
 
-constexpr std::string_view name(TrackState state) {
-  switch (state) {
-    case TrackState::not_initialised:
-      return "not_initialised";
-    case TrackState::tracking:
-      return "tracking";
-    case TrackState::lost:
-      return "lost";
-  }
-  return "";
-}
-
 constexpr std::string_view name(TrackMethod method) {
   switch (method) {
     case TrackMethod::none:

@@ -8,6 +8,15 @@
 
 namespace covis {
 
+KeyFrameRequest TrackedFrame::request() const {
+  KeyFrameRequest request;
+  request.frame = index;
+  request.stamp = stamp;
+  request.features = features;
+  request.points.resize(points.size());
+  return request;
+}
+
 void TrackedFrame::start(FeaturesPtr f, int64_t frame, Timestamp t) {
   features = std::move(f);
   index = frame;

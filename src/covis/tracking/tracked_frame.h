@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "covis/map/map.h"
+#include "covis/map/map_requests.h"
 
 namespace covis {
 
@@ -24,6 +24,9 @@ struct TrackedFrame {
   std::vector<MapPointId> points;          // by feature: its map point, or an invalid handle
   std::vector<Eigen::Vector3d> positions;  // by feature: in the world, metres; meaningful where it has a source
   std::vector<PointSource> source;         // by feature
+
+  // A request to make a key frame of it: the image alone, no point and no pose.
+  KeyFrameRequest request() const;
 
   void start(FeaturesPtr f, int64_t frame, Timestamp t);
   void clear_matches();

@@ -67,5 +67,14 @@ TEST_F(TrackedFrameTest, MatchedPointsAreThoseOfTheFrameMarkedLast) {
   EXPECT_TRUE(matched.contains(far_slot));
 }
 
+TEST_F(TrackedFrameTest, ItsRequestHasTheImageAndNoMatches) {
+  frame.set_match(3, {2, 0}, {0, 0, 5}, PointSource::map);
+  const KeyFrameRequest request = frame.request();
+  EXPECT_EQ(request.frame, 4);
+  EXPECT_EQ(request.stamp, 400);
+  EXPECT_EQ(request.features, frame.features);
+  EXPECT_EQ(request.points, std::vector<MapPointId>(10)) << "whoever asks knows which matches to hand on";
+}
+
 }  // namespace
 }  // namespace covis

@@ -136,15 +136,13 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
   const LocalMapOptions& o = settings_.options.local_map;
   Stopwatch watch;
   if (live) search_.update_local_map(*live, current_, last_.pose.key_frame, o.local_key_frames);
-  result.local_update_ms += watch.ms();
-  watch.restart();
+  result.local_update_ms += watch.lap();
   const bool recovered_lately = health_.recovered_lately(current_.stamp);
   const double factor = recovered_lately ? kFactorRecovered : o.window_factor(settings_.sensor);
   const MatchGate gate = MatchGate::local_map(o.local_window * factor, o.local_window_frontal * factor, o.local_ratio);
   result.local_in_view = search_.matcher.match_local_map(search_.local_map, current_, search_.camera, gate);
   result.local_points = search_.local_map.size();
-  result.local_search_ms += watch.ms();
-  watch.restart();
+  result.local_search_ms += watch.lap();
   const PoseFit fit = search_.matcher.fit_pose(current_, search_.camera);
   result.inliers = fit.on_map;
   result.pose_ms += watch.ms();

@@ -73,6 +73,8 @@ class Tracker {
   void start_lost();
   // The frames are of another camera than the map: only for localisation in it.
   void use_camera(const Pinhole& camera) { search_.own_camera = search_.camera = camera; }
+  // That camera; nothing: the map's.
+  const std::optional<Pinhole>& own_camera() const { return search_.own_camera; }
 
   // True when the next frame should get twice the features: for the monocular initialiser, and while tracking has few
   // points or is lost.

@@ -86,7 +86,7 @@ class KMedians {
   // Chooses each centre among the members with a probability proportional to the distance to the nearest centre so far.
   // Assigns every member to its nearest centre.
   void seed(int k, Random& random) {
-    std::vector<uint16_t> nearest(members_.size(), 257);
+    std::vector<uint16_t> nearest(members_.size(), kHammingBeyond);
     size_t next = static_cast<size_t>(random.uniform() * static_cast<double>(members_.size()));
     while (true) {
       const auto c = static_cast<uint8_t>(clusters_.centres.size());
