@@ -16,6 +16,7 @@ import hashlib
 import json
 import pathlib
 import platform
+import re
 import shutil
 import subprocess
 import sys
@@ -27,7 +28,7 @@ SIZE = ['--width', '320', '--height', '240', '--fps', '8']
 # name: arguments of `covis synth`
 RECORDINGS = {
     'room_rgbd': ['room', '--sensor', 'rgbd', '--noise', '2'],
-    'room_stereo': ['room', '--sensor', 'stereo', '--frames', '60', '--noise', '2'],
+    'room_stereo': ['room', '--sensor', 'stereo', '--noise', '2'],
     'room_mono': ['room', '--sensor', 'mono', '--noise', '2'],
     'desk_rgbd': ['desk', '--sensor', 'rgbd', '--frames', '60', '--noise', '3', '--depth-noise', '1', '--exposure', '0.2',
                   '--blur', '8', '--distortion', '1'],
@@ -36,28 +37,33 @@ RECORDINGS = {
     'street_stereo': ['street', '--sensor', 'stereo', '--frames', '80'],
     'posters_rgbd': ['posters', '--sensor', 'rgbd', '--frames', '120'],
 }
-# name: recording it is cut from, and the frames (first, end) it is put together of, backwards where first > end
+# name: recording it is cut from, the frames (first, end) it is put together of, backwards where first > end, and, if
+# other than 1, the factor by which its camera.yaml has the focal length wrong
 CUTS = {
     'posters_cut': ('posters_rgbd', [(0, 30), (70, 110)]),
     'room_cut_mono': ('room_mono', [(0, 45), (85, 115), (30, 60)]),
     'room_cut_rgbd': ('room_rgbd', [(0, 30), (50, 60), (20, 40)]),
     'room_back_rgbd': ('room_rgbd', [(0, 50), (110, 20)]),
+    'posters_claimed': ('posters_rgbd', [(0, 120)], 1.02),
 }
 # name: recording and arguments of `covis run`. MAP:NAME is the map that an earlier run saved.
 RUNS = {
     'room_rgbd': ('room_rgbd', []),
-    'room_stereo': ('room_stereo', []),
+    'room_stereo': ('room_stereo', ['--count', '60']),
+    'room_stereo_loop': ('room_stereo', []),
     'room_mono': ('room_mono', []),
     'desk_rgbd': ('desk_rgbd', []),
     'desk_mono': ('desk_mono', []),
     'corridor_mono': ('corridor_mono', []),
     'corridor_mono_plain': ('corridor_mono', ['--vocabulary', 'none', '--count', '150', '--set', 'mapper.refine_focal=false']),
     'street_stereo': ('street_stereo', []),
-    'room_stereo_stride': ('room_stereo', ['--stride', '3']),
+    'room_stereo_stride': ('room_stereo', ['--count', '20', '--stride', '3']),
     'posters_cut': ('posters_cut', []),
+    'posters_refined': ('posters_claimed', []),  # the focal length
     'room_cut_mono': ('room_cut_mono', []),
     'room_cut_rgbd': ('room_cut_rgbd', []),
     'room_back_rgbd': ('room_back_rgbd', []),
+    'room_rgbd_culled': ('room_rgbd', ['--set', 'mapper.cull_redundancy=0.5']),  # ten key frames go
     'room_rgbd_begun': ('room_rgbd', ['--count', '25']),
     'room_rgbd_left': ('room_rgbd', ['--map', 'MAP:room_rgbd_begun', '--localize']),
     'room_rgbd_continued': ('room_cut_rgbd', ['--map', 'MAP:room_rgbd', '--first', '20']),
@@ -84,13 +90,16 @@ def md5(data):
     return hashlib.md5(data).hexdigest()
 
 
-def cut(source, target, pieces):
+def cut(source, target, pieces, focal_factor=1):
     """A recording of pieces of another: lists of files alone, with stamps that rise."""
     target.mkdir()
     folders = [d for d in source.iterdir() if d.is_dir()]
     for folder in folders:
         (target / folder.name).mkdir()
-    shutil.copy(source / 'camera.yaml', target)
+    camera = (source / 'camera.yaml').read_text()
+    if focal_factor != 1:
+        camera = re.sub(r'^(f[xy]): (\S+)$', lambda m: f'{m[1]}: {float(m[2]) * focal_factor:.6f}', camera, flags=re.M)
+    (target / 'camera.yaml').write_text(camera)
     wanted = [i for first, end in pieces
               for i in range(first, end, 1 if first < end else -1)]
     lines = {}
@@ -131,9 +140,9 @@ def run_all(covis, work, only):
     for name, arguments in RECORDINGS.items():
         if name in needed:
             subprocess.run([covis, 'synth', *arguments, *SIZE, '--quiet', '--out', work / name], check=True)
-    for name, (source, pieces) in CUTS.items():
+    for name, (source, *how) in CUTS.items():
         if name in needed:
-            cut(work / source, work / name, pieces)
+            cut(work / source, work / name, *how)
     for name in wanted:
         recording, arguments = RUNS[name]
         arguments = [str(work / f'{a[4:]}.m') if a.startswith('MAP:') else a for a in arguments]
