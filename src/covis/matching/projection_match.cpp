@@ -6,25 +6,23 @@
 
 namespace covis {
 
-std::optional<PredictedView> predict_view(const PointSet& points, size_t k, const SE3& T_cw,
-                                          const Eigen::Vector3d& centre_w, const Pinhole& camera,
-                                          const Features& features) {
+std::optional<PredictedView> predict_view(const ViewablePoint& point, const SE3& T_cw, const Eigen::Vector3d& centre_w,
+                                          const Pinhole& camera, const Features& features) {
   constexpr float kNearestShare = 0.8f, kFarthestShare = 1.2f;  // shares of the range of distances
   constexpr float kMinCosine = 0.5f;                            // 60 degrees
-  const Eigen::Vector3d position = points.position(k);
-  const Eigen::Vector3d p_c = T_cw * position;
+  const Eigen::Vector3d p_c = T_cw * point.position_w;
   if (!(p_c.z() > 0)) return std::nullopt;
   const PredictedMeasurement h = predict_measurement(p_c, camera);
   PredictedView view;
   view.u = static_cast<float>(h.u);
   view.v = static_cast<float>(h.v);
   if (!features.grid.bounds.contains(view.u, view.v)) return std::nullopt;
-  const Eigen::Vector3f ray = (position - centre_w).cast<float>();
+  const Eigen::Vector3f ray = (point.position_w - centre_w).cast<float>();
   const float distance = ray.norm();
-  if (distance < kNearestShare * points.d_min[k] || distance > kFarthestShare * points.d_max[k]) return std::nullopt;
-  view.cosine = ray.dot(Eigen::Vector3f(points.nx[k], points.ny[k], points.nz[k])) / distance;
+  if (distance < kNearestShare * point.d_min || distance > kFarthestShare * point.d_max) return std::nullopt;
+  view.cosine = ray.dot(point.normal_w) / distance;
   if (view.cosine < kMinCosine) return std::nullopt;
-  view.level = features.pyramid->predict_level(points.d_max[k], distance);
+  view.level = features.pyramid->predict_level(point.d_max, distance);
   if (camera.bf > 0) view.u_right = static_cast<float>(view.u - h.disparity);
   return view;
 }
@@ -44,7 +42,7 @@ ProjectionMatcher::ProjectionMatcher() {
 std::optional<WindowQuery> ProjectionMatcher::query(const PointSet& points, size_t k, const Frame& frame,
                                                     const Eigen::Vector3d& centre_w, const MatchGate& gate) const {
   constexpr float kFrontal = 0.998f;  // cosine of 3.6 degrees
-  const auto view = predict_view(points, k, frame.T_cw, centre_w, frame.camera, frame.features);
+  const auto view = predict_view(points.viewable(k), frame.T_cw, centre_w, frame.camera, frame.features);
   if (!view) return std::nullopt;
   const auto window = static_cast<float>(view->cosine > kFrontal ? gate.window_frontal : gate.window);
   return WindowQuery{view->u,
