@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "apps/run/run_json.h"
 #include "apps/run/run_text.h"
@@ -31,15 +32,15 @@ std::vector<ReportFrame> report_frames(const RunRecord& run) {
   return frames;
 }
 
-ReportInput report_of(const RunRecord& run, const MainSubmap& results, const RunSummary& summary,
+ReportInput report_of(const RunRecord& run, MainSubmap results, const RunSummary& summary,
                       const OutputOptions& options) {
   ReportInput report;
   report.title = options.title;
-  report.estimate = results.trajectory;
-  report.key_frames = results.key_frames;
+  report.estimate = std::move(results.trajectory);
+  report.key_frames = std::move(results.key_frames);
   report.truth = options.truth;
   report.align = alignment_of(run.sensor);
-  report.points = results.points;
+  report.points = std::move(results.points);
   report.frames = report_frames(run);
   report.summary = summary_rows(summary);
   return report;
@@ -50,7 +51,7 @@ ReportInput report_of(const RunRecord& run, const MainSubmap& results, const Run
 Result<void> write_outputs(const RunRecord& run, const Snapshot& snapshot, const RunSummary& summary,
                            const OutputOptions& options) {
   using nlohmann::json;
-  const MainSubmap results = main_submap(snapshot);
+  MainSubmap results = main_submap(snapshot);
   const std::filesystem::path& out = options.directory;
   Result<void> problem;
   const auto keep_first = [&](Result<void> written) {
@@ -63,7 +64,7 @@ Result<void> write_outputs(const RunRecord& run, const Snapshot& snapshot, const
   keep_first(write_atomically(out / "stats.jsonl", stats_text(run, snapshot)));
   keep_first(write_atomically(out / "summary.json",
                               to_json(summary).dump(2, ' ', false, json::error_handler_t::replace) + "\n"));
-  keep_first(write_report(out, report_of(run, results, summary, options)));
+  keep_first(write_report(out, report_of(run, std::move(results), summary, options)));
   return problem;
 }
 

@@ -99,12 +99,12 @@ std::vector<Loss> losses_of(const std::vector<FrameStats>& frames) {
 }
 
 std::optional<Accuracy> accuracy_of(const Snapshot& snapshot, const Trajectory& truth, AlignMode alignment) {
-  const MainSubmap results = main_submap(snapshot);
-  const auto final = evaluate(results.trajectory, truth, {.align = alignment}),
-             online = evaluate(results.online_trajectory, truth, {.align = alignment});
+  const Trajectory trajectory = of_main_submap(snapshot.trajectory, snapshot);
+  const auto final = evaluate(trajectory, truth, {.align = alignment}),
+             online = evaluate(of_main_submap(snapshot.online, snapshot), truth, {.align = alignment});
   if (!final || !online) return std::nullopt;
   Accuracy accuracy{alignment, final->ate.rmse, online->ate.rmse, final->path_length, std::nullopt};
-  if (const auto scaled = evaluate(results.trajectory, truth, {.align = AlignMode::sim3}))
+  if (const auto scaled = evaluate(trajectory, truth, {.align = AlignMode::sim3}))
     accuracy.scaled = {scaled->ate.rmse, scaled->scale};
   return accuracy;
 }

@@ -25,11 +25,11 @@ void reserve_one_more(Vector& vector) {
   vector.reserve(((bytes + 7) / 16 * 16 + 8) / kItem);
 }
 
-// For vectors with an element for each slot of a store. Returns that of `slot`; makes room for it, and for half as many
-// slots again, when it is beyond the end.
+// For vectors with an element for each slot of a store. Returns that of `slot`; makes room for it, and for a few more,
+// when it is beyond the end: the elements made are written to, and so take memory. (The capacity still doubles.)
 template <class Vector>
 auto& at_slot(Vector& vector, size_t slot) {
-  if (slot >= vector.size()) vector.resize(slot + slot / 2 + 256);
+  if (slot >= vector.size()) vector.resize(slot + 256);
   return vector[slot];
 }
 

@@ -24,7 +24,7 @@ class DecodeAhead {
   // so that a taken frame is never older than one frame interval).
   enum class WhenFull { wait, drop_old };
 
-  // ahead: greatest number of decoded frames in the queue.
+  // ahead: greatest number of frames in the queue; of a recording's, the one being decoded is among them.
   DecodeAhead(Decode decode, int ahead, WhenFull when_full = WhenFull::wait)
       : ahead_(static_cast<size_t>(std::max(1, ahead))), when_full_(when_full), decode_(std::move(decode)) {
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
@@ -33,12 +33,13 @@ class DecodeAhead {
   // Waits for the next frame.
   Item next(Frame recycled) {
     std::unique_lock lock(mutex_);
-    keep_memory(std::move(recycled));
     if (ended_) return std::optional<Frame>();
+    keep_memory(std::move(recycled));
     changed_.wait(lock, [&] { return !ready_.empty(); });
     Item item = std::move(ready_.front());
     ready_.pop_front();
     ended_ = is_end(item);
+    if (ended_) free_.clear();
     changed_.notify_all();
     return item;
   }
@@ -47,21 +48,29 @@ class DecodeAhead {
   static bool is_end(const Item& item) { return item && !*item; }
 
   void keep_memory(Frame frame) {
-    // Keeps no more than the frames that are ready, taken and being decoded.
-    if (!frame.image.empty() && free_.size() < ahead_ + 2) free_.push_back(std::move(frame));
+    // Keeps no more than the frames that are ready or being decoded, and the one taken.
+    if (!frame.image.empty() && free_.size() < ahead_ + 1) free_.push_back(std::move(frame));
   }
 
   void run(const std::stop_token& stop) {
     if (when_full_ == WhenFull::wait) lower_thread_priority();  // a live camera's frame is needed at once
     for (bool end = false; !end && !stop.stop_requested();) {
+      // Not after decoding only: a frame that waits for its place takes memory as those that have one.
+      if (when_full_ == WhenFull::wait && !wait_for_room(stop)) return;
       Item item = decode_(free_memory());
       end = is_end(item);
-      std::unique_lock lock(mutex_);
       if (when_full_ == WhenFull::drop_old && item && *item) drop_frames();
-      if (!changed_.wait(lock, stop, [&] { return ready_.size() < ahead_; })) return;
+      if (!wait_for_room(stop)) return;
+      const std::lock_guard lock(mutex_);
       ready_.push_back(std::move(item));
       changed_.notify_all();
     }
+  }
+
+  // False: it is to stop.
+  bool wait_for_room(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait(lock, stop, [&] { return ready_.size() < ahead_; });
   }
 
   Frame free_memory() {
@@ -74,6 +83,7 @@ class DecodeAhead {
 
   // Drops frames only: errors and the end are always reported.
   void drop_frames() {
+    const std::lock_guard lock(mutex_);
     for (Item& item : ready_) {
       if (item && *item) keep_memory(std::move(**item));
     }

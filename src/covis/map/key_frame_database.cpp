@@ -15,10 +15,24 @@ constexpr int kGroup = 10;            // covisible key frames that make a group
 
 }  // namespace
 
+void KeyFrameDatabase::clear() {
+  list_of_.clear();
+  lists_.clear();
+}
+
+std::vector<uint32_t>& KeyFrameDatabase::list_of(uint32_t word) {
+  if (word >= list_of_.size()) list_of_.resize(word + size_t{1});
+  uint32_t& list = list_of_[word];
+  if (list == 0) {
+    lists_.emplace_back();
+    list = static_cast<uint32_t>(lists_.size());
+  }
+  return lists_[list - 1];
+}
+
 void KeyFrameDatabase::add(KeyFrameId id, const Words& words) {
   for (const WordWeight& w : words.words) {
-    if (w.word >= index_.size()) index_.resize(w.word + size_t{1});
-    std::vector<uint32_t>& holders = index_[w.word];
+    std::vector<uint32_t>& holders = list_of(w.word);
     reserve_one_more(holders);
     holders.insert(std::lower_bound(holders.begin(), holders.end(), id.slot), id.slot);
   }
@@ -26,8 +40,8 @@ void KeyFrameDatabase::add(KeyFrameId id, const Words& words) {
 
 void KeyFrameDatabase::erase(KeyFrameId id, const Words& words) {
   for (const WordWeight& w : words.words) {
-    if (w.word >= index_.size()) continue;
-    std::vector<uint32_t>& holders = index_[w.word];
+    if (w.word >= list_of_.size() || list_of_[w.word] == 0) continue;
+    std::vector<uint32_t>& holders = lists_[list_of_[w.word] - 1];
     const auto at = std::lower_bound(holders.begin(), holders.end(), id.slot);
     if (at != holders.end() && *at == id.slot) holders.erase(at);
   }
@@ -35,7 +49,7 @@ void KeyFrameDatabase::erase(KeyFrameId id, const Words& words) {
 
 const std::vector<uint32_t>& KeyFrameDatabase::holders(uint32_t word) const {
   static const std::vector<uint32_t> none;
-  return word < index_.size() ? index_[word] : none;
+  return word < list_of_.size() && list_of_[word] > 0 ? lists_[list_of_[word] - 1] : none;
 }
 
 std::vector<KeyFrameDatabase::Candidate> KeyFrameDatabase::query(const Map& map, const Words& words,

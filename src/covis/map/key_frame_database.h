@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <vector>
 
 #include "covis/core/ids.h"
@@ -20,11 +21,11 @@ class KeyFrameDatabase {
  public:
   void add(KeyFrameId id, const Words& words);
   void erase(KeyFrameId id, const Words& words);
-  void clear() { index_.clear(); }
+  void clear();
 
   // The slots of the key frames that have a word, rising; empty when none has.
   const std::vector<uint32_t>& holders(uint32_t word) const;
-  size_t words() const { return index_.size(); }  // one more than the greatest word ever added
+  size_t words() const { return list_of_.size(); }  // one more than the greatest word ever added
 
   struct Candidate {
     KeyFrameId key_frame;
@@ -38,8 +39,12 @@ class KeyFrameDatabase {
                                double min_score) const;
 
  private:
-  // By word: slots of key frames, rising. All of them live, so that a slot serves for a handle in half the memory.
-  std::vector<std::vector<uint32_t>> index_;
+  std::vector<uint32_t>& list_of(uint32_t word);
+
+  // Most words of a vocabulary are never met: only those that are have a list.
+  std::vector<uint32_t> list_of_;  // by word: 1 + index of its list, or 0
+  // Slots of key frames, rising. All of them live, so that a slot serves for a handle in half the memory.
+  std::deque<std::vector<uint32_t>> lists_;
 };
 
 }  // namespace covis

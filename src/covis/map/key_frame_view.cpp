@@ -9,6 +9,14 @@
 
 namespace covis {
 
+KeyFrameView::KeyFrameView(const Map& map, KeyFrameId key_frame) {
+  // No more than that: a view made so is not refilled.
+  const size_t count = map.at(key_frame).points.size();
+  points.reserve(count);
+  positions.reserve(count);
+  copy(map, key_frame);
+}
+
 void KeyFrameView::copy(const Map& map, KeyFrameId key_frame) {
   const KeyFrame& source = map.at(key_frame);
   id = key_frame;

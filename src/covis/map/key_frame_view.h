@@ -19,7 +19,7 @@ struct KeyFrameView {
   std::vector<Eigen::Vector3d> positions;  // for each feature, world, meaningful where points is valid
 
   KeyFrameView() = default;
-  KeyFrameView(const Map& map, KeyFrameId key_frame) { copy(map, key_frame); }
+  KeyFrameView(const Map& map, KeyFrameId key_frame);
   // Copies a live key frame, into the memory there is.
   void copy(const Map& map, KeyFrameId key_frame);
 };

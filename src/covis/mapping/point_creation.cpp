@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "covis/geometry/triangulation.h"
 #include "covis/map/map_edit.h"
@@ -17,13 +18,8 @@ struct View {
   const SE3& T_cw;
   SE3 T_wc;
   FeaturesPtr features;
-  std::vector<uint8_t> is_free;  // for each feature 1 while it has no point
 
-  explicit View(const KeyFrameView& view)
-      : T_cw(view.T_cw),
-        T_wc(view.T_cw.inverse()),
-        features(view.features),
-        is_free(features_without_point(view.points)) {}
+  explicit View(const KeyFrameView& view) : T_cw(view.T_cw), T_wc(view.T_cw.inverse()), features(view.features) {}
 };
 
 // Cosine of the angle under which the two eyes of a stereo camera see a feature with depth.
@@ -72,38 +68,49 @@ bool too_near(const Pinhole& camera, Sensor sensor, const View& a, const View& b
 
 }  // namespace
 
-std::vector<TriangulatedPoint> triangulate_points(const Pinhole& camera, Sensor sensor, const KeyFrameView& current,
-                                                  const std::vector<KeyFrameView>& neighbours) {
-  std::vector<TriangulatedPoint> made;
-  View a(current);
-  for (const KeyFrameView& neighbour : neighbours) {
-    const View b(neighbour);
-    if (too_near(camera, sensor, a, b, neighbour)) continue;
-    const SE3 T_ba = b.T_cw * a.T_wc;
-    for (const FeatureMatch& m : match_epipolar(camera, *a.features, a.is_free, *b.features, b.is_free, T_ba, {})) {
-      const auto ia = static_cast<uint32_t>(m.a), ib = static_cast<uint32_t>(m.b);
-      const auto p_w = place(camera, a, ia, b, ib);
-      if (!p_w || !holds(*p_w, camera, a, ia, b, ib)) continue;
-      made.push_back({*p_w, neighbour.id, ia, ib});
-      a.is_free[ia] = 0;
-    }
+PointTriangulation::PointTriangulation(const Pinhole& camera, Sensor sensor, KeyFrameView current)
+    : camera_(camera),
+      sensor_(sensor),
+      current_(std::move(current)),
+      is_free_(features_without_point(current_.points)) {}
+
+void PointTriangulation::add(const KeyFrameView& neighbour) {
+  const View a(current_), b(neighbour);
+  if (too_near(camera_, sensor_, a, b, neighbour)) return;
+  const std::vector<uint8_t> is_free_b = features_without_point(neighbour.points);
+  const SE3 T_ba = b.T_cw * a.T_wc;
+  for (const FeatureMatch& m : match_epipolar(camera_, *a.features, is_free_, *b.features, is_free_b, T_ba, {})) {
+    const auto ia = static_cast<uint32_t>(m.a), ib = static_cast<uint32_t>(m.b);
+    const auto p_w = place(camera_, a, ia, b, ib);
+    if (!p_w || !holds(*p_w, camera_, a, ia, b, ib)) continue;
+    made_.push_back({*p_w, neighbour.id, ia, ib});
+    is_free_[ia] = 0;
   }
-  return made;
 }
+
+namespace {
+
+// Copies one neighbour at a time: all of them would be a megabyte of points.
+std::vector<TriangulatedPoint> triangulate(const SharedMap& shared, KeyFrameId current, Sensor sensor, int count) {
+  const auto start = [&] {
+    const auto map = shared.read();
+    return std::pair(PointTriangulation(map->camera(), sensor, KeyFrameView(*map, current)),
+                     map->best_neighbours(current, count));
+  };
+  auto [triangulation, neighbours] = start();
+  KeyFrameView view;
+  for (const Neighbour& neighbour : neighbours) {
+    view.copy(*shared.read(), neighbour.key_frame);
+    triangulation.add(view);
+  }
+  return triangulation.made();
+}
+
+}  // namespace
 
 int create_points(SharedMap& shared, KeyFrameId current, Sensor sensor, const MapperOptions& options,
                   RecentPoints& recent) {
-  Pinhole camera;
-  KeyFrameView self;
-  std::vector<KeyFrameView> neighbours;
-  {
-    const auto map = shared.read();
-    camera = map->camera();
-    self.copy(*map, current);
-    for (const Neighbour& neighbour : map->best_neighbours(current, options.neighbours(sensor)))
-      neighbours.emplace_back(*map, neighbour.key_frame);
-  }
-  const std::vector<TriangulatedPoint> made = triangulate_points(camera, sensor, self, neighbours);
+  const std::vector<TriangulatedPoint> made = triangulate(shared, current, sensor, options.neighbours(sensor));
   MapEdit map(shared);
   const uint32_t serial = map->at(current).serial;
   int created = 0;

@@ -20,10 +20,23 @@ struct TriangulatedPoint {
   uint32_t feature = 0, neighbour_feature = 0;  // features of the new key frame and of the neighbour
 };
 
-// Points of features that no point has yet, with the first neighbour that shows them. Neighbours too near the new key
-// frame are passed over.
-std::vector<TriangulatedPoint> triangulate_points(const Pinhole& camera, Sensor sensor, const KeyFrameView& current,
-                                                  const std::vector<KeyFrameView>& neighbours);
+// Triangulates the features of a new key frame that have no point, with one neighbour after the other: a feature gets
+// its point with the first neighbour that shows it. One copy of a neighbour at a time is enough.
+class PointTriangulation {
+ public:
+  PointTriangulation(const Pinhole& camera, Sensor sensor, KeyFrameView current);
+  // A neighbour too near the new key frame is passed over.
+  void add(const KeyFrameView& neighbour);
+
+  const std::vector<TriangulatedPoint>& made() const { return made_; }
+
+ private:
+  const Pinhole camera_;
+  const Sensor sensor_;
+  const KeyFrameView current_;
+  std::vector<uint8_t> is_free_;  // for each feature of the new key frame 1 while it has no point
+  std::vector<TriangulatedPoint> made_;
+};
 
 // Adds such points to the map, and to `recent`. Returns their number.
 int create_points(SharedMap& map, KeyFrameId current, Sensor sensor, const MapperOptions& options,

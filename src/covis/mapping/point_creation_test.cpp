@@ -19,6 +19,12 @@ struct PointCreationTest : testing::Test {
     made.positions.resize(made.points.size());
     return made;
   }
+  std::vector<TriangulatedPoint> triangulate(Sensor sensor, const KeyFrameView& current,
+                                             const std::vector<KeyFrameView>& neighbours) const {
+    PointTriangulation triangulation(scene.camera, sensor, current);
+    for (const KeyFrameView& neighbour : neighbours) triangulation.add(neighbour);
+    return triangulation.made();
+  }
   void expect_true(const std::vector<TriangulatedPoint>& made, size_t i) const {
     const PointScene::View seen = scene.view(scene.T_cw(i), Sensor::rgbd, i);
     for (const TriangulatedPoint& point : made)
@@ -29,15 +35,13 @@ struct PointCreationTest : testing::Test {
 };
 
 TEST_F(PointCreationTest, TriangulatesWhereThePointsAre) {
-  const auto made =
-      triangulate_points(scene.camera, Sensor::monocular, view(4, Sensor::monocular), {view(0, Sensor::monocular)});
+  const auto made = triangulate(Sensor::monocular, view(4, Sensor::monocular), {view(0, Sensor::monocular)});
   EXPECT_GT(made.size(), 50u);
   expect_true(made, 4);
 }
 
 TEST_F(PointCreationTest, AFeatureGetsOnePointThoughManyShowIt) {
-  const auto made = triangulate_points(scene.camera, Sensor::rgbd, view(4, Sensor::rgbd),
-                                       {view(0, Sensor::rgbd), view(2, Sensor::rgbd)});
+  const auto made = triangulate(Sensor::rgbd, view(4, Sensor::rgbd), {view(0, Sensor::rgbd), view(2, Sensor::rgbd)});
   expect_true(made, 4);
   std::vector<uint32_t> features;
   for (const TriangulatedPoint& point : made) features.push_back(point.feature);
@@ -48,8 +52,7 @@ TEST_F(PointCreationTest, AFeatureGetsOnePointThoughManyShowIt) {
 TEST_F(PointCreationTest, NeighboursTooNearArePassedOver) {
   KeyFrameView beside = view(4, Sensor::rgbd);
   beside.T_cw = SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(-0.05, 0, 0)) * beside.T_cw;
-  EXPECT_TRUE(triangulate_points(scene.camera, Sensor::rgbd, view(4, Sensor::rgbd), {beside}).empty())
-      << "half a baseline";
+  EXPECT_TRUE(triangulate(Sensor::rgbd, view(4, Sensor::rgbd), {beside}).empty()) << "half a baseline";
 }
 
 }  // namespace

@@ -50,8 +50,15 @@ void PointSet::copy(const Map& map) {
 
 void PointSet::add(MapPointId point, const MapPoint& source) {
   id.push_back(point);
-  resize(*this, size());
-  write(source, *this, size() - 1);
+  px.push_back(source.position_w.x());
+  py.push_back(source.position_w.y());
+  pz.push_back(source.position_w.z());
+  nx.push_back(static_cast<float>(source.normal_w.x()));
+  ny.push_back(static_cast<float>(source.normal_w.y()));
+  nz.push_back(static_cast<float>(source.normal_w.z()));
+  d_min.push_back(source.d_min);
+  d_max.push_back(source.d_max);
+  descriptor.push_back(source.descriptor);
 }
 
 void PointSet::add_seen(MapPointId point, const Eigen::Vector3d& position_w, const Descriptor& seen_as,

@@ -12,6 +12,18 @@
 
 namespace covis {
 
+// The part of a point that decides from where it can be seen; units and frames as in PointSet.
+struct ViewablePoint {
+  Eigen::Vector3d position_w;
+  Eigen::Vector3f normal_w;
+  float d_min = 0, d_max = 0;
+
+  explicit ViewablePoint(const MapPoint& point)
+      : position_w(point.position_w), normal_w(point.normal_w.cast<float>()), d_min(point.d_min), d_max(point.d_max) {}
+  ViewablePoint(const Eigen::Vector3d& position, const Eigen::Vector3f& normal, float nearest, float farthest)
+      : position_w(position), normal_w(normal), d_min(nearest), d_max(farthest) {}
+};
+
 struct PointSet {
   std::vector<MapPointId> id;            // an invalid handle: a point that is not in the map
   AlignedVector<double> px, py, pz;      // world position, metres
@@ -23,6 +35,7 @@ struct PointSet {
   size_t size() const { return id.size(); }
   bool empty() const { return id.empty(); }
   Eigen::Vector3d position(size_t k) const { return {px[k], py[k], pz[k]}; }
+  ViewablePoint viewable(size_t k) const { return {position(k), {nx[k], ny[k], nz[k]}, d_min[k], d_max[k]}; }
   void clear();
   void reserve(size_t n);
   // Fills the other arrays with the points of the map that `id` names; all must live.

@@ -26,20 +26,18 @@ std::optional<Projected> project(const Eigen::Vector3d& position_w, const SE3& T
 
 }  // namespace
 
-std::optional<PredictedView> predict_view(const PointSet& points, size_t k, const SE3& T_cw,
-                                          const Eigen::Vector3d& centre_w, const Pinhole& camera,
-                                          const Features& features) {
+std::optional<PredictedView> predict_view(const ViewablePoint& point, const SE3& T_cw, const Eigen::Vector3d& centre_w,
+                                          const Pinhole& camera, const Features& features) {
   constexpr float kNearestShare = 0.8f, kFarthestShare = 1.2f;  // shares of the range of distances
   constexpr float kMinCosine = 0.5f;                            // 60 degrees
-  const Eigen::Vector3d position = points.position(k);
-  const auto at = project(position, T_cw, camera, features);
+  const auto at = project(point.position_w, T_cw, camera, features);
   if (!at) return std::nullopt;
-  const Eigen::Vector3f ray = (position - centre_w).cast<float>();
+  const Eigen::Vector3f ray = (point.position_w - centre_w).cast<float>();
   const float distance = ray.norm();
-  if (distance < kNearestShare * points.d_min[k] || distance > kFarthestShare * points.d_max[k]) return std::nullopt;
-  const float cosine = ray.dot(Eigen::Vector3f(points.nx[k], points.ny[k], points.nz[k])) / distance;
+  if (distance < kNearestShare * point.d_min || distance > kFarthestShare * point.d_max) return std::nullopt;
+  const float cosine = ray.dot(point.normal_w) / distance;
   if (cosine < kMinCosine) return std::nullopt;
-  return PredictedView{at->u, at->v, at->u_right, cosine, features.pyramid->predict_level(points.d_max[k], distance)};
+  return PredictedView{at->u, at->v, at->u_right, cosine, features.pyramid->predict_level(point.d_max, distance)};
 }
 
 // Reserves room in advance; its memory is used only when points come.
@@ -57,7 +55,7 @@ ProjectionMatcher::ProjectionMatcher() {
 std::optional<WindowQuery> ProjectionMatcher::query(const PointSet& points, size_t k, const Frame& frame,
                                                     const Eigen::Vector3d& centre_w, const MatchGate& gate) const {
   constexpr float kFrontal = 0.998f;  // cosine of 3.6 degrees
-  const auto view = predict_view(points, k, frame.T_cw, centre_w, frame.camera, frame.features);
+  const auto view = predict_view(points.viewable(k), frame.T_cw, centre_w, frame.camera, frame.features);
   if (!view) return std::nullopt;
   const auto window = static_cast<float>(view->cosine > kFrontal ? gate.window_frontal : gate.window);
   return WindowQuery{view->u,

@@ -61,11 +61,10 @@ struct PredictedView {
   int level = 0;       // predicted pyramid level
 };
 
-// No view when point k is behind the camera, outside the image, outside 0.8 d_min … 1.2 d_max, or seen at more than 60
-// degrees from its mean viewing direction (ORB-SLAM, V-D). `centre_w` is that of T_cw.
-std::optional<PredictedView> predict_view(const PointSet& points, size_t k, const SE3& T_cw,
-                                          const Eigen::Vector3d& centre_w, const Pinhole& camera,
-                                          const Features& features);
+// No view when the point is behind the camera, outside the image, outside 0.8 d_min … 1.2 d_max, or seen at more than
+// 60 degrees from its mean viewing direction (ORB-SLAM, V-D). `centre_w` is that of T_cw.
+std::optional<PredictedView> predict_view(const ViewablePoint& point, const SE3& T_cw, const Eigen::Vector3d& centre_w,
+                                          const Pinhole& camera, const Features& features);
 
 struct PointMatch {
   uint32_t feature = 0;

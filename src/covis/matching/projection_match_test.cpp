@@ -72,11 +72,11 @@ TEST_F(ProjectionMatchTest, KnownPointsAndTakenFeaturesArePassedOver) {
 TEST_F(ProjectionMatchTest, AViewIsPredictedWithinTheRangeOfDistances) {
   ASSERT_GT(match(T_cw, MatchGate::loop(4)), 0);
   const size_t k = matcher.matches().front().point;
-  const auto predicted = predict_view(points, k, T_cw, T_cw.centre(), scene.camera, *view.features);
+  const auto predicted = predict_view(points.viewable(k), T_cw, T_cw.centre(), scene.camera, *view.features);
   ASSERT_TRUE(predicted);
   EXPECT_NEAR(predicted->u, scene.camera.project(T_cw * points.position(k)).x(), 1e-3);
   points.d_max[k] = 0.1f;
-  EXPECT_FALSE(predict_view(points, k, T_cw, T_cw.centre(), scene.camera, *view.features));
+  EXPECT_FALSE(predict_view(points.viewable(k), T_cw, T_cw.centre(), scene.camera, *view.features));
 }
 
 }  // namespace

@@ -113,7 +113,8 @@ bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand de
   Tally from_here{share}, from_near{(single ? kNearFactorSingle : kNearFactor) * share},
       young_too{(single ? kYoungFactorSingle : kYoungFactor) * share};
   const Eigen::Vector3d centre_w = found.frame.T_cw.centre();
-  matched_.mark(found.frame);
+  found.frame.map_points(matched_);
+  std::sort(matched_.begin(), matched_.end());
   const std::vector<MapPointId>& points = found.local_map.points.id;
   for (size_t k = 0; k < points.size(); ++k) {
     if (!found.in_view[k]) continue;
@@ -122,7 +123,7 @@ bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand de
     const Seen seen = seen_before(*point, map, centre_w);
     if (seen == Seen::elsewhere) continue;
     const double match_ratio = static_cast<double>(point->found) / point->visible;
-    const int is_matched = matched_.contains(points[k]);
+    const int is_matched = std::binary_search(matched_.begin(), matched_.end(), points[k]);
     if (seen == Seen::here && point->visible >= kKnown) from_here.add(match_ratio, is_matched);
     if (point->visible >= kKnown) from_near.add(match_ratio, is_matched);
     young_too.add(match_ratio, is_matched);

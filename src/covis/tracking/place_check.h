@@ -12,6 +12,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "covis/map/shared_map.h"
 #include "covis/tracking/local_map.h"
@@ -69,9 +70,9 @@ class PlaceCheck {
 
   const RecoveryOptions options_;
   const Subject subject_;
-  MatchedPoints matched_;
-  std::optional<Place> last_;  // place of the last frame with a pose, unless that was taken back
-  std::optional<Jump> jump_;   // the frame with which the camera jumped to a place that is tentative still
+  std::vector<MapPointId> matched_;  // map points of the frame being judged, sorted
+  std::optional<Place> last_;        // place of the last frame with a pose, unless that was taken back
+  std::optional<Jump> jump_;         // the frame with which the camera jumped to a place that is tentative still
   std::optional<int64_t> retract_from_;
 };
 

@@ -7,16 +7,22 @@ namespace covis {
 
 // Reserves room in advance; its memory is used only when points come.
 PointCounts::PointCounts() {
-  constexpr size_t kPointSlots = 1 << 17;
-  counts_.reserve(kPointSlots);
-  counted_.reserve(kPointSlots);
+  constexpr size_t kPointSlots = 1 << 17, kPoints = 1 << 15;
+  index_.reserve(kPointSlots);
+  counts_.reserve(kPoints);
+  counted_.reserve(kPoints);
 }
 
 PointCount& PointCounts::at(MapPointId id) {
-  PointCount& count = at_slot(counts_, id.slot);
+  uint32_t& index = at_slot(index_, id.slot);
+  if (index == 0) {
+    counts_.emplace_back();
+    index = static_cast<uint32_t>(counts_.size());
+  }
+  PointCount& count = counts_[index - 1];
   if (count.point != id) {
     count = {id, 0, 0};
-    counted_.push_back(id.slot);
+    counted_.push_back(index - 1);
   }
   return count;
 }
@@ -32,13 +38,15 @@ void PointCounts::add(std::span<const MapPointId> points, std::span<const uint8_
 
 std::vector<PointCount> PointCounts::take() {
   std::vector<PointCount> counts;
-  for (const uint32_t slot : counted_) counts.push_back(counts_[slot]);
+  counts.reserve(counted_.size());
+  for (const uint32_t index : counted_) counts.push_back(counts_[index]);
   clear();
   return counts;
 }
 
 void PointCounts::clear() {
-  for (const uint32_t slot : counted_) counts_[slot] = {};
+  for (const PointCount& count : counts_) index_[count.point.slot] = 0;
+  counts_.clear();
   counted_.clear();
 }
 

@@ -27,10 +27,7 @@ struct PoseSearch {
   void refresh_camera(const Map& map) { camera = own_camera.value_or(map.camera()); }
   // Makes the local map anew around the frame's matches; around `fallback` when there are none.
   void update_local_map(const SharedMap& map, const TrackedFrame& frame, KeyFrameId fallback, int max_key_frames) {
-    matched.clear();
-    for (size_t i = 0; i < frame.source.size(); ++i) {
-      if (frame.on_map(i)) matched.push_back(frame.points[i]);
-    }
+    frame.map_points(matched);
     local_map.update(*map.read(), matched, fallback, max_key_frames);
   }
   PlaceCheck::Found found(const TrackedFrame& frame, const SharedMap* live) const {

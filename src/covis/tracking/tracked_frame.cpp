@@ -46,6 +46,13 @@ void TrackedFrame::drop_match(size_t feature) {
   source[feature] = PointSource::none;
 }
 
+void TrackedFrame::map_points(std::vector<MapPointId>& matched) const {
+  matched.clear();
+  for (size_t i = 0; i < source.size(); ++i) {
+    if (on_map(i)) matched.push_back(points[i]);
+  }
+}
+
 int TrackedFrame::matches() const {
   return static_cast<int>(source.size() -
                           static_cast<size_t>(std::count(source.begin(), source.end(), PointSource::none)));

@@ -33,6 +33,8 @@ struct TrackedFrame {
   void set_match(size_t feature, MapPointId point, const Eigen::Vector3d& position_w, PointSource from);
   void drop_match(size_t feature);
   bool on_map(size_t feature) const { return source[feature] == PointSource::map; }
+  // Fills `matched` with its map points, by feature.
+  void map_points(std::vector<MapPointId>& matched) const;
   // Features with a point, from wherever it comes.
   int matches() const;
   // Mean depth of its map points; 0 without any.

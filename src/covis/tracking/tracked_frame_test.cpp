@@ -49,6 +49,15 @@ TEST_F(TrackedFrameTest, TheMeanDepthIsThatOfItsMapPointsInTheCamera) {
   EXPECT_DOUBLE_EQ(frame.mean_depth(), 6);
 }
 
+TEST_F(TrackedFrameTest, ItsMapPointsComeByFeature) {
+  frame.set_match(4, {2, 0}, {0, 0, 5}, PointSource::map);
+  frame.set_match(1, {3, 1}, {0, 0, 5}, PointSource::map);
+  frame.set_match(2, {7, 0}, {0, 0, 9}, PointSource::depth);
+  std::vector<MapPointId> matched{{9, 0}};
+  frame.map_points(matched);
+  EXPECT_EQ(matched, (std::vector<MapPointId>{{3, 1}, {2, 0}}));
+}
+
 TEST_F(TrackedFrameTest, MatchedPointsAreThoseOfTheFrameMarkedLast) {
   MatchedPoints matched;
   const MapPointId far_slot{100000, 0};
