@@ -197,13 +197,17 @@ def claimed_wrong(run, truth, path, with_scale):
             numbers, estimate, true = zip(*poses)
             judged += zip(robust_errors(estimate, true, with_scale), numbers)
     if not judged:
-        return {'claims': 0, 'wrong': 0, 'wrong_path': 0, 'wrong_median': 0, 'wrong_frames': []}
+        return {'claims': 0, 'wrong': 0, 'wrong_path': 0, 'wrong_median': 0, 'wrong_both': 0, 'wrong_frames': []}
     floor = max(FLOOR_M, FLOOR_SHARE * path)
     median = statistics.median(e for e, _ in judged)
     by_path, by_median = max(floor, WRONG_SHARE * path), max(floor, WRONG_MEDIANS * median)
     wrong = sorted((frame, round(e, 4)) for e, frame in judged if e > min(by_path, by_median))
-    return {'claims': len(judged), 'claim_median_m': median, 'claim_worst_m': max(judged)[0], 'wrong': len(wrong),
-            'wrong_path': sum(e > by_path for e, _ in judged), 'wrong_median': sum(e > by_median for e, _ in judged), 'wrong_frames': wrong}
+
+    def above(bound):
+        return sum(e > bound for e, _ in judged)
+
+    return {'claims': len(judged), 'claim_median_m': median, 'claim_worst_m': max(judged)[0], 'wrong': len(wrong), 'wrong_path': above(by_path),
+            'wrong_median': above(by_median), 'wrong_both': above(max(by_path, by_median)), 'wrong_frames': wrong}
 
 
 def share(part, whole):

@@ -126,7 +126,7 @@ class ClaimedWrongTest(unittest.TestCase):
         given[101] = tuple(x + 0.003 for x in given[101])  # above 5 medians only
         found = self.found(run_of(given))
         self.assertEqual([frame for frame, _ in found['wrong_frames']], [70, 71, 100])
-        self.assertEqual((found['wrong'], found['wrong_path'], found['wrong_median']), (3, 2, 3))
+        self.assertEqual((found['wrong'], found['wrong_path'], found['wrong_median'], found['wrong_both']), (3, 2, 3, 2))
 
     def test_who_claims_nothing_is_not_wrong(self):
         given = self.away([70, 71, 72], 5)
