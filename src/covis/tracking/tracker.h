@@ -19,6 +19,7 @@
 #include <optional>
 
 #include "covis/core/schedule.h"
+#include "covis/tracking/first_pose.h"
 #include "covis/tracking/key_frame_policy.h"
 #include "covis/tracking/map_starter.h"
 #include "covis/tracking/motion_model.h"
@@ -83,8 +84,7 @@ class Tracker {
 
  private:
   bool find_pose(TrackResult& result, const SharedMap* live);
-  bool track_by_motion(TrackResult& result);
-  bool track_by_reference(TrackResult& result);
+  bool find_first_pose(TrackResult& result);
   bool track_local_map(TrackResult& result, const SharedMap* live);
   bool dead_reckon(TrackResult& result);
   bool relocalise(TrackResult& result, const SharedMap* live);
@@ -128,6 +128,7 @@ class Tracker {
   Health health_;
   PoseSearch search_;
   MotionModel motion_;
+  FirstPose first_pose_;
   KeyFramePolicy key_frames_;
   MapStarter starter_;
   Relocaliser relocaliser_;
