@@ -7,6 +7,7 @@
 #include "covis/core/log.h"
 #include "covis/core/time.h"
 #include "covis/matching/point_geometry.h"
+#include "covis/tracking/image_rotation.h"
 
 namespace covis {
 namespace {
@@ -93,6 +94,7 @@ bool Tracker::track_by_motion(TrackResult& result) {
   int matches = matcher.match_last_frame(last_.frame, current_, search_.camera, window);
   if (matches < o.motion_min_matches)
     matches = matcher.match_last_frame(last_.frame, current_, search_.camera, 2 * window);
+  matches = try_image_rotation(*T_cl, matches);
   result.predicted_matches = matches;
   bool ok = matches >= o.motion_min_matches;
   if (!ok) {
@@ -105,6 +107,24 @@ bool Tracker::track_by_motion(TrackResult& result) {
   if (ok) result.method = TrackMethod::motion_model;
   result.motion_ms += watch.ms();
   return ok;
+}
+
+// A sudden turn: when the motion model matches few of the last frame's points, the rotation that the images show takes
+// its place if that matches more of them. Returns the matches of the better one.
+int Tracker::try_image_rotation(const SE3& T_cl, int matches) {
+  constexpr double kMatchesWell = 0.3;  // share of the last frame's points that a good prediction matches
+  const FirstPoseOptions& o = settings_.options.first_pose;
+  if (matches >= o.motion_min_matches && matches >= kMatchesWell * last_.frame.matches()) return matches;
+  const auto seen = image_rotation(last_.frame.features->small, current_.features->small, search_.camera);
+  const double window = o.window(settings_.sensor);
+  if (!seen || so3_log(seen->R_21 * T_cl.R().transpose()).norm() * search_.camera.fx < window) return matches;
+  const auto search = [&](const SE3& T_21, double wide) {
+    current_.T_cw = (T_21 * last_.frame.T_cw).normalized();
+    return search_.matcher.match_last_frame(last_.frame, current_, search_.camera, wide);
+  };
+  const SE3 turned = MotionModel::turned(T_cl, seen->R_21);
+  if (search(turned, 2 * window) > search(T_cl, 2 * window)) return search(turned, 2 * window);
+  return matches < o.motion_min_matches ? matches : search(T_cl, window);
 }
 
 bool Tracker::track_by_reference(TrackResult& result) {

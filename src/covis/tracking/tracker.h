@@ -84,6 +84,7 @@ class Tracker {
  private:
   bool find_pose(TrackResult& result, const SharedMap* live);
   bool track_by_motion(TrackResult& result);
+  int try_image_rotation(const SE3& T_cl, int matches);
   bool track_by_reference(TrackResult& result);
   bool track_local_map(TrackResult& result, const SharedMap* live);
   bool dead_reckon(TrackResult& result);
