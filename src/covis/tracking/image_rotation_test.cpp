@@ -83,7 +83,7 @@ TEST_F(ImageRotationTest, TurnsAboutEachAxisAreFound) {
   for (const Eigen::Vector3d& axis :
        {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0.5, 0.7, 0.5)}) {
     for (const double degrees : {-25, -16, -8, -2, 2, 8, 16, 25}) {
-      EXPECT_LT(error(so3_exp(axis.normalized() * degrees * kDegree)), 0.3) << degrees << " about " << axis.transpose();
+      EXPECT_LT(error(so3_exp(axis.normalized() * degrees * kDegree)), 0.6) << degrees << " about " << axis.transpose();
     }
   }
 }
@@ -104,7 +104,7 @@ TEST_F(ImageRotationTest, GainAndOffsetAreTakenOff) {
 
 TEST_F(ImageRotationTest, NoiseAndBlurDoLittle) {
   const Eigen::Matrix3d R = so3_exp({-0.04, 0.25, 0.1});
-  EXPECT_LT(error(R, {.noise = 20}, {.noise = 20}), 0.5);
+  EXPECT_LT(error(R, {.noise = 20}, {.noise = 20}), 1);
   EXPECT_LT(error(R, {}, {.blur = 8}), 0.5);
 }
 
