@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/tracking/first_pose.h"
 
-#include "covis/core/random.h"
+#include <numbers>
+
+#include "covis/geometry/lie.h"
+#include "covis/tracking/motion_model.h"
 
 namespace covis {
 namespace {
 
-// Share of the last frame's points in view that must agree with a pose for no other to be looked for.
-constexpr double kExplains = 0.2;
 // A later hypothesis has to have so many times the points that agree: the prediction is the better start otherwise.
 constexpr double kBetter = 1.5;
 
@@ -78,30 +79,50 @@ FirstPose::Hypothesis FirstPose::by_reference(const TrackedFrame& last, TrackedF
   return h;
 }
 
+FirstPose::Hypothesis FirstPose::by_images(const TrackedFrame& last, const SE3& T_cl, TrackedFrame& frame,
+                                           PoseSearch& search) {
+  turn_seen_ = image_rotation(last.features->small, frame.features->small, search.camera);
+  if (!turn_seen_) return {.method = TrackMethod::image_rotation, .reason = "the images show no rotation"};
+  Hypothesis h = by_motion(last, MotionModel::turned(T_cl, turn_seen_->R_21), frame, search);
+  h.method = TrackMethod::image_rotation;
+  return h;
+}
+
 bool FirstPose::find(const TrackedFrame& last, const std::optional<SE3>& T_cl, TrackedFrame& frame, PoseSearch& search,
                      TrackResult& figures) {
+  turn_seen_.reset();
   Hypothesis best;
-  const auto try_next = [&](const Hypothesis& h) {
+  // Keeps the better of two hypotheses, and the frame as that has it.
+  const auto compete = [&](const Hypothesis& h) {
     if (h.ok() && (!best.ok() || h.inliers > kBetter * best.inliers)) {
       best = h;
     } else if (best.ok()) {
-      std::swap(frame, best_);
-    } else if (best.method == TrackMethod::none) {
-      best = h;
+      frame.swap(best_);
     }
-  };
-  if (T_cl) best = by_motion(last, *T_cl, frame, search);
-  if (!T_cl) best = by_reference(last, frame, search);
-  if (T_cl ? !(best.ok() && best.share >= kExplains) : !best.ok()) {
     if (best.ok()) best_ = frame;
-    try_next(by_descriptors(last, frame, search));
+  };
+  if (T_cl) {
+    best = by_motion(last, *T_cl, frame, search);
+    if (!best.explains()) {
+      if (best.ok()) best_ = frame;
+      compete(by_images(last, *T_cl, frame, search));
+      if (!best.explains()) compete(by_descriptors(last, frame, search));
+      if (!best.ok()) compete(by_reference(last, frame, search));
+    }
+  } else {
+    best = by_reference(last, frame, search);
+    if (!best.ok()) compete(by_descriptors(last, frame, search));
   }
-  if (T_cl && !best.ok()) try_next(by_reference(last, frame, search));
   figures.predicted_matches = best.matches;
   figures.first_share = best.share;
   figures.reason = best.reason;
   if (best.ok()) figures.method = best.method;
   return best.ok();
+}
+
+bool FirstPose::images_agree(const SE3& T_cl) const {
+  constexpr double kAgree = 1.5 / 180 * std::numbers::pi;
+  return turn_seen_ && so3_log(turn_seen_->R_21 * T_cl.R().transpose()).norm() < kAgree;
 }
 
 }  // namespace covis

@@ -4,6 +4,7 @@
 // search around a wrong prediction finds matches too, by chance, but few that agree.
 //
 //   motion       the last frame's points around where constant velocity expects them
+//   images       the same with the rotation that the images show (image_rotation.h)
 //   descriptors  the last frame's points by descriptor alone, a pose by P3P in RANSAC
 //   reference    the reference key frame's points by descriptor alone
 //
@@ -13,6 +14,7 @@
 
 #include <optional>
 
+#include "covis/tracking/image_rotation.h"
 #include "covis/tracking/pose_search.h"
 #include "covis/tracking/track_result.h"
 
@@ -30,6 +32,8 @@ class FirstPose {
   // False: figures.reason says why.
   bool find(const TrackedFrame& last, const std::optional<SE3>& T_cl, TrackedFrame& frame, PoseSearch& search,
             TrackResult& figures);
+  // True when the images were asked for their rotation, as the prediction explained little, and show this one.
+  bool images_agree(const SE3& T_cl) const;
 
  private:
   struct Hypothesis {
@@ -39,8 +43,11 @@ class FirstPose {
     double share = 0;   // share of the last frame's points in view that agree
     std::string_view reason;  // the reason for having no pose; empty when there is one
     bool ok() const { return reason.empty(); }
+    // So many of the last frame's points in view agree that no other pose needs to be looked for.
+    bool explains() const { return ok() && share >= 0.2; }
   };
   Hypothesis by_motion(const TrackedFrame& last, const SE3& T_cl, TrackedFrame& frame, PoseSearch& search) const;
+  Hypothesis by_images(const TrackedFrame& last, const SE3& T_cl, TrackedFrame& frame, PoseSearch& search);
   Hypothesis by_descriptors(const TrackedFrame& last, TrackedFrame& frame, PoseSearch& search) const;
   Hypothesis by_reference(const TrackedFrame& last, TrackedFrame& frame, PoseSearch& search) const;
   // The last frame's points around where frame.T_cw expects them.
@@ -50,7 +57,8 @@ class FirstPose {
   const FirstPoseOptions options_;
   const Support support_;
   const int seed_;
-  TrackedFrame best_;  // the frame as the best hypothesis so far has it
+  std::optional<ImageRotation> turn_seen_;  // the rotation that the images show; empty: not asked, or not seen
+  TrackedFrame best_;                       // the frame as the best hypothesis so far has it
 };
 
 }  // namespace covis

@@ -13,7 +13,7 @@ enum class TrackState { not_initialised, tracking, lost };
 
 // The source of a tracked frame's first pose. `dead_reckoned`: in localisation only, from the last frame's own depth
 // where the map has too few points.
-enum class TrackMethod { none, initialised, motion_model, last_frame, reference_key_frame, recovered, dead_reckoned };
+enum class TrackMethod { none, initialised, motion_model, image_rotation, last_frame, reference_key_frame, recovered, dead_reckoned };
 
 constexpr std::string_view name(TrackState state) {
   switch (state) {
@@ -35,6 +35,8 @@ constexpr std::string_view name(TrackMethod method) {
       return "initialised";
     case TrackMethod::motion_model:
       return "motion_model";
+    case TrackMethod::image_rotation:
+      return "image_rotation";
     case TrackMethod::last_frame:
       return "last_frame";
     case TrackMethod::reference_key_frame:

@@ -1,23 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/tracking/tracker.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
 #include "covis/core/log.h"
 #include "covis/core/time.h"
 #include "covis/matching/point_geometry.h"
+#include "covis/tracking/image_rotation.h"
 
 namespace covis {
 namespace {
-
-// True when enough of what should be seen was matched: of the local map, or of what the last frame showed. A pose
-// around a wrong prediction has matches by chance: 3 to 8 % of what is in view. Measured: docs/notes/022-belief.md.
-bool believable(const TrackFigures& figures) {
-  constexpr double kLocalShare = 0.15;  // of the expected matches with the local map
-  constexpr double kFirstShare = 0.2;   // of the last frame's points in view
-  return figures.inliers >= kLocalShare * figures.local_expected || figures.first_share >= kFirstShare;
-}
 
 MapStarter::Settings starter_settings(const TrackingSettings& s, const Vocabulary* vocabulary) {
   // Without places recognised, or loops closed, two submaps would never be joined.
@@ -124,7 +118,7 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
     result.reason = "too few points of the map agree on a pose";
     return false;
   }
-  if (!believable(result)) {
+  if (!explains_view(result)) {
     result.reason = "the pose explains too little of the view";
     return false;
   }
@@ -139,6 +133,17 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
     return false;
   }
   return true;
+}
+
+// True when enough of what should be seen was matched: of the local map, or of what the last frame showed. A pose
+// around a wrong prediction has matches by chance: 3 to 8 % of what is in view. A blurred image has hardly more, and is
+// believed when it shows the same rotation. Measured: docs/notes/022-belief.md.
+bool Tracker::explains_view(const TrackFigures& figures) const {
+  constexpr double kLocalShare = 0.15, kLocalShareConfirmed = 0.05;  // of the expected matches with the local map
+  constexpr double kFirstShare = 0.2;                                // of the last frame's points in view
+  const double share = figures.inliers / std::max(1.0, figures.local_expected);
+  if (share >= kLocalShare || figures.first_share >= kFirstShare) return true;
+  return share >= kLocalShareConfirmed && first_pose_.images_agree(current_.T_cw * last_.frame.T_cw.inverse());
 }
 
 // In localisation only: the last frame's depth carries the pose over a place with too few map points.
@@ -225,7 +230,8 @@ void Tracker::begin_submap(Outcome& outcome) {
 
 bool Tracker::may_make_key_frame(const TrackResult& result) const {
   if (settings_.mode == TrackingMode::localisation || search_.place.tentative()) return false;
-  const bool by_last_frame = result.method == TrackMethod::motion_model || result.method == TrackMethod::last_frame;
+  const bool by_last_frame = result.method == TrackMethod::motion_model ||
+                             result.method == TrackMethod::image_rotation || result.method == TrackMethod::last_frame;
   return !health_.recovered_lately(current_.stamp) || by_last_frame;
 }
 

@@ -86,6 +86,7 @@ class Tracker {
   bool find_pose(TrackResult& result, const SharedMap* live);
   bool find_first_pose(TrackResult& result);
   bool track_local_map(TrackResult& result, const SharedMap* live);
+  bool explains_view(const TrackFigures& figures) const;
   bool dead_reckon(TrackResult& result);
   bool relocalise(TrackResult& result, const SharedMap* live);
   void accept(TrackResult& result);
