@@ -111,9 +111,8 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
   const PoseFit fit = search_.matcher.fit_pose(current_, search_.camera);
   result.inliers = fit.on_map;
   result.pose_ms += watch.ms();
-  for (size_t k = 0; k < search_.local_map.points.size(); ++k) {
-    if (search_.matcher.in_view()[k]) result.local_expected += search_.local_map.match_ratio[k];
-  }
+  search_.look(current_);
+  result.local_expected = search_.view.matches();
   if (result.inliers < (recovered_lately ? settings_.options.recovery.min_inliers_recovered : o.min_inliers)) {
     result.reason = "too few points of the map agree on a pose";
     return false;
