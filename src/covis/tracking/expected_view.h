@@ -29,7 +29,7 @@ class ExpectedView {
  private:
   static constexpr int kColumns = 16, kRows = 12;
   struct Cell {
-    int seen = 0;            // keypoints of which the depth is known
+    int seen = 0;         // keypoints of which the depth is known
     double farthest = 0;  // their greatest depth
   };
   Cell* cell(const ImageBounds& image, double u, double v);

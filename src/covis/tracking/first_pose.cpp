@@ -58,8 +58,7 @@ FirstPose::Hypothesis FirstPose::by_descriptors(const TrackedFrame& last, Tracke
   return h;
 }
 
-FirstPose::Hypothesis FirstPose::by_reference(const TrackedFrame& last, TrackedFrame& frame,
-                                              PoseSearch& search) const {
+FirstPose::Hypothesis FirstPose::by_reference(const TrackedFrame& last, TrackedFrame& frame, PoseSearch& search) const {
   const KeyFrameView& reference = search.local_map.reference;
   Hypothesis h;
   h.method = TrackMethod::reference_key_frame;
@@ -75,7 +74,8 @@ FirstPose::Hypothesis FirstPose::by_reference(const TrackedFrame& last, TrackedF
     return h;
   }
   h.inliers = search.matcher.fit_pose(frame, search.camera).on_map;
-  if (h.inliers < options_.motion_min_inliers) h.reason = "too few matches with the reference key frame agree on a pose";
+  if (h.inliers < options_.motion_min_inliers)
+    h.reason = "too few matches with the reference key frame agree on a pose";
   return h;
 }
 

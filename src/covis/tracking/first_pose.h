@@ -39,8 +39,8 @@ class FirstPose {
   struct Hypothesis {
     TrackMethod method = TrackMethod::none;
     int matches = 0;
-    int inliers = 0;    // matches that agree with the pose
-    double share = 0;   // share of the last frame's points in view that agree
+    int inliers = 0;          // matches that agree with the pose
+    double share = 0;         // share of the last frame's points in view that agree
     std::string_view reason;  // the reason for having no pose; empty when there is one
     bool ok() const { return reason.empty(); }
     // So many of the last frame's points in view agree that no other pose needs to be looked for.

@@ -57,8 +57,7 @@ FrameMatcher::LastFrameMatches FrameMatcher::match_last_frame(const TrackedFrame
 int FrameMatcher::match_frame(const TrackedFrame& last, TrackedFrame& frame, const DescriptorMatchOptions& options) {
   std::vector<uint8_t> has_point(last.source.size());
   for (size_t i = 0; i < has_point.size(); ++i) has_point[i] = last.source[i] != PointSource::none;
-  const std::vector<FeatureMatch> matches =
-      match_descriptors(*frame.features, {}, *last.features, has_point, options);
+  const std::vector<FeatureMatch> matches = match_descriptors(*frame.features, {}, *last.features, has_point, options);
   frame.clear_matches();
   for (const FeatureMatch& m : matches) {
     const auto b = static_cast<size_t>(m.b);

@@ -14,7 +14,8 @@ constexpr int kBestNeighbours = 10;  // neighbours of each key frame of K1 that 
 // ones, as if some frames more had seen it.
 float expected_match_ratio(const MapPoint& point) {
   constexpr float kUsual = 0.6f, kFrames = 4;
-  const float ratio = (static_cast<float>(point.found) + kUsual * kFrames) / (static_cast<float>(point.visible) + kFrames);
+  const float ratio =
+      (static_cast<float>(point.found) + kUsual * kFrames) / (static_cast<float>(point.visible) + kFrames);
   return std::min(ratio, 1.0f);
 }
 

@@ -58,7 +58,7 @@ class PlaceCheck {
     SE3 T_cw;
     uint32_t submap = 0;
     Timestamp stamp = 0;
-    Timestamp interval = 0;                               // since the frame before; 0: unknown
+    Timestamp interval = 0;                              // since the frame before; 0: unknown
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of the camera's centre, metres a second
   };
   struct Jump {

@@ -93,8 +93,7 @@ bool Relocaliser::find_at(const KeyFrameView& view, TrackedFrame& frame, PoseSea
     figures.local_points = search.local_map.size();
     figures.inliers = search.matcher.fit_pose(frame, search.camera).on_map;
     if (figures.inliers >= options_.recovery.min_inliers_recovered &&
-        figures.inliers >= options_.recovery.min_recovered_share * figures.local_in_view)
-    {
+        figures.inliers >= options_.recovery.min_recovered_share * figures.local_in_view) {
       search.look(frame);
       figures.local_expected = search.view.matches();
       return search.place.is_right(search.found(frame, live), Arrival::relocalised);
