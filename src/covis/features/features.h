@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "covis/core/aligned.h"
+#include "covis/features/small_image.h"
 
 namespace covis {
 
@@ -28,8 +29,8 @@ inline int hamming(const Descriptor& a, const Descriptor& b) {
 }
 
 inline constexpr int kHammingBeyond = 257;  // greater than any distance: no match yet
-inline constexpr int kHammingHigh = 100;  // greatest distance of a plausible match
-inline constexpr int kHammingLow = 50;    // greatest distance of a safe match
+inline constexpr int kHammingHigh = 100;    // greatest distance of a plausible match
+inline constexpr int kHammingLow = 50;      // greatest distance of a safe match
 
 // Scale factors of the pyramid. scale[l] = factor^l; sigma2[l] = scale[l]^2, the variance (pixels^2) of a keypoint on
 // level l.
@@ -83,6 +84,7 @@ struct Features {
   AlignedVector<Descriptor> descriptor;
   FeatureGrid grid;
   std::shared_ptr<const ScalePyramid> pyramid;
+  SmallImage small;  // for the next frame alone: key frames keep none
 
   int size() const { return static_cast<int>(x.size()); }
   const AlignedVector<float>& image_x() const { return raw_x.empty() ? x : raw_x; }

@@ -110,6 +110,7 @@ struct Frontend::Impl {
   std::optional<OrbExtractor> right;
   std::optional<PairExtractor> pair;
   StereoMatcher matcher;
+  SmallImageMaker small;
   FeaturesRing ring;
   Timing timing;
 };
@@ -146,6 +147,7 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
     f->u_right.push_back(depth > 0 ? at.x() - static_cast<float>(camera.pinhole.bf) / depth : -1.0f);
   }
   f->grid.build(bounds, f->x, f->y);
+  small.make(left.level(0), f->small);
   return f;
 }
 

@@ -70,7 +70,11 @@ std::optional<InitialMap> make_initial_map(SharedMap& shared, const InitialMapRe
 
   MapEdit map(shared);
   // Features are copied: the frames' have room for more.
-  const auto copy = [](const FeaturesPtr& features) { return std::make_shared<Features>(*features); };
+  const auto copy = [](const FeaturesPtr& features) {
+    auto made = std::make_shared<Features>(*features);
+    made->small = {};
+    return made;
+  };
   const SE3 T_21(problem.poses[1].R(), Eigen::Vector3d(problem.poses[1].t() * *scale));
   InitialMap made;
   made.first = map.map().begin_submap(request.first.frame, request.first.stamp, SE3(), copy(request.first.features));

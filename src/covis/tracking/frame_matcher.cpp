@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/tracking/frame_matcher.h"
 
+#include "covis/core/random.h"
 #include "covis/core/reserve.h"
+#include "covis/geometry/pnp.h"
 
 namespace covis {
 namespace {
@@ -29,8 +31,8 @@ FrameMatcher::FrameMatcher() {
   observed_by_.reserve(kFeatures);
 }
 
-int FrameMatcher::match_last_frame(const TrackedFrame& last, TrackedFrame& frame, const Pinhole& camera,
-                                   double window) {
+FrameMatcher::LastFrameMatches FrameMatcher::match_last_frame(const TrackedFrame& last, TrackedFrame& frame,
+                                                              const Pinhole& camera, double window) {
   const Features& from = *last.features;
   seen_.clear();
   seen_by_.clear();
@@ -41,15 +43,27 @@ int FrameMatcher::match_last_frame(const TrackedFrame& last, TrackedFrame& frame
     seen_by_.push_back(static_cast<uint32_t>(i));
     seen_angle_.push_back(from.angle[i]);
   }
-  projection_.match(seen_, {camera, *frame.features, frame.T_cw},
-                    MatchGate::last_frame(window, levels_after(last, frame, camera)));
+  const int in_view = projection_.match(seen_, {camera, *frame.features, frame.T_cw},
+                                        MatchGate::last_frame(window, levels_after(last, frame, camera)));
   const int kept = projection_.keep_consistent_rotations(seen_angle_, *frame.features);
   frame.clear_matches();
   for (const PointMatch& m : projection_.matches()) {
     const size_t i = seen_by_[m.point];
     frame.set_match(m.feature, last.points[i], last.positions[i], last.source[i]);
   }
-  return kept;
+  return {in_view, kept};
+}
+
+int FrameMatcher::match_frame(const TrackedFrame& last, TrackedFrame& frame, const DescriptorMatchOptions& options) {
+  std::vector<uint8_t> has_point(last.source.size());
+  for (size_t i = 0; i < has_point.size(); ++i) has_point[i] = last.source[i] != PointSource::none;
+  const std::vector<FeatureMatch> matches = match_descriptors(*frame.features, {}, *last.features, has_point, options);
+  frame.clear_matches();
+  for (const FeatureMatch& m : matches) {
+    const auto b = static_cast<size_t>(m.b);
+    frame.set_match(static_cast<size_t>(m.a), last.points[b], last.positions[b], last.source[b]);
+  }
+  return static_cast<int>(matches.size());
 }
 
 int FrameMatcher::match_key_frame(const KeyFrameView& view, TrackedFrame& frame,
@@ -79,6 +93,26 @@ int FrameMatcher::match_local_map(const LocalMap& local_map, TrackedFrame& frame
     frame.set_match(m.feature, points.id[m.point], points.position(m.point), PointSource::map);
   }
   return in_view;
+}
+
+bool FrameMatcher::find_pose(TrackedFrame& frame, const Pinhole& camera, int seed) {
+  const Features& f = *frame.features;
+  PnpProblem problem;
+  std::vector<size_t> feature;
+  for (size_t i = 0; i < frame.source.size(); ++i) {
+    if (frame.source[i] == PointSource::none) continue;
+    problem.add(frame.positions[i], camera.unproject(f.x[i], f.y[i]), f.pyramid->sigma2[f.level[i]]);
+    feature.push_back(i);
+  }
+  const uint64_t frame_seed =
+      hash_seed(static_cast<uint64_t>(seed), RandomStage::relocalisation, static_cast<uint64_t>(frame.index));
+  const auto pose = ransac_pnp(problem, camera, frame_seed);
+  if (!pose) return false;
+  frame.T_cw = pose->T_cw;
+  for (size_t k = 0; k < feature.size(); ++k) {
+    if (!pose->inlier[k]) frame.drop_match(feature[k]);
+  }
+  return true;
 }
 
 PoseFit FrameMatcher::fit_pose(TrackedFrame& frame, const Pinhole& camera) {

@@ -28,13 +28,22 @@ class FrameMatcher {
 
   // Searches the points that the last frame showed around where frame.T_cw expects them, in windows of `window` pixels
   // x scale.
-  int match_last_frame(const TrackedFrame& last, TrackedFrame& frame, const Pinhole& camera, double window);
+  struct LastFrameMatches {
+    int in_view = 0;  // points of the last frame expected in the image
+    int matches = 0;
+  };
+  LastFrameMatches match_last_frame(const TrackedFrame& last, TrackedFrame& frame, const Pinhole& camera,
+                                    double window);
+  // Matches the points that the last frame showed by descriptor alone.
+  static int match_frame(const TrackedFrame& last, TrackedFrame& frame, const DescriptorMatchOptions& options);
   // Matches the points of a key frame by descriptor alone.
   static int match_key_frame(const KeyFrameView& view, TrackedFrame& frame, const DescriptorMatchOptions& options);
   // Searches the points of the local map that are not matched yet and keeps the matches there are. Returns how many
   // points of the local map are in view, matched ones among them.
   int match_local_map(const LocalMap& local_map, TrackedFrame& frame, const Pinhole& camera, const MatchGate& gate);
 
+  // Finds frame.T_cw from its matches alone, by P3P in RANSAC, and drops those that disagree. False when too few agree.
+  static bool find_pose(TrackedFrame& frame, const Pinhole& camera, int seed);
   // Optimises frame.T_cw over its matches and drops those that disagree.
   PoseFit fit_pose(TrackedFrame& frame, const Pinhole& camera);
 

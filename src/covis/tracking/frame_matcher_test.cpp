@@ -45,7 +45,7 @@ class FrameMatcherTest : public testing::Test {
     last_view = edited(last_view, [](Features& f) { std::fill(f.level.begin(), f.level.end(), uint8_t{4}); });
     last.features = last_view.features;
     TrackedFrame frame = frame_of(view, T_cw);
-    return matcher.match_last_frame(last, frame, camera, kWindow);
+    return matcher.match_last_frame(last, frame, camera, kWindow).matches;
   }
 
   const PointScene scene = PointScene::wall();
@@ -58,7 +58,7 @@ class FrameMatcherTest : public testing::Test {
 
 TEST_F(FrameMatcherTest, TheLastFramesPointsAreFoundWhereTheyAreExpected) {
   TrackedFrame next = frame_of(next_view, scene.T_cw(5));
-  const int matches = matcher.match_last_frame(last, next, scene.camera, kWindow);
+  const int matches = matcher.match_last_frame(last, next, scene.camera, kWindow).matches;
   EXPECT_EQ(matches, expected(next_view));
   EXPECT_GT(matches, 100);
   EXPECT_EQ(next.matches(), matches);
@@ -67,15 +67,15 @@ TEST_F(FrameMatcherTest, TheLastFramesPointsAreFoundWhereTheyAreExpected) {
 
 TEST_F(FrameMatcherTest, NothingIsFoundWhereTheFrameIsNot) {
   TrackedFrame next = frame_of(next_view, scene.T_cw(8));  // some 50 pixels aside
-  EXPECT_LT(matcher.match_last_frame(last, next, scene.camera, kWindow), 10);
-  EXPECT_GT(matcher.match_last_frame(last, next, scene.camera, 100), 100) << "a wider window reaches it";
+  EXPECT_LT(matcher.match_last_frame(last, next, scene.camera, kWindow).matches, 10);
+  EXPECT_GT(matcher.match_last_frame(last, next, scene.camera, 100).matches, 100) << "a wider window reaches it";
 }
 
 TEST_F(FrameMatcherTest, PointsOfDepthStayPointsOfDepth) {
   for (size_t i = 0; i < last.source.size(); i += 2)
     last.set_match(i, {}, scene.points[last_view.point[i]].position_w, PointSource::depth);
   TrackedFrame next = frame_of(next_view, scene.T_cw(5));
-  EXPECT_GT(matcher.match_last_frame(last, next, scene.camera, kWindow), 100);
+  EXPECT_GT(matcher.match_last_frame(last, next, scene.camera, kWindow).matches, 100);
   int on_map = 0;
   for (size_t f = 0; f < next.source.size(); ++f) {
     on_map += next.on_map(f);
@@ -90,7 +90,7 @@ TEST_F(FrameMatcherTest, WhatTurnedOtherwiseThanTheBulkIsDropped) {
     for (size_t i = 0; i < f.angle.size(); ++i) f.angle[i] = i % 10 == 0 ? 2.5f : 0.3f;
   });
   TrackedFrame next = frame_of(turned, scene.T_cw(5));
-  const int matches = matcher.match_last_frame(last, next, scene.camera, kWindow);
+  const int matches = matcher.match_last_frame(last, next, scene.camera, kWindow).matches;
   EXPECT_EQ(next.matches(), matches);
   EXPECT_GT(matches, expected(turned) * 8 / 10);
   for (size_t f = 0; f < next.source.size(); f += 10) EXPECT_EQ(next.source[f], PointSource::none) << f;

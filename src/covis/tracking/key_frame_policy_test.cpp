@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 
-
 #include "covis/tracking/test_frame.h"
 
 namespace covis {

@@ -10,12 +10,22 @@ namespace {
 
 constexpr int kBestNeighbours = 10;  // neighbours of each key frame of K1 that join K2
 
+// The share of frames that match a point they have in view. A point seen by few frames is taken for one of the usual
+// ones, as if some frames more had seen it.
+float expected_match_ratio(const MapPoint& point) {
+  constexpr float kUsual = 0.6f, kFrames = 4;
+  const float ratio =
+      (static_cast<float>(point.found) + kUsual * kFrames) / (static_cast<float>(point.visible) + kFrames);
+  return std::min(ratio, 1.0f);
+}
+
 }  // namespace
 
 // Reserves room in advance; its memory is used only when points and key frames come.
 LocalMap::LocalMap() {
   constexpr size_t kPoints = 1 << 14, kPointSlots = 1 << 17, kKeyFrameSlots = 1 << 12;
   points.reserve(kPoints);
+  match_ratio.reserve(kPoints);
   point_seen_.reserve(kPointSlots);
   key_frame_seen_.reserve(kKeyFrameSlots);
   votes_.reserve(kKeyFrameSlots);
@@ -26,6 +36,7 @@ LocalMap::LocalMap() {
 
 void LocalMap::clear() {
   points.clear();
+  match_ratio.clear();
   key_frames.clear();
   reference = {};
   reference_points = reference_all_points = 0;
@@ -94,6 +105,9 @@ void LocalMap::copy_points(const Map& map) {
     }
   }
   points.copy(map);
+  reserve_ahead(match_ratio, points.size());
+  match_ratio.resize(points.size());
+  for (size_t k = 0; k < points.size(); ++k) match_ratio[k] = expected_match_ratio(map.at(points.id[k]));
 }
 
 }  // namespace covis

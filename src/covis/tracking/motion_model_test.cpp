@@ -68,5 +68,12 @@ TEST_F(MotionModelTest, LengthsGrowWithTheMapAndTurnsDoNot) {
   EXPECT_EQ(motion.predict(kFrame)->R(), T_21.R());
 }
 
+TEST_F(MotionModelTest, AnotherTurnKeepsTheCentre) {
+  const Eigen::Matrix3d R = so3_exp({0.1, 0.3, -0.2});
+  const SE3 turned = MotionModel::turned(T_21, R);
+  EXPECT_EQ(turned.R(), R);
+  EXPECT_LT((turned.centre() - T_21.centre()).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace covis

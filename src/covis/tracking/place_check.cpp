@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace covis {
@@ -61,7 +62,12 @@ bool PlaceCheck::is_right(const Found& found, Arrival arrival) {
 
 void PlaceCheck::accept(const TrackedFrame& frame, uint32_t submap) {
   if (jump_ && frame.stamp - jump_->stamp >= from_seconds(kTentativeTime)) jump_.reset();
-  last_ = {frame.T_cw, submap};
+  Place place{frame.T_cw, submap, frame.stamp};
+  if (last_ && last_->submap == submap && frame.stamp > last_->stamp) {
+    place.interval = frame.stamp - last_->stamp;
+    place.velocity = (frame.T_cw.centre() - last_->T_cw.centre()) / to_seconds(place.interval);
+  }
+  last_ = place;
 }
 
 void PlaceCheck::lose() {
@@ -75,7 +81,10 @@ void PlaceCheck::restart() {
 }
 
 void PlaceCheck::follow(const SE3& T_cw, uint32_t submap) {
-  if (last_) last_ = {T_cw, submap};
+  if (!last_) return;
+  if (submap != last_->submap) last_->velocity.setZero();
+  last_->T_cw = T_cw;
+  last_->submap = submap;
 }
 
 std::optional<int64_t> PlaceCheck::take_retraction() { return std::exchange(retract_from_, std::nullopt); }
@@ -86,13 +95,21 @@ void PlaceCheck::take_back_jump() {
   jump_.reset();
 }
 
-// True when the camera is too far from its last place to have just moved there.
+// True when the camera is too far from its last place to have just moved there. One that was lost for a moment moved on
+// meanwhile: about as fast as before, and it may have turned with every frame.
 bool PlaceCheck::jumped(const Found& found) const {
-  constexpr double kTurn = 0.966;  // cosine of 15 degrees
-  constexpr double kWay = 0.2;     // share of the mean depth of what it sees
+  constexpr double kTurn = std::numbers::pi / 12, kMostTurn = std::numbers::pi / 3;  // a frame, and in all
+  constexpr double kWay = 0.2;    // share of the mean depth of what it sees
+  constexpr double kSlack = 0.5;  // share of the way gone while lost
   if (!last_ || found.local_map.reference.submap != last_->submap) return true;
   const SE3 T_cl = found.frame.T_cw * last_->T_cw.inverse();
-  return T_cl.t().norm() > kWay * found.frame.mean_depth() || (T_cl.R().trace() - 1) / 2 < kTurn;
+  const Timestamp since = std::min(found.frame.stamp - last_->stamp, from_seconds(kTentativeTime));
+  const double lost = last_->interval > 0 ? std::max(0.0, to_seconds(since - last_->interval)) : 0;  // seconds
+  const Eigen::Vector3d on_the_way = lost * last_->velocity;
+  const Eigen::Vector3d off = found.frame.T_cw.centre() - last_->T_cw.centre() - on_the_way;
+  const double turn = kTurn * (lost > 0 ? 1 + lost / to_seconds(last_->interval) : 1);
+  return off.norm() > kWay * found.frame.mean_depth() + kSlack * on_the_way.norm() ||
+         (T_cl.R().trace() - 1) / 2 < std::cos(std::min(turn, kMostTurn));
 }
 
 // Holds a read guard for as long as it goes through the points in view and their observers, some thousands of plain

@@ -44,7 +44,7 @@ class PlaceCheck {
   // The camera is lost: a tentative place was wrong.
   void lose();
   // The camera is at this place without doubt: a submap was just begun there.
-  void restart_at(const SE3& T_cw, uint32_t submap) { last_ = {T_cw, submap}; }
+  void restart_at(const TrackedFrame& frame, uint32_t submap) { last_ = {frame.T_cw, submap, frame.stamp}; }
   // The camera may be anywhere.
   void restart();
   // The map moved, and the last place with it.
@@ -58,6 +58,9 @@ class PlaceCheck {
   struct Place {
     SE3 T_cw;
     uint32_t submap = 0;
+    Timestamp stamp = 0;
+    Timestamp interval = 0;                              // since the frame before; 0: unknown
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of the camera's centre, metres a second
   };
   struct Jump {
     int64_t frame = 0;

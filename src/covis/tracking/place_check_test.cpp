@@ -29,7 +29,7 @@ class TentativePlaceTest : public testing::Test {
   }
   // Settled at x = 0 with frame 0.
   void settle() {
-    place.restart_at(pose_at(0), 0);
+    place.restart_at(at(0, 0, 0), 0);
     place.accept(at(0, 0, 0), 0);
     ASSERT_FALSE(place.tentative());
   }
@@ -54,6 +54,22 @@ TEST_F(TentativePlaceTest, AFifthOfTheDepthIsAJump) {
   find(1, 0.1, 0.9);
   EXPECT_FALSE(place.tentative());
   find(2, 0.2, 0.9 + 1.1);
+  EXPECT_TRUE(place.tentative());
+}
+
+TEST_F(TentativePlaceTest, ACameraLostForAMomentMovedOnMeanwhile) {
+  settle();
+  find(1, 0.1, 0.5);
+  find(6, 0.6, 3.2, Arrival::relocalised);  // 5 m/s
+  EXPECT_FALSE(place.tentative()) << "half a second at that speed leads there";
+  find(11, 1.1, 3.2 + 0.9 * 5, Arrival::relocalised);
+  EXPECT_TRUE(place.tentative()) << "twice as far as it goes in that time";
+}
+
+TEST_F(TentativePlaceTest, ACameraThatStoodIsNotElsewhereAfterALoss) {
+  settle();
+  find(1, 0.1, 0);
+  find(6, 0.6, 1.1, Arrival::relocalised);
   EXPECT_TRUE(place.tentative());
 }
 
@@ -139,7 +155,7 @@ TEST_F(TentativePlaceTest, AnotherSubmapIsAnotherPlace) {
   settle();
   find(1, 0.1, 0.1, Arrival::relocalised, 3);
   EXPECT_TRUE(place.tentative());
-  place.restart_at(pose_at(0), 4);
+  place.restart_at(at(2, 5.0, 0), 4);
   place.accept(at(2, 5.0, 0), 4);
   find(3, 5.1, 0.1, Arrival::relocalised, 4);
   EXPECT_FALSE(place.tentative()) << "a submap begins where it begins";
@@ -173,7 +189,7 @@ class LooksTest : public testing::Test {
   enum class Before { there, elsewhere };
   bool is_right(const SE3& T_cw, size_t every, Before before, Arrival arrival = Arrival::tracked) {
     if (before == Before::there) {
-      place.restart_at(T_cw, 0);
+      place.restart_at(frame_of(scene.view(T_cw), T_cw), 0);
     } else {
       place.restart();
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "covis/map/shared_map.h"
+#include "covis/tracking/expected_view.h"
 #include "covis/tracking/frame_matcher.h"
 #include "covis/tracking/local_map.h"
 #include "covis/tracking/place_check.h"
@@ -18,6 +19,7 @@ struct PoseSearch {
   std::optional<Pinhole> own_camera;  // set when the frames are of another camera than the map
   FrameMatcher matcher;
   LocalMap local_map;
+  ExpectedView view;
   PlaceCheck place;
   std::vector<MapPointId> matched;  // work space of update_local_map()
 
@@ -31,8 +33,10 @@ struct PoseSearch {
     local_map.update(*map.read(), matched, fallback, max_key_frames);
   }
   PlaceCheck::Found found(const TrackedFrame& frame, const SharedMap* live) const {
-    return {frame, local_map, matcher.in_view(), live};
+    return {frame, local_map, view.points(), live};
   }
+  // Sees which points of the local map the frame should show at its pose.
+  void look(const TrackedFrame& frame) { view.look(local_map, matcher.in_view(), frame, camera); }
 };
 
 }  // namespace covis

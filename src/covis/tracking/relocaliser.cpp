@@ -4,9 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "covis/core/random.h"
-#include "covis/geometry/pnp.h"
-
 namespace covis {
 namespace {
 
@@ -78,22 +75,7 @@ bool Relocaliser::find_first_pose(const KeyFrameView& view, TrackedFrame& frame,
   // Wider than for the next frame, as RANSAC sorts out what is wrong: 5 % more frames are found than with 0.75 and 50.
   constexpr DescriptorMatchOptions kGate{.max_distance = 64, .ratio = 0.9f};
   if (FrameMatcher::match_key_frame(view, frame, kGate) < options_.first_pose.reference_min_matches) return false;
-  const Features& f = *frame.features;
-  PnpProblem problem;
-  std::vector<size_t> feature;
-  for (size_t i = 0; i < frame.source.size(); ++i) {
-    if (frame.source[i] == PointSource::none) continue;
-    problem.add(frame.positions[i], search.camera.unproject(f.x[i], f.y[i]), f.pyramid->sigma2[f.level[i]]);
-    feature.push_back(i);
-  }
-  const uint64_t seed =
-      hash_seed(static_cast<uint64_t>(seed_), RandomStage::relocalisation, static_cast<uint64_t>(frame.index));
-  const auto pose = ransac_pnp(problem, search.camera, seed);
-  if (!pose) return false;
-  frame.T_cw = pose->T_cw;
-  for (size_t k = 0; k < feature.size(); ++k) {
-    if (!pose->inlier[k]) frame.drop_match(feature[k]);
-  }
+  if (!FrameMatcher::find_pose(frame, search.camera, seed_)) return false;
   return search.matcher.fit_pose(frame, search.camera).on_map >= kMinInliers;
 }
 
@@ -111,8 +93,11 @@ bool Relocaliser::find_at(const KeyFrameView& view, TrackedFrame& frame, PoseSea
     figures.local_points = search.local_map.size();
     figures.inliers = search.matcher.fit_pose(frame, search.camera).on_map;
     if (figures.inliers >= options_.recovery.min_inliers_recovered &&
-        figures.inliers >= options_.recovery.min_recovered_share * figures.local_in_view)
+        figures.inliers >= options_.recovery.min_recovered_share * figures.local_in_view) {
+      search.look(frame);
+      figures.local_expected = search.view.matches();
       return search.place.is_right(search.found(frame, live), Arrival::relocalised);
+    }
     if (figures.inliers < kMinInliers) return false;
   }
   return false;

@@ -19,6 +19,7 @@
 #include <optional>
 
 #include "covis/core/schedule.h"
+#include "covis/tracking/first_pose.h"
 #include "covis/tracking/key_frame_policy.h"
 #include "covis/tracking/map_starter.h"
 #include "covis/tracking/motion_model.h"
@@ -85,9 +86,9 @@ class Tracker {
 
  private:
   bool find_pose(TrackResult& result, const SharedMap* live);
-  bool track_by_motion(TrackResult& result);
-  bool track_by_reference(TrackResult& result);
+  bool find_first_pose(TrackResult& result);
   bool track_local_map(TrackResult& result, const SharedMap* live);
+  bool explains_view(const TrackFigures& figures) const;
   bool dead_reckon(TrackResult& result);
   bool relocalise(TrackResult& result, const SharedMap* live);
   void accept(TrackResult& result);
@@ -130,6 +131,7 @@ class Tracker {
   Health health_;
   PoseSearch search_;
   MotionModel motion_;
+  FirstPose first_pose_;
   KeyFramePolicy key_frames_;
   MapStarter starter_;
   Relocaliser relocaliser_;

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/first_pose.h"
+
+#include <numbers>
+
+#include "covis/geometry/lie.h"
+#include "covis/tracking/motion_model.h"
+
+namespace covis {
+namespace {
+
+// A later hypothesis has to have so many times the points that agree: the prediction is the better start otherwise.
+constexpr double kBetter = 1.5;
+
+}  // namespace
+
+FirstPose::Hypothesis FirstPose::around(const TrackedFrame& last, TrackedFrame& frame, PoseSearch& search) const {
+  const double window = options_.window(sensor_);
+  Hypothesis h;
+  FrameMatcher::LastFrameMatches found = search.matcher.match_last_frame(last, frame, search.camera, window);
+  if (found.matches < options_.motion_min_matches)
+    found = search.matcher.match_last_frame(last, frame, search.camera, 2 * window);
+  h.matches = found.matches;
+  if (h.matches < options_.motion_min_matches) {
+    h.reason = "too few matches with the last frame";
+    return h;
+  }
+  const int on_map = search.matcher.fit_pose(frame, search.camera).on_map;
+  h.inliers = frame.matches();
+  h.share = found.in_view > 0 ? static_cast<double>(h.inliers) / found.in_view : 0;
+  if ((support_ == Support::all_points ? h.inliers : on_map) < options_.motion_min_inliers)
+    h.reason = "too few matches with the last frame agree on a pose";
+  return h;
+}
+
+FirstPose::Hypothesis FirstPose::by_motion(const TrackedFrame& last, const SE3& T_cl, TrackedFrame& frame,
+                                           PoseSearch& search) const {
+  frame.T_cw = (T_cl * last.T_cw).normalized();
+  Hypothesis h = around(last, frame, search);
+  h.method = TrackMethod::motion_model;
+  return h;
+}
+
+FirstPose::Hypothesis FirstPose::by_descriptors(const TrackedFrame& last, TrackedFrame& frame,
+                                                PoseSearch& search) const {
+  // Wide gates, as RANSAC sorts out what is wrong.
+  constexpr DescriptorMatchOptions kGate{.max_distance = 64, .ratio = 0.9f};
+  Hypothesis h;
+  h.matches = FrameMatcher::match_frame(last, frame, kGate);
+  if (h.matches < options_.reference_min_matches) {
+    h.reason = "too few matches with the last frame";
+  } else if (!search.matcher.find_pose(frame, search.camera, seed_)) {
+    h.reason = "too few matches with the last frame agree on a pose";
+  } else {
+    h = around(last, frame, search);
+  }
+  h.method = TrackMethod::last_frame;
+  return h;
+}
+
+FirstPose::Hypothesis FirstPose::by_reference(const TrackedFrame& last, TrackedFrame& frame, PoseSearch& search) const {
+  const KeyFrameView& reference = search.local_map.reference;
+  Hypothesis h;
+  h.method = TrackMethod::reference_key_frame;
+  if (!reference.features) {
+    h.reason = "no reference key frame";
+    return h;
+  }
+  const DescriptorMatchOptions gate{.max_distance = kHammingLow, .ratio = static_cast<float>(options_.reference_ratio)};
+  h.matches = FrameMatcher::match_key_frame(reference, frame, gate);
+  frame.T_cw = last.T_cw;
+  if (h.matches < options_.reference_min_matches) {
+    h.reason = "too few matches with the reference key frame";
+    return h;
+  }
+  h.inliers = search.matcher.fit_pose(frame, search.camera).on_map;
+  if (h.inliers < options_.motion_min_inliers)
+    h.reason = "too few matches with the reference key frame agree on a pose";
+  return h;
+}
+
+FirstPose::Hypothesis FirstPose::by_images(const TrackedFrame& last, const SE3& T_cl, TrackedFrame& frame,
+                                           PoseSearch& search) {
+  turn_seen_ = image_rotation(last.features->small, frame.features->small, search.camera);
+  if (!turn_seen_) return {.method = TrackMethod::image_rotation, .reason = "the images show no rotation"};
+  Hypothesis h = by_motion(last, MotionModel::turned(T_cl, turn_seen_->R_21), frame, search);
+  h.method = TrackMethod::image_rotation;
+  return h;
+}
+
+bool FirstPose::find(const TrackedFrame& last, const std::optional<SE3>& T_cl, TrackedFrame& frame, PoseSearch& search,
+                     TrackResult& figures) {
+  turn_seen_.reset();
+  Hypothesis best;
+  // Keeps the better of two hypotheses, and the frame as that has it.
+  const auto compete = [&](const Hypothesis& h) {
+    if (h.ok() && (!best.ok() || h.inliers > kBetter * best.inliers)) {
+      best = h;
+    } else if (best.ok()) {
+      frame.swap(best_);
+    }
+    if (best.ok()) best_ = frame;
+  };
+  if (T_cl) {
+    best = by_motion(last, *T_cl, frame, search);
+    if (!best.explains()) {
+      if (best.ok()) best_ = frame;
+      compete(by_images(last, *T_cl, frame, search));
+      if (!best.explains()) compete(by_descriptors(last, frame, search));
+      if (!best.ok()) compete(by_reference(last, frame, search));
+    }
+  } else {
+    best = by_reference(last, frame, search);
+    if (!best.ok()) compete(by_descriptors(last, frame, search));
+  }
+  figures.predicted_matches = best.matches;
+  figures.first_share = best.share;
+  figures.reason = best.reason;
+  if (best.ok()) figures.method = best.method;
+  return best.ok();
+}
+
+bool FirstPose::images_agree(const SE3& T_cl) const {
+  constexpr double kAgree = 1.5 / 180 * std::numbers::pi;
+  return turn_seen_ && so3_log(turn_seen_->R_21 * T_cl.R().transpose()).norm() < kAgree;
+}
+
+}  // namespace covis

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// The first pose of a frame, before the local map is searched: where the last frame's points, or those of the
+// reference key frame, show it to be. Several hypotheses compete, and the one with the most points that agree wins: a
+// search around a wrong prediction finds matches too, by chance, but few that agree.
+//
+//   motion       the last frame's points around where constant velocity expects them
+//   images       the same with the rotation that the images show (image_rotation.h)
+//   descriptors  the last frame's points by descriptor alone, a pose by P3P in RANSAC
+//   reference    the reference key frame's points by descriptor alone
+//
+// The later ones are tried only when the earlier ones explain little of what the last frame showed.
+// Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section V-B; geometry/pnp.h.
+#pragma once
+
+#include <optional>
+
+#include "covis/tracking/image_rotation.h"
+#include "covis/tracking/pose_search.h"
+#include "covis/tracking/track_result.h"
+
+namespace covis {
+
+class FirstPose {
+ public:
+  // In `counted` frames' points all count; else only those of the map do, and what the last frame's own depth gave
+  // helps the pose but does not carry it.
+  enum class Support { map_points, all_points };
+  FirstPose(Sensor sensor, const FirstPoseOptions& options, Support support, int seed)
+      : sensor_(sensor), options_(options), support_(support), seed_(seed) {}
+
+  // Finds the pose of `frame` and its matches. `T_cl` is the predicted motion since the last frame, if there is one.
+  // False: figures.reason says why.
+  bool find(const TrackedFrame& last, const std::optional<SE3>& T_cl, TrackedFrame& frame, PoseSearch& search,
+            TrackResult& figures);
+  // True when the images were asked for their rotation, as the prediction explained little, and show this one.
+  bool images_agree(const SE3& T_cl) const;
+
+ private:
+  struct Hypothesis {
+    TrackMethod method = TrackMethod::none;
+    int matches = 0;
+    int inliers = 0;          // matches that agree with the pose
+    double share = 0;         // share of the last frame's points in view that agree
+    std::string_view reason;  // the reason for having no pose; empty when there is one
+    bool ok() const { return reason.empty(); }
+    // So many of the last frame's points in view agree that no other pose needs to be looked for.
+    bool explains() const { return ok() && share >= 0.2; }
+  };
+  Hypothesis by_motion(const TrackedFrame& last, const SE3& T_cl, TrackedFrame& frame, PoseSearch& search) const;
+  Hypothesis by_images(const TrackedFrame& last, const SE3& T_cl, TrackedFrame& frame, PoseSearch& search);
+  Hypothesis by_descriptors(const TrackedFrame& last, TrackedFrame& frame, PoseSearch& search) const;
+  Hypothesis by_reference(const TrackedFrame& last, TrackedFrame& frame, PoseSearch& search) const;
+  // The last frame's points around where frame.T_cw expects them.
+  Hypothesis around(const TrackedFrame& last, TrackedFrame& frame, PoseSearch& search) const;
+
+  const Sensor sensor_;
+  const FirstPoseOptions options_;
+  const Support support_;
+  const int seed_;
+  std::optional<ImageRotation> turn_seen_;  // the rotation that the images show; empty: not asked, or not seen
+  TrackedFrame best_;                       // the frame as the best hypothesis so far has it
+};
+
+}  // namespace covis
