@@ -48,10 +48,10 @@ struct Stage {
 inline constexpr std::array<Stage, 8> kStages{
     {{"extract", [](const FrameStats& f) { return f.timing.extract_ms; }},
      {"depth", [](const FrameStats& f) { return f.timing.depth_ms; }},
-     {"motion", [](const FrameStats& f) { return f.track.motion_ms; }},
-     {"local_update", [](const FrameStats& f) { return f.track.local_update_ms; }},
-     {"local_search", [](const FrameStats& f) { return f.track.local_search_ms; }},
-     {"pose", [](const FrameStats& f) { return f.track.pose_ms; }},
+     {"motion", [](const FrameStats& f) { return f.track.ms.motion; }},
+     {"local_update", [](const FrameStats& f) { return f.track.ms.local_update; }},
+     {"local_search", [](const FrameStats& f) { return f.track.ms.local_search; }},
+     {"pose", [](const FrameStats& f) { return f.track.ms.pose; }},
      {"mapping_wait", [](const FrameStats& f) { return f.timing.wait_ms; }},
      {"decode_wait", [](const FrameStats& f) { return f.decode_ms; }}}};
 

@@ -37,6 +37,14 @@ constexpr std::string_view name(TrackMethod method) {
   return "";
 }
 
+// The times of tracking one frame, milliseconds.
+struct TrackTimes {
+  double motion = 0;        // first pose: search and optimisation
+  double local_update = 0;  // copying the local map
+  double local_search = 0;  // searching it
+  double pose = 0;          // last pose optimisation
+};
+
 // The figures of tracking one frame.
 struct TrackFigures {
   TrackMethod method = TrackMethod::none;
@@ -49,10 +57,7 @@ struct TrackFigures {
   int inliers = 0;             // map points that agree with the pose
   bool tentative = false;      // the camera jumped here less than a second ago: the pose may be taken back
   bool key_frame = false;      // a key frame was asked for
-  double motion_ms = 0;        // first pose: search and optimisation
-  double local_update_ms = 0;  // copying the local map
-  double local_search_ms = 0;  // searching it
-  double pose_ms = 0;          // last pose optimisation
+  TrackTimes ms;
 };
 
 struct TrackResult : TrackFigures {

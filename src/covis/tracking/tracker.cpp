@@ -90,7 +90,7 @@ bool Tracker::find_first_pose(TrackResult& result) {
     last_.add_depth_points(key_frames_.near_features(*last_.frame.features, search_.camera), search_.camera);
   const std::optional<SE3> T_cl = motion_.predict(current_.stamp - last_.frame.stamp);
   const bool ok = first_pose_.find(last_.frame, T_cl, current_, search_, result);
-  result.motion_ms += watch.ms();
+  result.ms.motion += watch.ms();
   return ok;
 }
 
@@ -99,23 +99,24 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
   const LocalMapOptions& o = settings_.options.local_map;
   Stopwatch watch;
   if (live) search_.update_local_map(*live, current_, last_.pose.key_frame, o.local_key_frames);
-  result.local_update_ms += watch.lap();
+  result.ms.local_update += watch.lap();
   const bool recovered_lately = health_.recovered_lately(current_.stamp);
   const double factor = recovered_lately ? kFactorRecovered : o.window_factor(settings_.sensor);
   const MatchGate gate = MatchGate::local_map(o.local_window * factor, o.local_window_frontal * factor, o.local_ratio);
   result.local_in_view = search_.matcher.match_local_map(search_.local_map, current_, search_.camera, gate);
   result.local_points = search_.local_map.size();
-  result.local_search_ms += watch.lap();
+  result.ms.local_search += watch.lap();
   const PoseFit fit = search_.matcher.fit_pose(current_, search_.camera);
   result.inliers = fit.on_map;
-  result.pose_ms += watch.ms();
+  result.ms.pose += watch.ms();
   search_.look(current_);
   result.local_expected = search_.view.matches();
   if (result.inliers < (recovered_lately ? settings_.options.recovery.min_inliers_recovered : o.min_inliers)) {
     result.reason = "too few points of the map agree on a pose";
     return false;
   }
-  if (!explains_view(result)) {
+  const SE3 T_cl = current_.T_cw * last_.frame.T_cw.inverse();
+  if (!belief_.explains_view(result, first_pose_.images_agree(T_cl))) {
     result.reason = "the pose explains too little of the view";
     return false;
   }
@@ -132,17 +133,6 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
   return true;
 }
 
-// True when enough of what should be seen was matched: of the local map, or of what the last frame showed. A pose
-// around a wrong prediction has matches by chance: 3 to 8 % of what is in view. A blurred image has hardly more, and is
-// believed when it shows the same rotation. Measured: docs/notes/022-belief.md.
-bool Tracker::explains_view(const TrackFigures& figures) const {
-  constexpr double kLocalShare = 0.15, kLocalShareConfirmed = 0.05;  // of the expected matches with the local map
-  constexpr double kFirstShare = 0.2;                                // of the last frame's points in view
-  const double share = figures.inliers / std::max(1.0, figures.local_expected);
-  if (share >= kLocalShare || figures.first_share >= kFirstShare) return true;
-  return share >= kLocalShareConfirmed && first_pose_.images_agree(current_.T_cw * last_.frame.T_cw.inverse());
-}
-
 // In localisation only: the last frame's depth carries the pose over a place with too few map points.
 bool Tracker::dead_reckon(TrackResult& result) {
   if (!settings_.dead_reckons() || current_.matches() < settings_.options.local_map.min_inliers) return false;
@@ -154,7 +144,7 @@ bool Tracker::dead_reckon(TrackResult& result) {
 bool Tracker::relocalise(TrackResult& result, const SharedMap* live) {
   const Stopwatch watch;
   const bool found = relocaliser_.find(current_, search_, live, last_.pose.key_frame, result);
-  result.motion_ms += watch.ms();
+  result.ms.motion += watch.ms();
   if (found) {
     health_.last_recovery = current_.stamp;
     result.method = TrackMethod::recovered;
@@ -174,6 +164,7 @@ void Tracker::accept(TrackResult& result) {
     motion_.reset();
   }
   state_ = TrackState::tracking;
+  if (result.method != TrackMethod::dead_reckoned) belief_.accept(result);
   search_.place.accept(current_, reference.submap);
   const bool tentative = search_.place.tentative();
   starter_.accept(tentative ? MapStarter::Place::tentative : MapStarter::Place::settled);

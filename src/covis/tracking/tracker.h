@@ -3,6 +3,8 @@
 // short read guards, works on copies, and asks for key frames by returning requests. Its parts, each with a header:
 //
 //   MotionModel     predicts where the camera is
+//   FirstPose       finds the first pose, by hypotheses that compete
+//   MatchBelief     judges whether a pose explains what the camera sees
 //   FrameMatcher    searches for known points, and finds the pose that they agree on
 //   LocalMap        the points around the camera, copied out of the map
 //   PlaceCheck      judges whether that is the place it claims to be
@@ -22,6 +24,7 @@
 #include "covis/tracking/first_pose.h"
 #include "covis/tracking/key_frame_policy.h"
 #include "covis/tracking/map_starter.h"
+#include "covis/tracking/match_belief.h"
 #include "covis/tracking/motion_model.h"
 #include "covis/tracking/relocaliser.h"
 
@@ -88,7 +91,6 @@ class Tracker {
   bool find_pose(TrackResult& result, const SharedMap* live);
   bool find_first_pose(TrackResult& result);
   bool track_local_map(TrackResult& result, const SharedMap* live);
-  bool explains_view(const TrackFigures& figures) const;
   bool dead_reckon(TrackResult& result);
   bool relocalise(TrackResult& result, const SharedMap* live);
   void accept(TrackResult& result);
@@ -132,6 +134,7 @@ class Tracker {
   PoseSearch search_;
   MotionModel motion_;
   FirstPose first_pose_;
+  MatchBelief belief_;
   KeyFramePolicy key_frames_;
   MapStarter starter_;
   Relocaliser relocaliser_;

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Judges whether a pose explains what the camera sees, by the share of the points in view that agree with it: of the
+// local map's points as many as usually match, of the last frame's points as many as lately. A pose around a wrong
+// prediction has matches by chance, 3 to 13 % of what is expected. How many are usual depends on the images (0.2 in one
+// recording, 0.7 in another), so the shares of the frames before are what a frame is held against.
+// Measured: docs/notes/022-belief.md.
+#pragma once
+
+#include <algorithm>
+
+#include "covis/tracking/track_result.h"
+
+namespace covis {
+
+class MatchBelief {
+ public:
+  // `images_agree`: the images show the same rotation as the pose, which makes a small share believable.
+  bool explains_view(const TrackFigures& figures, bool images_agree) const {
+    constexpr double kOfUsual = 0.35, kOfUsualConfirmed = 0.12;
+    const double share = local_share(figures);
+    return share >= kOfUsual * usual_local_ || figures.first_share >= kOfUsual * usual_first_ ||
+           (images_agree && share >= kOfUsualConfirmed * usual_local_);
+  }
+  // The frame's pose is believed.
+  void accept(const TrackFigures& figures) {
+    learn(usual_local_, local_share(figures));
+    if (figures.first_share > 0) learn(usual_first_, figures.first_share);
+  }
+
+ private:
+  static double local_share(const TrackFigures& figures) {
+    return figures.inliers / std::max(1.0, figures.local_expected);
+  }
+  // A frame counts for as much as the last 20; what is usual never falls to what chance gives.
+  static void learn(double& usual, double share) {
+    constexpr double kGain = 0.05, kLeast = 0.2;
+    usual = std::max(kLeast, usual + kGain * (std::min(share, 1.0) - usual));
+  }
+
+  double usual_local_ = 0.5;
+  double usual_first_ = 0.5;
+};
+
+}  // namespace covis
