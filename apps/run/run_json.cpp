@@ -109,17 +109,35 @@ json to_json(const FrameStats& f, std::optional<int> map) {
   return line;
 }
 
+json online_json(const SubmapPose& pose) {
+  const Eigen::Vector3d& t = pose.T_wc.t();
+  return {{"submap", pose.submap}, {"position_m", {t.x(), t.y(), t.z()}}};
+}
+
+// Poses asked for by rising frame.
+class PosesInOrder {
+ public:
+  explicit PosesInOrder(const std::vector<PoseOfFrame>& poses) : next_(poses.begin()), end_(poses.end()) {}
+  // Null when the frame has none.
+  const PoseOfFrame* of(int64_t frame) {
+    while (next_ != end_ && next_->frame < frame) ++next_;
+    return next_ != end_ && next_->frame == frame ? &*next_ : nullptr;
+  }
+
+ private:
+  std::vector<PoseOfFrame>::const_iterator next_, end_;
+};
+
 }  // namespace
 
 std::string stats_text(const RunRecord& run, const Snapshot& snapshot) {
-  const std::vector<PoseOfFrame>& poses = snapshot.trajectory;
   std::string text;
-  size_t next = 0;            // next mapping report; they are in the order of their frames
-  auto pose = poses.begin();  // next pose; in the same order
+  size_t next = 0;  // next mapping report; they are in the order of their frames
+  PosesInOrder poses(snapshot.trajectory), online(snapshot.online);
   for (const FrameStats& frame : run.frames) {
-    while (pose != poses.end() && pose->frame < frame.frame) ++pose;
-    const bool has_pose = pose != poses.end() && pose->frame == frame.frame;
-    json line = to_json(frame, has_pose ? snapshot.index_of(pose->submap) : std::nullopt);
+    const PoseOfFrame* pose = poses.of(frame.frame);
+    json line = to_json(frame, pose ? snapshot.index_of(pose->submap) : std::nullopt);
+    if (const PoseOfFrame* tracked = online.of(frame.frame)) line["online"] = online_json(*tracked);
     for (; next < run.mapping.size() && run.mapping[next].frame <= frame.frame; ++next) {
       if (run.mapping[next].frame == frame.frame) line["mapping"] = to_json(run.mapping[next]);
     }

@@ -55,8 +55,10 @@ TEST(RunJson, EveryFrameHasALine) {
     EXPECT_EQ(lines[k].contains("inliers"), k != 7) << "the late frame was not looked at";
     EXPECT_EQ(lines[k].contains("mapping"), k == 2 || k == 8);
     EXPECT_EQ(lines[k].contains("map"), lines[k]["state"] == "tracking");
+    EXPECT_EQ(lines[k].contains("online"), k != 1 && lines[k]["state"] == "tracking") << "frame 1 got its pose later";
   }
   EXPECT_EQ(lines[8]["map"], 1);
+  EXPECT_EQ(lines[8]["online"], json({{"submap", 3}, {"position_m", {8.0, 6.4, 0.0}}}));
   EXPECT_EQ(lines[8]["mapping"]["points_created"], 17);
   EXPECT_EQ(lines[8]["tracking_ms"], 78);
 }
