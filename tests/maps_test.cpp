@@ -320,8 +320,8 @@ TEST(Jump, ThatProvesWrongIsTakenBack) {
 
 // Too little may have been seen from near a right place to recognise it by that alone.
 TEST(Jump, ThatIsRightIsBelievedLong) {
-  Recording recording(Sensor::rgbd, 200, 10, "posters");
-  Walk walk = cut(recording, 10, 100, 140, 200);
+  Recording recording(Sensor::rgbd, 135, 10, "posters");
+  Walk walk = cut(recording, 10, 90, 115, 135);
   Walked run(walk, options_for(Sensor::rgbd));
   EXPECT_GT(run.tentative.size(), 0u);
   EXPECT_GE(run.system.trajectory().size(), walk.steps.size() - 5);

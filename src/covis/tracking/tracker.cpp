@@ -222,9 +222,7 @@ void Tracker::begin_submap(Outcome& outcome) {
 
 bool Tracker::may_make_key_frame(const TrackResult& result) const {
   if (settings_.mode == TrackingMode::localisation || search_.place.tentative()) return false;
-  const bool by_last_frame = result.method == TrackMethod::motion_model ||
-                             result.method == TrackMethod::image_rotation || result.method == TrackMethod::last_frame;
-  return !health_.recovered_lately(current_.stamp) || by_last_frame;
+  return !health_.recovered_lately(current_.stamp) || result.method == TrackMethod::motion_model;
 }
 
 // ---- The map as it changes ----
