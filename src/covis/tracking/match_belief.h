@@ -3,7 +3,7 @@
 // local map's points as many as usually match, of the last frame's points as many as lately. A pose around a wrong
 // prediction has matches by chance, 3 to 13 % of what is expected. How many are usual depends on the images (0.2 in one
 // recording, 0.7 in another), so the shares of the frames before are what a frame is held against.
-// Measured: docs/notes/022-belief.md.
+// Measured: docs/notes/022-a-pose-explains-its-view.md.
 #pragma once
 
 #include <algorithm>

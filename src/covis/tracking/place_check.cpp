@@ -50,10 +50,10 @@ struct Tally {
 }  // namespace
 
 bool PlaceCheck::is_right(const Found& found, Arrival arrival) {
-  const bool jump = jumped(found);
+  const bool jump = jumped(found, arrival);
   const Demand demand = jump || tentative() ? Demand::strict : Demand::usual;
   if (found.live && !looks_as_expected(found, *found.live->read(), demand)) return false;
-  if (jump && (arrival == Arrival::relocalised || tentative() || !found.live)) {
+  if (jump && (arrival != Arrival::tracked || tentative() || !found.live)) {
     take_back_jump();
     jump_ = {found.frame.index, found.frame.stamp};
   }
@@ -96,8 +96,9 @@ void PlaceCheck::take_back_jump() {
 }
 
 // True when the camera is too far from its last place to have just moved there. One that was lost for a moment moved on
-// meanwhile: about as fast as before, and it may have turned with every frame.
-bool PlaceCheck::jumped(const Found& found) const {
+// meanwhile: about as fast as before, and it may have turned with every frame. Things that the last frame saw too show
+// how far it turned in one.
+bool PlaceCheck::jumped(const Found& found, Arrival arrival) const {
   constexpr double kTurn = std::numbers::pi / 12, kMostTurn = std::numbers::pi / 3;  // a frame, and in all
   constexpr double kWay = 0.2;    // share of the mean depth of what it sees
   constexpr double kSlack = 0.5;  // share of the way gone while lost
@@ -107,9 +108,10 @@ bool PlaceCheck::jumped(const Found& found) const {
   const double lost = last_->interval > 0 ? std::max(0.0, to_seconds(since - last_->interval)) : 0;  // seconds
   const Eigen::Vector3d on_the_way = lost * last_->velocity;
   const Eigen::Vector3d off = found.frame.T_cw.centre() - last_->T_cw.centre() - on_the_way;
-  const double turn = kTurn * (lost > 0 ? 1 + lost / to_seconds(last_->interval) : 1);
+  const double frames = lost > 0 ? 1 + lost / to_seconds(last_->interval) : 1;
+  const double turn = arrival == Arrival::recognised ? kMostTurn : std::min(kTurn * frames, kMostTurn);
   return off.norm() > kWay * found.frame.mean_depth() + kSlack * on_the_way.norm() ||
-         (T_cl.R().trace() - 1) / 2 < std::cos(std::min(turn, kMostTurn));
+         (T_cl.R().trace() - 1) / 2 < std::cos(turn);
 }
 
 // Holds a read guard for as long as it goes through the points in view and their observers, some thousands of plain

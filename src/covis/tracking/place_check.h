@@ -24,8 +24,10 @@ namespace covis {
 // The frames that follow in a stream confirm a place or refute it; a single image stands for itself and has to show
 // more.
 enum class Subject { stream, single_image };
-// The way in which the camera came to the place.
-enum class Arrival { tracked, relocalised };
+// The way in which the camera came to the place: from around the prediction or the reference key frame, by descriptors
+// of the last frame wherever they led, or relocalised after a loss. The last two lead as readily to a place that only
+// looks the same.
+enum class Arrival { tracked, recognised, relocalised };
 
 class PlaceCheck {
  public:
@@ -66,7 +68,7 @@ class PlaceCheck {
     int64_t frame = 0;
     Timestamp stamp = 0;
   };
-  bool jumped(const Found& found) const;
+  bool jumped(const Found& found, Arrival arrival) const;
   enum class Demand { usual, strict };  // strict: after a jump, and while the place is tentative
   bool looks_as_expected(const Found& found, const Map& map, Demand demand);
   void take_back_jump();

@@ -66,6 +66,25 @@ TEST_F(TentativePlaceTest, ACameraLostForAMomentMovedOnMeanwhile) {
   EXPECT_TRUE(place.tentative()) << "twice as far as it goes in that time";
 }
 
+// Things that the last frame saw too show how far the camera turned; nothing confirms a place that only looks alike.
+TEST_F(TentativePlaceTest, AWideTurnIsNoJumpWhereTheLastFrameShowsIt) {
+  const auto turned_by = [&](double degrees, Arrival arrival) {
+    place.restart();
+    settle();
+    TrackedFrame found = at(1, 0.1, 0);
+    found.T_cw = SE3(so3_exp({0, degrees / 57.29578, 0}), Eigen::Vector3d::Zero());
+    EXPECT_TRUE(place.is_right({found, local_map, {}, nullptr}, arrival));
+    return place.tentative();
+  };
+  EXPECT_TRUE(turned_by(30, Arrival::tracked));
+  EXPECT_TRUE(turned_by(30, Arrival::relocalised));
+  EXPECT_FALSE(turned_by(30, Arrival::recognised));
+  EXPECT_TRUE(turned_by(70, Arrival::recognised));
+  settle();
+  find(1, 0.1, 1.1, Arrival::recognised);
+  EXPECT_TRUE(place.tentative()) << "a fifth of the depth";
+}
+
 TEST_F(TentativePlaceTest, ACameraThatStoodIsNotElsewhereAfterALoss) {
   settle();
   find(1, 0.1, 0);

@@ -125,11 +125,10 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
     result.reason = "points of the map agree on a pose, but leave it uncertain";
     return false;
   }
-  // Descriptors alone lead to a place that only looks like the last frame's as readily as relocalisation does.
-  const bool by_last_frame = result.method == TrackMethod::last_frame || result.method == TrackMethod::image_rotation;
+  const bool by_descriptors = result.method == TrackMethod::last_frame;
   const bool may_be_elsewhere =
-      tentative || recovered_lately || by_last_frame || result.method == TrackMethod::reference_key_frame;
-  const Arrival arrival = by_last_frame ? Arrival::relocalised : Arrival::tracked;
+      tentative || recovered_lately || by_descriptors || result.method == TrackMethod::reference_key_frame;
+  const Arrival arrival = by_descriptors ? Arrival::recognised : Arrival::tracked;
   if (may_be_elsewhere && !search_.place.is_right(search_.found(current_, live), arrival)) {
     result.reason = "things match, but not what stands around them";
     return false;
