@@ -80,6 +80,7 @@ TEST_F(TentativePlaceTest, AWideTurnIsNoJumpWhereTheLastFrameShowsIt) {
   EXPECT_TRUE(turned_by(30, Arrival::relocalised));
   EXPECT_FALSE(turned_by(30, Arrival::recognised));
   EXPECT_TRUE(turned_by(70, Arrival::recognised));
+  place.restart();
   settle();
   find(1, 0.1, 1.1, Arrival::recognised);
   EXPECT_TRUE(place.tentative()) << "a fifth of the depth";

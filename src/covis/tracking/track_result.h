@@ -13,7 +13,16 @@ enum class TrackState { not_initialised, tracking, lost };
 
 // The source of a tracked frame's first pose. `dead_reckoned`: in localisation only, from the last frame's own depth
 // where the map has too few points.
-enum class TrackMethod { none, initialised, motion_model, image_rotation, last_frame, reference_key_frame, recovered, dead_reckoned };
+enum class TrackMethod {
+  none,
+  initialised,
+  motion_model,
+  image_rotation,
+  last_frame,
+  reference_key_frame,
+  recovered,
+  dead_reckoned
+};
 
 constexpr std::string_view name(TrackMethod method) {
   switch (method) {
@@ -48,15 +57,15 @@ struct TrackTimes {
 // The figures of tracking one frame.
 struct TrackFigures {
   TrackMethod method = TrackMethod::none;
-  int features = 0;            // keypoints of the frame
-  int predicted_matches = 0;   // matches of the motion model or the reference key frame
-  double first_share = 0;      // share of the last frame's points in view that agree with the first pose
-  int local_points = 0;        // points of the local map
-  int local_in_view = 0;       // points of it predicted in view
-  double local_expected = 0;   // how many of those are expected to match
-  int inliers = 0;             // map points that agree with the pose
-  bool tentative = false;      // the camera jumped here less than a second ago: the pose may be taken back
-  bool key_frame = false;      // a key frame was asked for
+  int features = 0;           // keypoints of the frame
+  int predicted_matches = 0;  // matches of the motion model or the reference key frame
+  double first_share = 0;     // share of the last frame's points in view that agree with the first pose
+  int local_points = 0;       // points of the local map
+  int local_in_view = 0;      // points of it predicted in view
+  double local_expected = 0;  // how many of those are expected to match
+  int inliers = 0;            // map points that agree with the pose
+  bool tentative = false;     // the camera jumped here less than a second ago: the pose may be taken back
+  bool key_frame = false;     // a key frame was asked for
   TrackTimes ms;
 };
 
