@@ -72,7 +72,8 @@ bool FocalRefinement::run(const std::atomic<bool>& interrupt) {
 
 bool FocalRefinement::apply(MapEdit& map) const {
   if (map->submaps().size() != 1 || !apply_submap(submap_, map)) return false;
-  const Pinhole& camera = submap_.problem.camera;
+  Pinhole camera = submap_.problem.camera;
+  camera.depth_noise = map->camera().depth_noise;  // may have been estimated anew since
   map.map().set_camera(camera);
   log(LogLevel::info,
       "focal length refined: " + std::to_string(camera.fx) + " pixels instead of " + std::to_string(given_fx_));

@@ -10,11 +10,12 @@
 namespace covis {
 
 // The share of a key frame's points that at least three other key frames observe at the same or a finer scale; with a
-// depth sensor of its points up to `close_depth` baselines alone. 0 without points.
-double redundancy(const Map& map, KeyFrameId id, Sensor sensor, double close_depth);
+// depth sensor of its points up to `close_depth` alone. 0 without points.
+double redundancy(const Map& map, KeyFrameId id, Sensor sensor, const CloseDepth& close_depth);
 
 // Erases the key frames beside `current` whose redundancy exceeds `max_redundancy`, one after the other, as each one's
 // points count for the next. Roots and key frames with loop edges stay. Returns the number erased.
-int cull_key_frames(SharedMap& map, KeyFrameId current, Sensor sensor, double max_redundancy, double close_depth);
+int cull_key_frames(SharedMap& map, KeyFrameId current, Sensor sensor, double max_redundancy,
+                    const CloseDepth& close_depth);
 
 }  // namespace covis

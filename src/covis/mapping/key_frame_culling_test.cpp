@@ -10,7 +10,8 @@ namespace {
 
 // Seven key frames that nearly stand still: all between the first and the last are redundant.
 struct KeyFrameCullingTest : testing::Test {
-  static constexpr double kMaxRedundancy = 0.9, kCloseDepth = 100;
+  static constexpr double kMaxRedundancy = 0.9;
+  static constexpr CloseDepth kCloseDepth{100};
   void SetUp() override {
     for (int k = 0; k < 7; ++k) world.add(scene.T_cw(0));
   }
@@ -31,8 +32,9 @@ TEST_F(KeyFrameCullingTest, RedundantOnesGoUntilThePointsAreSeenByFew) {
 }
 
 TEST_F(KeyFrameCullingTest, FarPointsDoNotCountWithADepthSensor) {
-  EXPECT_EQ(redundancy(*world.shared.read(), world.frames[3], Sensor::rgbd, 10), 0) << "all are beyond a metre";
-  EXPECT_EQ(redundancy(*world.shared.read(), world.frames[3], Sensor::monocular, 10), 1);
+  EXPECT_EQ(redundancy(*world.shared.read(), world.frames[3], Sensor::rgbd, CloseDepth{10}), 0)
+      << "all are beyond a metre";
+  EXPECT_EQ(redundancy(*world.shared.read(), world.frames[3], Sensor::monocular, CloseDepth{10}), 1);
 }
 
 // Its loop edge is what the next pose graph knows of the loop.

@@ -25,7 +25,7 @@ std::optional<PredictedView> predict_view(const PointSet& points, size_t k, cons
   view.cosine = ray.dot(Eigen::Vector3f(points.nx[k], points.ny[k], points.nz[k])) / distance;
   if (view.cosine < kMinCosine) return std::nullopt;
   view.level = features.pyramid->predict_level(points.d_max[k], distance);
-  if (camera.bf > 0) view.u_right = static_cast<float>(view.u - h.disparity);
+  view.disparity = static_cast<float>(h.disparity);
   return view;
 }
 
@@ -49,7 +49,7 @@ std::optional<WindowQuery> ProjectionMatcher::query(const PointSet& points, size
   const auto window = static_cast<float>(view->cosine > kFrontal ? gate.window_frontal : gate.window);
   return WindowQuery{view->u,
                      view->v,
-                     view->u_right,
+                     view->disparity,
                      window * frame.features.pyramid->scale[static_cast<size_t>(view->level)],
                      view->level - 1,
                      view->level,
@@ -63,16 +63,16 @@ std::optional<WindowQuery> ProjectionMatcher::query_seen(const PointSet& points,
   const PredictedMeasurement h = predict_measurement(p_c, frame.camera);
   const auto u = static_cast<float>(h.u), v = static_cast<float>(h.v);
   if (!frame.features.grid.bounds.contains(u, v)) return std::nullopt;
-  const float u_right = frame.camera.bf > 0 ? static_cast<float>(u - h.disparity) : -1.0f;
+  const auto disparity = static_cast<float>(h.disparity);
   const int level = points.level[k], top = frame.features.pyramid->levels - 1;
   const float radius = static_cast<float>(gate.window) * frame.features.pyramid->scale[points.level[k]];
   switch (gate.levels) {
     case LevelRule::seen_or_larger:
-      return WindowQuery{u, v, u_right, radius, level, top, &points.descriptor[k]};
+      return WindowQuery{u, v, disparity, radius, level, top, &points.descriptor[k]};
     case LevelRule::seen_or_finer:
-      return WindowQuery{u, v, u_right, radius, 0, level, &points.descriptor[k]};
+      return WindowQuery{u, v, disparity, radius, 0, level, &points.descriptor[k]};
     default:
-      return WindowQuery{u, v, u_right, radius, level - 1, level + 1, &points.descriptor[k]};
+      return WindowQuery{u, v, disparity, radius, level - 1, level + 1, &points.descriptor[k]};
   }
 }
 
@@ -99,12 +99,9 @@ int ProjectionMatcher::match(const PointSet& points, const Frame& frame, const M
     queries_.push_back(*query_k);
     source_.push_back(static_cast<uint32_t>(k));
   }
-  WindowMatchOptions options{.max_distance = gate.max_distance, .ratio = gate.ratio};
-  if (gate.error == MatchError::within_bound) {
-    options.max_chi2_mono = static_cast<float>(kChi2Mono);
-    options.max_chi2_stereo = static_cast<float>(kChi2Stereo);
-  }
-  windows_.match(frame.features, queries_, taken, options, found_);
+  const WindowMatchOptions options{
+      .max_distance = gate.max_distance, .ratio = gate.ratio, .within_bound = gate.error == MatchError::within_bound};
+  windows_.match(frame.features, queries_, taken, frame.camera, options, found_);
   matches_.clear();
   for (size_t q = 0; q < found_.size(); ++q) {
     if (found_[q] >= 0) matches_.push_back({static_cast<uint32_t>(found_[q]), source_[q]});
