@@ -28,7 +28,7 @@ PoseCase make_pose_case(uint64_t seed, int count, double outliers, Rows rows) {
     const bool wrong = random.uniform() < outliers, stereo = rows == Rows::stereo || (rows == Rows::mixed && i % 2);
     const double u = pixel.x() + (wrong ? random.uniform(-100, 100) : 0.7 * random.normal()),
                  v = pixel.y() + (wrong ? random.uniform(-100, 100) : 0.7 * random.normal());
-    const double disparity = kCamera.bf / p_c.z() + 0.7 * random.normal();
+    const double right = pixel.x() - kCamera.bf / p_c.z() + 0.7 * random.normal(), disparity = u - right;
     c.observations.add(c.truth.inverse() * p_c, static_cast<float>(u), static_cast<float>(v), 1,
                        {stereo ? static_cast<float>(std::max(0.0, disparity)) : 0, 1});
   }
