@@ -30,14 +30,20 @@ BundleProblem problem_with(const DepthNoise& noise, const Pinhole& camera, uint6
   return problem;
 }
 
+void learn_of(SharedMap& map, const DepthNoise& noise) {
+  DepthNoiseTracker tracker;
+  for (uint64_t seed = 1; seed <= 30; ++seed) {
+    const Pinhole camera = map.read()->camera();
+    tracker.learn(map, problem_with(noise, camera, seed));
+  }
+}
+
 TEST(DepthNoiseTracker, TheMapsCameraGetsTheNoiseOfTheSensor) {
   for (const double factor : {0.2, 2.5}) {
     Pinhole camera{500, 500, 320, 240, 40};
     camera.depth_noise = DepthNoise::kinect();
     SharedMap map(camera);
-    DepthNoiseTracker tracker;
-    for (uint64_t seed = 1; seed <= 30; ++seed)
-      tracker.learn(map, problem_with(DepthNoise::kinect().scaled(factor), map.read()->camera(), seed));
+    learn_of(map, DepthNoise::kinect().scaled(factor));
     EXPECT_NEAR(map.read()->camera().depth_noise.b, factor * DepthNoise::kinect().b, 0.15 * factor * 0.0015);
     EXPECT_EQ(map.read()->camera().bf, 40);
   }
@@ -47,9 +53,7 @@ TEST(DepthNoiseTracker, ItStaysWithinItsBounds) {
   Pinhole camera{500, 500, 320, 240, 40};
   camera.depth_noise = DepthNoise::kinect();
   SharedMap map(camera);
-  DepthNoiseTracker tracker;
-  for (uint64_t seed = 1; seed <= 30; ++seed)
-    tracker.learn(map, problem_with(DepthNoise::kinect().scaled(30), map.read()->camera(), seed));
+  learn_of(map, DepthNoise::kinect().scaled(30));
   EXPECT_NEAR(map.read()->camera().depth_noise.b, 4 * 0.0015, 1e-9);
 }
 
