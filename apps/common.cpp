@@ -57,6 +57,10 @@ nlohmann::json camera_json(const Camera& camera) {
                       {"cy", camera.pinhole.cy},
                       {"model", kModels[static_cast<int>(camera.distortion)]}};
   if (camera.pinhole.bf > 0) json["baseline"] = camera.pinhole.baseline();
+  if (camera.pinhole.depth_noise.known()) {
+    json["depth_sigma_a"] = camera.pinhole.depth_noise.a;
+    json["depth_sigma_b"] = camera.pinhole.depth_noise.b;
+  }
   if (camera.distortion != Distortion::none) json["distortion"] = camera.coefficients;
   return json;
 }

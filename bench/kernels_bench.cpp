@@ -93,7 +93,7 @@ void BM_Pose(benchmark::State& state) {
     const Eigen::Vector3d p(random.uniform(-2, 2), random.uniform(-1.5, 1.5), random.uniform(2, 8));
     const Eigen::Vector2d pixel = camera.project(p);
     observations.add(p, static_cast<float>(pixel.x() + random.normal()),
-                     static_cast<float>(pixel.y() + random.normal()), -1, 1);
+                     static_cast<float>(pixel.y() + random.normal()), 1);
   }
   Vector6d off;
   off << 0.05, -0.05, 0.05, 0.02, -0.02, 0.01;
@@ -123,7 +123,7 @@ void BM_BundleAdjustment(benchmark::State& state) {
       o.point = p;
       o.u = static_cast<float>(pixel.x() + random.normal());
       o.v = static_cast<float>(pixel.y() + random.normal());
-      o.u_right = static_cast<float>(pixel.x() - problem.camera.bf / p_c.z() + random.normal());
+      o.disparity = {static_cast<float>(problem.camera.bf / p_c.z() + random.normal()), 1};
       problem.observations.push_back(o);
     }
     problem.points.push_back(at + Eigen::Vector3d(0.05, -0.05, 0.1));

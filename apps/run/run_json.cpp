@@ -7,6 +7,15 @@
 namespace covis::app {
 namespace {
 
+nlohmann::json pinhole_json(const Pinhole& camera) {
+  nlohmann::json json{{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}};
+  if (camera.depth_noise.known()) {
+    json["depth_sigma_a"] = camera.depth_noise.a;
+    json["depth_sigma_b"] = camera.depth_noise.b;
+  }
+  return json;
+}
+
 using nlohmann::json;
 
 json to_json(const MappingReport& m) {
@@ -153,7 +162,7 @@ std::string stats_text(const RunRecord& run, const Snapshot& snapshot) {
 json to_json(const RunSummary& s) {
   json all{{"source", s.source},
            {"sensor", name(s.sensor)},
-           {"camera", {{"fx", s.camera.fx}, {"fy", s.camera.fy}, {"cx", s.camera.cx}, {"cy", s.camera.cy}}},
+           {"camera", pinhole_json(s.camera)},
            {"frames", s.frames.all},
            {"frames_tracked", s.frames.tracked},
            {"frames_tracked_online", s.frames.tracked_online},

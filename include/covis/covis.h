@@ -43,8 +43,9 @@ enum class LensType { none, brown_conrady, kannala_brandt };
 struct CameraParameters {
   int width = 0, height = 0;              // pixels
   double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
-  // Metres between the cameras of a rectified stereo pair; for RGB-D a virtual one (0.08 suits Kinect-like cameras).
-  double baseline = 0;
+  double baseline = 0;                    // metres between the cameras of a rectified stereo pair; not asked for RGB-D
+  // The noise of a depth z, RGB-D: sigma = a + b z^2 (metres, 1 / metres). Both 0: it is estimated from the map.
+  double depth_sigma_a = 0, depth_sigma_b = 0;
   LensType lens = LensType::none;          // monocular and RGB-D; stereo pairs come rectified
   double distortion[5] = {0, 0, 0, 0, 0};  // brown_conrady: k1 k2 p1 p2 k3; kannala_brandt: k1 k2 k3 k4
 };

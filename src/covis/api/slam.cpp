@@ -71,8 +71,16 @@ Camera to_camera(const CameraParameters& parameters, SensorType sensor) {
   Camera camera;
   camera.width = parameters.width;
   camera.height = parameters.height;
-  camera.pinhole = {parameters.fx, parameters.fy, parameters.cx, parameters.cy,
-                    sensor == SensorType::monocular ? 0 : parameters.fx * parameters.baseline};
+  constexpr double kVirtualBaseline = 0.08;  // metres, RGB-D; no result depends on it
+  const double baseline = sensor == SensorType::monocular                          ? 0
+                          : sensor == SensorType::rgbd && parameters.baseline == 0 ? kVirtualBaseline
+                                                                                   : parameters.baseline;
+  camera.pinhole = {parameters.fx,
+                    parameters.fy,
+                    parameters.cx,
+                    parameters.cy,
+                    parameters.fx * baseline,
+                    {parameters.depth_sigma_a, parameters.depth_sigma_b}};
   camera.distortion = to_distortion(parameters.lens);
   std::copy(std::begin(parameters.distortion), std::end(parameters.distortion), camera.coefficients.begin());
   return camera;
@@ -87,10 +95,10 @@ std::optional<std::string> check(const CameraParameters& c, SensorType sensor) {
   for (const double k : c.distortion) {
     if (!std::isfinite(k)) return "camera: distortion must be finite";
   }
-  if (sensor != SensorType::monocular && !(c.baseline > 0 && std::isfinite(c.baseline))) {
-    return "camera: stereo and RGB-D need a positive baseline in metres (RGB-D: a virtual one, 0.08 suits Kinect-like "
-           "cameras)";
-  }
+  if (sensor == SensorType::stereo && !(c.baseline > 0)) return "camera: stereo needs a positive baseline in metres";
+  if (!(c.baseline >= 0 && std::isfinite(c.baseline))) return "camera: baseline must be finite and not negative";
+  if (!DepthNoise{c.depth_sigma_a, c.depth_sigma_b}.valid())
+    return "camera: depth_sigma_a and depth_sigma_b must be finite and not negative";
   if (sensor == SensorType::stereo && c.lens != LensType::none)
     return "camera: stereo pairs must be rectified (lens none)";
   return std::nullopt;

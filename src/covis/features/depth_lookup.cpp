@@ -15,9 +15,25 @@ constexpr float kReach = 2;
 // a depth camera at 3 m makes it 1 to 2 percent.
 constexpr float kMaxBend = 0.04f;
 
+// The depth between four pixels, or `nearest` unless all of them show the surface of that one.
+float between_pixels(ImageView<const float> depth, float x, float y, float nearest) {
+  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+  if (x0 < 0 || y0 < 0 || x0 + 1 >= depth.width || y0 + 1 >= depth.height) return nearest;
+  const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
+  const std::array<float, 4> share = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
+  const std::array<float, 4> z = {depth(x0, y0), depth(x0 + 1, y0), depth(x0, y0 + 1), depth(x0 + 1, y0 + 1)};
+  float inverse = 0;
+  for (size_t k = 0; k < z.size(); ++k) {
+    if (!(std::abs(z[k] - nearest) <= kMaxBend * nearest)) return nearest;
+    inverse += share[k] / z[k];
+  }
+  return 1 / inverse;
+}
+
 }  // namespace
 
-float depth_at(ImageView<const float> depth, int x, int y, float scale) {
+float depth_at(ImageView<const float> depth, float at_x, float at_y, float scale) {
+  const int x = static_cast<int>(std::lround(at_x)), y = static_cast<int>(std::lround(at_y));
   const float z = depth(x, y);
   if (!(z > 0) || !std::isfinite(z)) return 0;
   const int straight = std::max(1, static_cast<int>(std::lround(kReach * scale)));
@@ -30,7 +46,7 @@ float depth_at(ImageView<const float> depth, int x, int y, float scale) {
     // Holds when 1 / a + 1 / b > (2 + kMaxBend) / z; false when a or b is NaN or infinite.
     if (a > 0 && b > 0 && (a + b) * z > (2 + kMaxBend) * a * b) return 0;
   }
-  return z;
+  return between_pixels(depth, at_x, at_y, z);
 }
 
 }  // namespace covis

@@ -8,8 +8,9 @@
 
 namespace covis {
 
-// Returns metres along z at pixel (x, y), which must lie in the image, or 0 for no depth (0, negative or non-finite in
-// the image, or close to an occluding edge). scale: image pixels per pixel of the keypoint's level.
-float depth_at(ImageView<const float> depth, int x, int y, float scale);
+// Returns metres along z at (x, y), whose pixel must lie in the image, or 0 for no depth (0, negative or non-finite in
+// the image, or close to an occluding edge). Between pixels of one surface the inverse depth is interpolated, which is
+// right for planes. scale: image pixels per pixel of the keypoint's level.
+float depth_at(ImageView<const float> depth, float x, float y, float scale);
 
 }  // namespace covis

@@ -135,8 +135,7 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
     }
     float depth = 0;
     if (!depth_image.empty()) {
-      depth = depth_at(depth_image, static_cast<int>(std::lround(k.x[i])), static_cast<int>(std::lround(k.y[i])),
-                       f->pyramid->scale[k.level[i]]);
+      depth = depth_at(depth_image, k.x[i], k.y[i], f->pyramid->scale[k.level[i]]);
     }
     f->x.push_back(at.x());
     f->y.push_back(at.y());

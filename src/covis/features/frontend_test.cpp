@@ -84,7 +84,7 @@ TEST(Frontend, DepthIsLookedUpAtTheKeyPoint) {
     EXPECT_EQ(f->has_depth(i), x >= 400);
     if (!f->has_depth(i)) continue;
     ++with;
-    EXPECT_FLOAT_EQ(f->depth[k], 1.0f + static_cast<float>(x) / 640);
+    EXPECT_NEAR(f->depth[k], 1.0f + f->image_x()[k] / 640, 1e-3) << "between pixels too";
     EXPECT_NEAR(f->u_right[k], f->x[k] - 40 / f->depth[k], 1e-3);
   }
   EXPECT_GT(with, 100);

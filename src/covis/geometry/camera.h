@@ -10,12 +10,15 @@
 #include <optional>
 #include <string>
 
+#include "covis/geometry/depth_noise.h"
+
 namespace covis {
 
 // Intrinsics of an ideal camera, and the stereo baseline (0 when monocular): bf = fx * baseline, pixels * metres.
 struct Pinhole {
   double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
   double bf = 0;                          // fx times the (real or virtual) baseline in metres; 0: no stereo or depth
+  DepthNoise depth_noise{};               // RGB-D; not known: depth is measured as a disparity between two images
 
   double baseline() const { return bf / fx; }
   Eigen::Vector2d project(const Eigen::Vector3d& p_c) const {
@@ -24,6 +27,17 @@ struct Pinhole {
   // Returns the ray through a pixel, with z = 1.
   Eigen::Vector3d unproject(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1.0}; }
   friend bool operator==(const Pinhole&, const Pinhole&) = default;
+};
+
+// Up to where a measured depth is close, so that it tells scale and translation: stereo in baselines, a depth sensor by
+// the noise of its depth.
+struct CloseDepth {
+  double baselines = 40;
+  double noise = 0.02;  // sigma of a depth as a share of it
+
+  double metres(const Pinhole& camera) const {
+    return camera.depth_noise.known() ? camera.depth_noise.reach(noise) : baselines * camera.baseline();
+  }
 };
 
 enum class Distortion { none, brown_conrady, kannala_brandt };

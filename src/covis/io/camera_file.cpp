@@ -16,6 +16,9 @@ const std::map<std::string, Distortion> kModels{{"pinhole", Distortion::none},
                                                 {"brown_conrady", Distortion::brown_conrady},
                                                 {"kannala_brandt", Distortion::kannala_brandt}};
 
+const std::map<std::string, DepthNoise> kDepthNoises{
+    {"kinect", DepthNoise::kinect()}, {"realsense", DepthNoise::realsense()}, {"exact", DepthNoise::exact()}};
+
 const char* model_name(Distortion distortion) {
   for (const auto& [model, value] : kModels) {
     if (value == distortion) return model.c_str();
@@ -26,8 +29,9 @@ const char* model_name(Distortion distortion) {
 // The scalar values of the file; model and distortion are read separately.
 struct Values {
   int width = 0, height = 0;
-  double fx = 0, fy = 0, cx = 0, cy = 0, baseline = 0, bf = 0, fps = 0, depth_scale = 0;
-  std::string model = "pinhole";
+  double fx = 0, fy = 0, cx = 0, cy = 0, baseline = 0, bf = 0, fps = 0, depth_scale = 0, depth_sigma_a = 0,
+         depth_sigma_b = 0;
+  std::string model = "pinhole", depth_noise;
 
   Fields fields() {
     return {{"width", &width, "width of the image, pixels", 16, 20000},
@@ -41,6 +45,9 @@ struct Values {
             {"bf", &bf, "baseline times fx, pixels x metres", 1e-3, 1e6},
             {"fps", &fps, "frames per second", 0.01, 10000},
             {"depth_scale", &depth_scale, "units of a depth image per metre", 1e-3, 1e6},
+            {"depth_sigma_a", &depth_sigma_a, "noise of a depth z: sigma = a + b z^2; a in metres", 0, 1},
+            {"depth_sigma_b", &depth_sigma_b, "the same; b in 1 / metres", 0, 1},
+            {"depth_noise", &depth_noise, "kinect, realsense or exact, instead of depth_sigma_a and depth_sigma_b"},
             {"model", &model, "pinhole, brown_conrady or kannala_brandt"}};
   }
 };
@@ -62,6 +69,23 @@ Result<void> read_distortion(const std::filesystem::path& file, const YAML::Node
     camera.coefficients[i] = *value;
   }
   return {};
+}
+
+// Reads the noise of depth, by the name of a kind of sensor or by its two figures.
+Result<DepthNoise> read_depth_noise(const std::filesystem::path& file, const std::map<std::string, YAML::Node>& given,
+                                    const Values& values) {
+  if (!given.contains("depth_noise")) {
+    const DepthNoise noise{values.depth_sigma_a, values.depth_sigma_b};
+    const bool told = given.contains("depth_sigma_a") || given.contains("depth_sigma_b");
+    if (told && !noise.known()) return fail(file.string() + ": depth_sigma_a or depth_sigma_b must be greater than 0");
+    return noise;
+  }
+  if (given.contains("depth_sigma_a") || given.contains("depth_sigma_b"))
+    return fail(file.string() + ": give depth_noise or depth_sigma_a and depth_sigma_b, not both");
+  const auto noise = kDepthNoises.find(values.depth_noise);
+  if (noise != kDepthNoises.end()) return noise->second;
+  return fail(yaml_place(file, given.at("depth_noise")) + ": depth_noise '" + values.depth_noise +
+              "' is unknown; it must be kinect, realsense or exact");
 }
 
 }  // namespace
@@ -110,6 +134,9 @@ Result<CameraFile> load_camera(const std::filesystem::path& file) {
   result.camera.width = values.width;
   result.camera.height = values.height;
   result.camera.pinhole = {values.fx, values.fy, values.cx, values.cy, values.fx * result.baseline};
+  const auto depth_noise = read_depth_noise(file, given, values);
+  if (!depth_noise) return tl::unexpected(depth_noise.error());
+  result.camera.pinhole.depth_noise = *depth_noise;
   result.camera.distortion = model->second;
   if (given.contains("distortion")) {
     if (auto read = read_distortion(file, given["distortion"], result.camera); !read)
@@ -135,6 +162,8 @@ std::string camera_text(const CameraFile& file) {
   if (file.baseline > 0) text << "baseline: " << file.baseline << "\n";
   if (file.fps > 0) text << "fps: " << file.fps << "\n";
   if (file.depth_scale > 0) text << "depth_scale: " << file.depth_scale << "\n";
+  if (const DepthNoise& noise = c.pinhole.depth_noise; noise.known())
+    text << "depth_sigma_a: " << noise.a << "\ndepth_sigma_b: " << noise.b << "\n";
   return text.str();
 }
 

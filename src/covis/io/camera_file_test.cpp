@@ -18,6 +18,7 @@ TEST_F(CameraFiles, CamerasRoundTrip) {
   file.camera.pinhole = {500.5, 501, 320, 240, 0};
   file.camera.distortion = Distortion::kannala_brandt;
   file.camera.coefficients = {0.1, 0.01, 0.001, 0.0001, 0};
+  file.camera.pinhole.depth_noise = {0.001, 0.002};
   file.baseline = 0.11;
   file.fps = 30;
   write("c.yaml", camera_text(file));
@@ -25,6 +26,7 @@ TEST_F(CameraFiles, CamerasRoundTrip) {
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_EQ(loaded->camera.pinhole.fx, 500.5);
   EXPECT_EQ(loaded->camera.coefficients, file.camera.coefficients);
+  EXPECT_EQ(loaded->camera.pinhole.depth_noise, file.camera.pinhole.depth_noise);
   EXPECT_NEAR(loaded->camera.pinhole.baseline(), 0.11, 1e-12);
   for (const auto& entry : fs::directory_iterator(fs::path(COVIS_SOURCE_DIR) / "cameras")) {
     EXPECT_TRUE(load_camera(entry.path())) << entry.path();
@@ -45,6 +47,12 @@ TEST_F(CameraFiles, CameraFilesThatContradictThemselves) {
   EXPECT_THAT(error("model: kannala_brandt\ndistortion: [0.1, 0, 0, 0, 0]\n"), HasSubstr("must be a list"));
   EXPECT_THAT(error("model: brown_conrady\ndistortion: [0.1, 0, .inf, 0]\n"),
               AllOf(HasSubstr("camera.yaml:8"), HasSubstr("'.inf'")));
+  EXPECT_THAT(error("depth_noise: sonar\n"),
+              AllOf(HasSubstr("camera.yaml:7"), HasSubstr("kinect, realsense or exact")));
+  EXPECT_THAT(error("depth_noise: exact\ndepth_sigma_b: 0.01\n"), HasSubstr("not both"));
+  EXPECT_THAT(error("depth_sigma_a: 0\n"), HasSubstr("greater than 0"));
+  EXPECT_EQ(error("depth_noise: exact\n"), "");
+  EXPECT_EQ(load_camera(folder / "camera.yaml")->camera.pinhole.depth_noise, DepthNoise::exact());
   EXPECT_EQ(error("bf: 5\n"), "");
   EXPECT_NEAR(load_camera(folder / "camera.yaml")->baseline, 0.1, 1e-12);
   write("camera.yaml", "- 1\n");

@@ -71,9 +71,14 @@ bool FocalRefinement::run(const std::atomic<bool>& interrupt) {
 }
 
 bool FocalRefinement::apply(SharedMap& map) const {
-  const Pinhole& camera = submap_.problem.camera;
-  const size_t submaps = map.read()->submaps().size();
-  if (submaps != 1 || !apply_submap(submap_, map, camera)) return false;
+  Pinhole camera = submap_.problem.camera;
+  bool alone = false;
+  {
+    const auto present = map.read();
+    camera.depth_noise = present->camera().depth_noise;  // may have been estimated anew since
+    alone = present->submaps().size() == 1;
+  }
+  if (!alone || !apply_submap(submap_, map, camera)) return false;
   log(LogLevel::info,
       "focal length refined: " + std::to_string(camera.fx) + " pixels instead of " + std::to_string(given_fx_));
   return true;

@@ -8,6 +8,7 @@
 #include "covis/core/quantile.h"
 #include "covis/core/random.h"
 #include "covis/matching/descriptor_match.h"
+#include "covis/matching/point_geometry.h"
 #include "covis/optimization/pose_optimization.h"
 
 namespace covis {
@@ -86,8 +87,8 @@ bool refine(const LoopPlace& place, const Pinhole& camera, const Features& f, SE
             std::vector<PointMatch>& matches) {
   PoseObservations observations;
   for (const auto& [feature, p] : matches) {
-    observations.add(place.points.position(p), f.x[feature], f.y[feature], f.u_right[feature],
-                     f.pyramid->inv_sigma2[f.level[feature]]);
+    observations.add(place.points.position(p), f.x[feature], f.y[feature], f.pyramid->inv_sigma2[f.level[feature]],
+                     disparity_of(f, feature, camera));
   }
   std::vector<uint8_t> inlier;
   const PoseResult pose = optimize_pose(T_cw, observations, camera, {}, inlier);

@@ -66,7 +66,7 @@ bool valid_pyramid(int levels, float factor) { return levels >= 1 && levels <= 3
 
 bool valid_camera(const Pinhole& c) {
   return std::isfinite(c.fx) && std::isfinite(c.fy) && std::isfinite(c.cx) && std::isfinite(c.cy) &&
-         std::isfinite(c.bf) && c.fx > 0 && c.fy > 0 && c.bf >= 0;
+         std::isfinite(c.bf) && c.fx > 0 && c.fy > 0 && c.bf >= 0 && c.depth_noise.valid();
 }
 
 std::string problem_of(const Features& f, const ImageBounds& bounds) {

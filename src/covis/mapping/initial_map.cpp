@@ -27,7 +27,8 @@ BundleProblem problem_of(const InitialMapRequest& request, const Pinhole& camera
                                       .point = static_cast<int32_t>(p),
                                       .u = f.x[i],
                                       .v = f.y[i],
-                                      .inv_sigma2 = f.pyramid->inv_sigma2[f.level[i]]});
+                                      .inv_sigma2 = f.pyramid->inv_sigma2[f.level[i]],
+                                      .disparity = {}});
     };
     add(0, *request.first.features, point.feature_first);
     add(1, *request.second.features, point.feature_second);

@@ -20,8 +20,8 @@ bool seen_by_others(const Map& map, KeyFrameId id, const MapPoint& point, int le
   return false;
 }
 
-Redundancy count_redundant(const Map& map, KeyFrameId id, Sensor sensor, double close_depth) {
-  const double close = close_depth * map.camera().baseline();
+Redundancy count_redundant(const Map& map, KeyFrameId id, Sensor sensor, const CloseDepth& close_depth) {
+  const double close = close_depth.metres(map.camera());
   const KeyFrame& key_frame = map.at(id);
   const Features& features = *key_frame.features;
   Redundancy counts;
@@ -36,7 +36,8 @@ Redundancy count_redundant(const Map& map, KeyFrameId id, Sensor sensor, double 
 
 }  // namespace
 
-int cull_key_frames(SharedMap& shared, KeyFrameId current, Sensor sensor, double max_redundancy, double close_depth) {
+int cull_key_frames(SharedMap& shared, KeyFrameId current, Sensor sensor, double max_redundancy,
+                    const CloseDepth& close_depth) {
   const std::vector<Neighbour> neighbours = shared.read()->neighbours(current);
   int culled = 0;
   for (const Neighbour& neighbour : neighbours) {

@@ -10,11 +10,11 @@ namespace {
 
 // Seven key frames that nearly stand still: all between the first and the last are redundant.
 struct KeyFrameCullingTest : testing::Test {
-  static constexpr double kCloseDepth = 100;  // baselines: beyond all points
+  static constexpr CloseDepth kCloseDepth{100};  // beyond all points
   void SetUp() override {
     for (int k = 0; k < 7; ++k) world.add(scene.T_cw(0));
   }
-  int cull(double max_redundancy, Sensor sensor = Sensor::rgbd, double close_depth = kCloseDepth) {
+  int cull(double max_redundancy, Sensor sensor = Sensor::rgbd, CloseDepth close_depth = kCloseDepth) {
     return cull_key_frames(world.shared, world.frames.back(), sensor, max_redundancy, close_depth);
   }
 
@@ -37,8 +37,8 @@ TEST_F(KeyFrameCullingTest, ThoseLeftHaveNoRedundantPoint) {
 }
 
 TEST_F(KeyFrameCullingTest, FarPointsDoNotCountWithADepthSensor) {
-  EXPECT_EQ(cull(0, Sensor::rgbd, 10), 0) << "all are beyond a metre";
-  EXPECT_EQ(cull(0.999, Sensor::monocular, 10), 4);
+  EXPECT_EQ(cull(0, Sensor::rgbd, CloseDepth{10}), 0) << "all are beyond a metre";
+  EXPECT_EQ(cull(0.999, Sensor::monocular, CloseDepth{10}), 4);
 }
 
 // Its loop edge is what the next pose graph knows of the loop.

@@ -45,7 +45,8 @@ LocalWindow local_window(const Map& map, KeyFrameId current, int moving, int fix
 }
 
 AdjustmentReport adjust_locally(SharedMap& shared, KeyFrameId current, const MapperOptions& options,
-                                BundleAdjuster& adjuster, const std::atomic<bool>* interrupt) {
+                                BundleAdjuster& adjuster, DepthNoiseTracker* depth_noise,
+                                const std::atomic<bool>* interrupt) {
   AdjustmentReport report;
   MapProblem local;
   {
@@ -70,8 +71,11 @@ AdjustmentReport adjust_locally(SharedMap& shared, KeyFrameId current, const Map
   report.interrupted = summary.interrupted;
   if (!summary.ok) return report;
   classify_observations(problem);
-  MapEdit edit(shared);
-  local.commit(edit);
+  {
+    MapEdit edit(shared);
+    local.commit(edit);
+  }
+  if (depth_noise) depth_noise->learn(shared, problem);
   return report;
 }
 

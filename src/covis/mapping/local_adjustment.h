@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "covis/map/shared_map.h"
+#include "covis/mapping/depth_noise_tracker.h"
 #include "covis/mapping/mapper_options.h"
 #include "covis/mapping/mapping_report.h"
 #include "covis/optimization/bundle_adjustment.h"
@@ -24,8 +25,10 @@ struct LocalWindow {
 // that share most first (`fixed` of them, at most).
 LocalWindow local_window(const Map& map, KeyFrameId current, int moving, int fixed);
 
-// `interrupt` (may be null) cuts it short when it becomes true.
+// What the adjusted problem says of the depth sensor goes to `depth_noise` (null: nobody asks). `interrupt` (may be
+// null) cuts it short when it becomes true.
 AdjustmentReport adjust_locally(SharedMap& map, KeyFrameId current, const MapperOptions& options,
-                                BundleAdjuster& adjuster, const std::atomic<bool>* interrupt);
+                                BundleAdjuster& adjuster, DepthNoiseTracker* depth_noise,
+                                const std::atomic<bool>* interrupt);
 
 }  // namespace covis

@@ -28,7 +28,7 @@ TEST_F(LocalAdjustmentTest, TheWindowIsTheBestNeighboursAndThoseThatHoldThem) {
 TEST_F(LocalAdjustmentTest, BringsADisturbedKeyFrameBack) {
   world.shared.write()->set_pose(world.frames[11],
                                  SE3::exp((Vector6d() << 0.01, 0.01, 0, 0.002, 0, 0).finished()) * scene.T_cw(11));
-  const AdjustmentReport report = adjust_locally(world.shared, world.frames[11], {}, adjuster, nullptr);
+  const AdjustmentReport report = adjust_locally(world.shared, world.frames[11], {}, adjuster, nullptr, nullptr);
   EXPECT_GT(report.observations, 500);
   EXPECT_FALSE(report.interrupted);
   const auto map = world.shared.read();
@@ -44,7 +44,7 @@ TEST_F(LocalAdjustmentTest, OneKeyFrameStaysWhenNoneHoldsTheWindow) {
   const SE3 before = world.shared.read()->at(world.frames[8]).T_cw;
   world.shared.write()->set_pose(world.frames[11],
                                  SE3::exp((Vector6d() << 0.01, 0, 0, 0, 0, 0).finished()) * scene.T_cw(11));
-  adjust_locally(world.shared, world.frames[11], options, adjuster, nullptr);
+  adjust_locally(world.shared, world.frames[11], options, adjuster, nullptr, nullptr);
   EXPECT_EQ(world.shared.read()->at(world.frames[8]).T_cw.t(), before.t());
 }
 

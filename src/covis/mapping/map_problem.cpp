@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "covis/matching/point_geometry.h"
 #include "covis/matching/point_set.h"
 
 namespace covis {
@@ -35,8 +36,8 @@ void MapProblem::gather(const Map& map, const std::vector<KeyFrameId>& frames, s
                                       .point = static_cast<int32_t>(p),
                                       .u = features.x[i],
                                       .v = features.y[i],
-                                      .u_right = features.u_right[i],
-                                      .inv_sigma2 = features.pyramid->inv_sigma2[features.level[i]]});
+                                      .inv_sigma2 = features.pyramid->inv_sigma2[features.level[i]],
+                                      .disparity = disparity_of(features, i, map.camera())});
     }
   }
 }

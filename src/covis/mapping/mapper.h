@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "covis/map/shared_map.h"
+#include "covis/mapping/depth_noise_tracker.h"
 #include "covis/mapping/mapper_options.h"
 #include "covis/mapping/mapping_report.h"
 #include "covis/mapping/recent_points.h"
@@ -21,9 +22,9 @@ namespace covis {
 
 class Mapper {
  public:
-  // `close_depth`: baselines up to which a depth is close (culling of key frames). Without a vocabulary (null) key
+  // `close_depth`: up to where a depth is close (culling of key frames). Without a vocabulary (null) key
   // frames have no words.
-  Mapper(SharedMap& map, Sensor sensor, const MapperOptions& options, double close_depth,
+  Mapper(SharedMap& map, Sensor sensor, const MapperOptions& options, const CloseDepth& close_depth,
          std::shared_ptr<const Vocabulary> vocabulary = nullptr)
       : map_(map), sensor_(sensor), options_(options), close_depth_(close_depth), vocabulary_(std::move(vocabulary)) {}
 
@@ -41,10 +42,11 @@ class Mapper {
   SharedMap& map_;
   const Sensor sensor_;
   const MapperOptions options_;
-  const double close_depth_;  // baselines
+  const CloseDepth close_depth_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
   RecentPoints recent_;
   BundleAdjuster adjuster_;
+  DepthNoiseTracker depth_noise_;
   PointFuser fuser_;
 };
 

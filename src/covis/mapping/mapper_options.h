@@ -9,17 +9,18 @@
 namespace covis {
 
 struct MapperOptions {
-  int create_neighbours = 10;       // covisible key frames to triangulate with (stereo, RGB-D)
-  int create_neighbours_mono = 20;  // the same, monocular
-  double min_found_ratio = 0.25;    // found / visible below which a recent point is erased
-  int fuse_second_neighbours = 5;   // neighbours of each neighbour that join fusion
-  double fuse_window = 3;           // pixels x scale
-  int ba_key_frames = 20;           // key frames that move in local bundle adjustment, at most
-  int ba_fixed_key_frames = 40;     // key frames that hold it, at most
-  int ba_iterations_first = 5;      // before outliers are dropped
-  int ba_iterations_second = 10;    // after
-  bool refine_focal = true;         // monocular, RGB-D: the focal length too (docs/notes/002-focal-length.md)
-  double cull_redundancy = 0.9;     // share of points seen by three others that makes a key frame redundant
+  int create_neighbours = 10;        // covisible key frames to triangulate with (stereo, RGB-D)
+  int create_neighbours_mono = 20;   // the same, monocular
+  double min_found_ratio = 0.25;     // found / visible below which a recent point is erased
+  int fuse_second_neighbours = 5;    // neighbours of each neighbour that join fusion
+  double fuse_window = 3;            // pixels x scale
+  int ba_key_frames = 20;            // key frames that move in local bundle adjustment, at most
+  int ba_fixed_key_frames = 40;      // key frames that hold it, at most
+  int ba_iterations_first = 5;       // before outliers are dropped
+  int ba_iterations_second = 10;     // after
+  bool refine_focal = true;          // monocular, RGB-D: the focal length too (docs/notes/002-focal-length.md)
+  bool estimate_depth_noise = true;  // RGB-D: when the camera says nothing of it (docs/notes/018-depth-noise.md)
+  double cull_redundancy = 0.9;      // share of points seen by three others that makes a key frame redundant
 
   int neighbours(Sensor sensor) const {
     return sensor == Sensor::monocular ? create_neighbours_mono : create_neighbours;

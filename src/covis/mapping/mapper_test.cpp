@@ -11,7 +11,7 @@
 namespace covis {
 namespace {
 
-constexpr double kCloseDepth = 100;  // baselines, of 0.1 m: all points of the scene are close
+constexpr CloseDepth kCloseDepth{100};  // baselines, of 0.1 m: all points of the scene are close
 
 class MapperTest : public testing::Test {
  protected:

@@ -22,10 +22,14 @@ struct View {
   explicit View(const KeyFrameView& view) : T_cw(view.T_cw), T_wc(view.T_cw.inverse()), features(view.features) {}
 };
 
-// Cosine of the angle under which the two eyes of a stereo camera see a feature with depth.
-double stereo_cosine(const Pinhole& camera, const Features& features, uint32_t i) {
-  if (!(features.depth[i] > 0)) return 2;  // above any cosine: no stereo parallax
-  return std::cos(2 * std::atan2(camera.baseline() / 2, static_cast<double>(features.depth[i])));
+// Cosine of the parallax that a triangulation needs to be as good as the depth of a feature: the angle under which the
+// two eyes of a stereo camera see it, or that under which a pixel makes as great an error as the depth sensor does.
+double depth_cosine(const Pinhole& camera, const Features& features, uint32_t i) {
+  const double z = features.depth[i];
+  if (!(z > 0)) return 2;  // above any cosine: no depth
+  if (!camera.depth_noise.known()) return std::cos(2 * std::atan2(camera.baseline() / 2, z));
+  const double pixels = features.pyramid->scale[features.level[i]];
+  return std::cos(std::atan(pixels * z / (camera.fx * camera.depth_noise.sigma(z))));
 }
 
 // The place of a matched pair of features, by the better of triangulation and depth.
@@ -36,13 +40,13 @@ std::optional<Eigen::Vector3d> place(const Pinhole& camera, const View& a, uint3
   const Eigen::Vector3d ray_a = camera.unproject(fa.x[ia], fa.y[ia]);
   const Eigen::Vector3d ray_b = camera.unproject(fb.x[ib], fb.y[ib]);
   const double cosine = (a.T_wc.R() * ray_a).dot(b.T_wc.R() * ray_b) / (ray_a.norm() * ray_b.norm());
-  const double stereo_a = stereo_cosine(camera, fa, ia), stereo_b = stereo_cosine(camera, fb, ib);
-  const bool any_depth = stereo_a <= 1 || stereo_b <= 1;
-  if (cosine > 0 && cosine < std::min(stereo_a, stereo_b) && (any_depth || cosine < kMaxCosine)) {
+  const double depth_a = depth_cosine(camera, fa, ia), depth_b = depth_cosine(camera, fb, ib);
+  const bool any_depth = depth_a <= 1 || depth_b <= 1;
+  if (cosine > 0 && cosine < std::min(depth_a, depth_b) && (any_depth || cosine < kMaxCosine)) {
     return triangulate(a.T_cw, ray_a, b.T_cw, ray_b);
   }
   if (!any_depth) return std::nullopt;
-  return stereo_a < stereo_b ? a.T_wc * unproject_depth(camera, fa, ia) : b.T_wc * unproject_depth(camera, fb, ib);
+  return depth_a < depth_b ? a.T_wc * unproject_depth(camera, fa, ia) : b.T_wc * unproject_depth(camera, fb, ib);
 }
 
 // In front of both, near its pixels in both, and its distances agree with its levels.
@@ -59,11 +63,14 @@ bool holds(const Eigen::Vector3d& p_w, const Pinhole& camera, const View& a, uin
   return by_distance < by_level * tolerance && by_distance * tolerance > by_level;
 }
 
-// Too near each other for a triangulation: less than the stereo baseline, or than a share of the scene's depth.
+// Too near each other for a triangulation: less than the stereo baseline, or than a share of the scene's depth (the
+// neighbour's median).
 bool too_near(const Pinhole& camera, Sensor sensor, const View& a, const View& b, const KeyFrameView& neighbour) {
-  constexpr double kMinBaselineShare = 0.01;  // a share of the neighbour's median depth; monocular
+  constexpr double kMinShare = 0.01, kMinShareRgbd = 0.03;
   const double baseline = (a.T_wc.t() - b.T_wc.t()).norm();
-  return baseline < (sensor == Sensor::monocular ? kMinBaselineShare * median_depth(neighbour) : camera.baseline());
+  if (!(camera.bf > 0) || camera.depth_noise.known())
+    return baseline < (sensor == Sensor::monocular ? kMinShare : kMinShareRgbd) * median_depth(neighbour);
+  return baseline < camera.baseline();
 }
 
 }  // namespace

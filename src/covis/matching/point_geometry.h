@@ -16,12 +16,17 @@ inline Eigen::Vector3d unproject_depth(const Pinhole& camera, const Features& fe
   return camera.unproject(features.x[feature], features.y[feature]) * z;
 }
 
+// The disparity of feature i, not measured when it has no depth.
+inline Disparity disparity_of(const Features& features, size_t i, const Pinhole& camera) {
+  return disparity_of_depth(camera, features.depth[i], features.pyramid->inv_sigma2[features.level[i]]);
+}
+
 // True when a point lies within the 95 % bound of the measurement of feature i. False for a point behind the camera.
 inline bool reprojects_well(const Eigen::Vector3d& p_c, const Pinhole& camera, const Features& features, uint32_t i) {
   if (!(p_c.z() > 0)) return false;
-  const float u_right = features.u_right[i];
-  const Eigen::Vector3d r = reprojection_residual(p_c, camera, features.x[i], features.y[i], u_right);
-  return r.squaredNorm() * features.pyramid->inv_sigma2[features.level[i]] <= chi2_bound(u_right);
+  const Disparity disparity = disparity_of(features, i, camera);
+  const Eigen::Vector3d r = reprojection_residual(p_c, camera, features.x[i], features.y[i], disparity);
+  return within_bound(Chi2(r, features.pyramid->inv_sigma2[features.level[i]], disparity), camera, disparity);
 }
 
 }  // namespace covis

@@ -9,8 +9,8 @@ namespace {
 
 // A point's measurement at a pose; none behind the camera or outside the image.
 struct Projected {
-  float u = 0, v = 0;  // pixels, undistorted
-  float u_right = -1;  // negative: the camera has no depth sensor
+  float u = 0, v = 0;   // pixels, undistorted
+  float disparity = 0;  // pixels; 0: the camera has no depth sensor
 };
 
 std::optional<Projected> project(const Eigen::Vector3d& position_w, const SE3& T_cw, const Pinhole& camera,
@@ -18,9 +18,8 @@ std::optional<Projected> project(const Eigen::Vector3d& position_w, const SE3& T
   const Eigen::Vector3d p_c = T_cw * position_w;
   if (!(p_c.z() > 0)) return std::nullopt;
   const PredictedMeasurement h = predict_measurement(p_c, camera);
-  Projected at{static_cast<float>(h.u), static_cast<float>(h.v)};
+  const Projected at{static_cast<float>(h.u), static_cast<float>(h.v), static_cast<float>(h.disparity)};
   if (!features.grid.bounds.contains(at.u, at.v)) return std::nullopt;
-  if (camera.bf > 0) at.u_right = static_cast<float>(at.u - h.disparity);
   return at;
 }
 
@@ -37,7 +36,7 @@ std::optional<PredictedView> predict_view(const ViewablePoint& point, const SE3&
   if (distance < kNearestShare * point.d_min || distance > kFarthestShare * point.d_max) return std::nullopt;
   const float cosine = ray.dot(point.normal_w) / distance;
   if (cosine < kMinCosine) return std::nullopt;
-  return PredictedView{at->u, at->v, at->u_right, cosine, features.pyramid->predict_level(point.d_max, distance)};
+  return PredictedView{at->u, at->v, at->disparity, cosine, features.pyramid->predict_level(point.d_max, distance)};
 }
 
 // Reserves room in advance; its memory is used only when points come.
@@ -60,7 +59,7 @@ std::optional<WindowQuery> ProjectionMatcher::query(const PointSet& points, size
   const auto window = static_cast<float>(view->cosine > kFrontal ? gate.window_frontal : gate.window);
   return WindowQuery{view->u,
                      view->v,
-                     view->u_right,
+                     view->disparity,
                      window * frame.features.pyramid->scale[static_cast<size_t>(view->level)],
                      view->level - 1,
                      view->level,
@@ -71,16 +70,16 @@ std::optional<WindowQuery> ProjectionMatcher::query_seen(const PointSet& points,
                                                          const MatchGate& gate) const {
   const auto at = project(points.position(k), frame.T_cw, frame.camera, frame.features);
   if (!at) return std::nullopt;
-  const auto [u, v, u_right] = *at;
+  const auto [u, v, disparity] = *at;
   const int level = points.level[k], top = frame.features.pyramid->levels - 1;
   const float radius = static_cast<float>(gate.window) * frame.features.pyramid->scale[points.level[k]];
   switch (gate.levels) {
     case LevelRule::seen_or_larger:
-      return WindowQuery{u, v, u_right, radius, level, top, &points.descriptor[k]};
+      return WindowQuery{u, v, disparity, radius, level, top, &points.descriptor[k]};
     case LevelRule::seen_or_finer:
-      return WindowQuery{u, v, u_right, radius, 0, level, &points.descriptor[k]};
+      return WindowQuery{u, v, disparity, radius, 0, level, &points.descriptor[k]};
     default:
-      return WindowQuery{u, v, u_right, radius, level - 1, level + 1, &points.descriptor[k]};
+      return WindowQuery{u, v, disparity, radius, level - 1, level + 1, &points.descriptor[k]};
   }
 }
 
@@ -107,12 +106,9 @@ int ProjectionMatcher::match(const PointSet& points, const Frame& frame, const M
     queries_.push_back(*query_k);
     source_.push_back(static_cast<uint32_t>(k));
   }
-  WindowMatchOptions options{.max_distance = gate.max_distance, .ratio = gate.ratio};
-  if (gate.error == MatchError::within_bound) {
-    options.max_chi2_mono = static_cast<float>(kChi2Mono);
-    options.max_chi2_stereo = static_cast<float>(kChi2Stereo);
-  }
-  windows_.match(frame.features, queries_, taken, options, found_);
+  const WindowMatchOptions options{
+      .max_distance = gate.max_distance, .ratio = gate.ratio, .within_bound = gate.error == MatchError::within_bound};
+  windows_.match(frame.features, queries_, taken, frame.camera, options, found_);
   matches_.clear();
   for (size_t q = 0; q < found_.size(); ++q) {
     if (found_[q] >= 0) matches_.push_back({static_cast<uint32_t>(found_[q]), source_[q]});

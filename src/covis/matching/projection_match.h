@@ -55,10 +55,10 @@ struct MatchGate {
 
 // A point where a camera should see it.
 struct PredictedView {
-  float u = 0, v = 0;  // pixels, undistorted
-  float u_right = -1;  // negative: the camera has no depth sensor
-  float cosine = 1;    // between the viewing ray and the point's mean viewing direction
-  int level = 0;       // predicted pyramid level
+  float u = 0, v = 0;   // pixels, undistorted
+  float disparity = 0;  // pixels; 0: the camera has no depth sensor
+  float cosine = 1;     // between the viewing ray and the point's mean viewing direction
+  int level = 0;        // predicted pyramid level
 };
 
 // No view when the point is behind the camera, outside the image, outside 0.8 d_min … 1.2 d_max, or seen at more than

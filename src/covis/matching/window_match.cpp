@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "covis/core/reserve.h"
+#include "covis/matching/point_geometry.h"
 
 namespace covis {
 namespace {
@@ -31,21 +32,31 @@ struct BestTwo {
   }
 };
 
-bool within_chi2(const Features& features, size_t i, const WindowQuery& query, const WindowMatchOptions& options) {
-  const float du = features.x[i] - query.u;
-  const float dv = features.y[i] - query.v;
-  const float inv_sigma2 = features.pyramid->inv_sigma2[features.level[i]];
-  if (features.u_right[i] >= 0 && query.u_right >= 0) {
-    const float dr = features.u_right[i] - query.u_right;
-    return (du * du + dv * dv + dr * dr) * inv_sigma2 <= options.max_chi2_stereo;
-  }
-  return (du * du + dv * dv) * inv_sigma2 <= options.max_chi2_mono;
+// False when the feature's depth is another than the one expected by more than the window allows: the camera may be as
+// far from where it is thought to be as the window says.
+bool depth_in_window(const Features& features, size_t i, const WindowQuery& query, const Pinhole& camera) {
+  if (!(query.disparity > 0) || !(features.depth[i] > 0)) return true;
+  const Disparity measured = disparity_of(features, i, camera);
+  const float error = std::abs(measured.pixels - query.disparity);
+  if (!camera.depth_noise.known())
+    return std::abs(features.x[i] - query.u - (measured.pixels - query.disparity)) <= query.radius;
+  constexpr float kSigmas = 1.5f;                       // of the depth sensor, as its weight has them
+  constexpr float kLeastShare = 0.1f, kPixelShare = 2;  // of the depth, and of the window as an angle
+  const float share = kLeastShare + kPixelShare * query.radius / static_cast<float>(camera.fx);
+  return error <= share * query.disparity + kSigmas / std::sqrt(measured.inv_sigma2);
+}
+
+bool error_within_bound(const Features& features, size_t i, const WindowQuery& query, const Pinhole& camera) {
+  const Disparity disparity = query.disparity > 0 ? disparity_of(features, i, camera) : Disparity{};
+  const Eigen::Vector3d residual = residual_of(features.x[i] - query.u, features.y[i] - query.v,
+                                               disparity.pixels - query.disparity, camera, disparity);
+  return within_bound(Chi2(residual, features.pyramid->inv_sigma2[features.level[i]], disparity), camera, disparity);
 }
 
 }  // namespace
 
 int WindowMatcher::match(const Features& features, std::span<const WindowQuery> queries, std::span<const uint8_t> taken,
-                         const WindowMatchOptions& options, std::vector<int32_t>& match) {
+                         const Pinhole& camera, const WindowMatchOptions& options, std::vector<int32_t>& match) {
   reserve_ahead(match, queries.size());
   match.assign(queries.size(), -1);
   reserve_ahead(owner_, static_cast<size_t>(features.size()));
@@ -57,11 +68,8 @@ int WindowMatcher::match(const Features& features, std::span<const WindowQuery> 
     features.for_each_in_window(query.u, query.v, query.radius, query.min_level, query.max_level, [&](int index) {
       const auto i = static_cast<size_t>(index);
       if (!taken.empty() && taken[i]) return;
-      if (query.u_right >= 0 && features.u_right[i] >= 0 &&
-          std::abs(features.u_right[i] - query.u_right) > query.radius) {
-        return;
-      }
-      if (options.max_chi2_mono > 0 && !within_chi2(features, i, query, options)) return;
+      if (!depth_in_window(features, i, query, camera)) return;
+      if (options.within_bound && !error_within_bound(features, i, query, camera)) return;
       best.add(hamming(*query.descriptor, features.descriptor[i]), features.level[i], index);
     });
     if (best.best > options.max_distance) continue;

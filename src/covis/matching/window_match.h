@@ -9,14 +9,15 @@
 #include <vector>
 
 #include "covis/features/features.h"
+#include "covis/geometry/camera.h"
 
 namespace covis {
 
 // A descriptor that is looked for, and the window. Pixels are undistorted.
 struct WindowQuery {
   float u = 0, v = 0;
-  float u_right = -1;  // expected column in the right image; negative: not checked
-  float radius = 0;    // half the window's side
+  float disparity = 0;  // expected, pixels; 0: not checked
+  float radius = 0;     // half the window's side
   int min_level = 0, max_level = 0;
   const Descriptor* descriptor = nullptr;
 };
@@ -24,8 +25,7 @@ struct WindowQuery {
 struct WindowMatchOptions {
   int max_distance = kHammingHigh;  // greatest Hamming distance of a match
   float ratio = 1.0f;               // best < ratio x second best, asked only when both are of one level; 1: not asked
-  float max_chi2_mono = 0;          // when positive, error^2 / sigma^2 of a match may be no more (2 rows) …
-  float max_chi2_stereo = 0;        // … or this (3 rows)
+  bool within_bound = false;        // asked of the error of a match
 };
 
 // match[q] becomes the index of the feature matched to query q, or -1. A feature goes to at most one query: the most
@@ -34,7 +34,7 @@ struct WindowMatchOptions {
 class WindowMatcher {
  public:
   int match(const Features& features, std::span<const WindowQuery> queries, std::span<const uint8_t> taken,
-            const WindowMatchOptions& options, std::vector<int32_t>& match);
+            const Pinhole& camera, const WindowMatchOptions& options, std::vector<int32_t>& match);
 
  private:
   struct Owner {

@@ -17,16 +17,16 @@ TEST(WindowMatch, FindsTheMostSimilarInTheWindowOnly) {
   add(f, 140, 100, 2, wanted);                      // the same, but outside
   add(f, 101, 100, 5, wanted);                      // the same, but of another level
   finish(f);
-  const std::vector<WindowQuery> queries{{100, 100, -1, 10, 1, 3, &wanted}};
+  const std::vector<WindowQuery> queries{{100, 100, 0, 10, 1, 3, &wanted}};
   WindowMatcher matcher;
   std::vector<int32_t> match;
-  EXPECT_EQ(matcher.match(f, queries, {}, {}, match), 1);
+  EXPECT_EQ(matcher.match(f, queries, {}, {}, {}, match), 1);
   EXPECT_EQ(match[0], 1);
   // Taken features are passed over.
-  EXPECT_EQ(matcher.match(f, queries, std::vector<uint8_t>{0, 1, 0, 0}, {}, match), 1);
+  EXPECT_EQ(matcher.match(f, queries, std::vector<uint8_t>{0, 1, 0, 0}, {}, {}, match), 1);
   EXPECT_EQ(match[0], 0);
   // Too different.
-  EXPECT_EQ(matcher.match(f, queries, {}, {.max_distance = 9}, match), 0);
+  EXPECT_EQ(matcher.match(f, queries, {}, {}, {.max_distance = 9}, match), 0);
   EXPECT_EQ(match[0], -1);
 }
 
@@ -38,10 +38,10 @@ TEST(WindowMatch, RatioIsAskedWithinOneLevelOnly) {
     add(f, 100, 100, 2, turned(wanted, 20, random));
     add(f, 103, 100, second_level, turned(wanted, 22, random));
     finish(f);
-    const std::vector<WindowQuery> queries{{100, 100, -1, 10, 1, 3, &wanted}};
+    const std::vector<WindowQuery> queries{{100, 100, 0, 10, 1, 3, &wanted}};
     WindowMatcher matcher;
     std::vector<int32_t> match;
-    EXPECT_EQ(matcher.match(f, queries, {}, {.ratio = 0.8f}, match), second_level == 2 ? 0 : 1);
+    EXPECT_EQ(matcher.match(f, queries, {}, {}, {.ratio = 0.8f}, match), second_level == 2 ? 0 : 1);
   }
 }
 
@@ -54,14 +54,14 @@ TEST(WindowMatch, AFeatureGoesToTheMoreSimilarQuery) {
   finish(f);
   WindowMatcher matcher;
   std::vector<int32_t> match;
-  const WindowQuery qa{100, 100, -1, 10, 0, 0, &a}, qb{100, 100, -1, 10, 0, 0, &b};
-  EXPECT_EQ(matcher.match(f, std::vector{qa, qb}, {}, {}, match), 1);
+  const WindowQuery qa{100, 100, 0, 10, 0, 0, &a}, qb{100, 100, 0, 10, 0, 0, &b};
+  EXPECT_EQ(matcher.match(f, std::vector{qa, qb}, {}, {}, {}, match), 1);
   EXPECT_EQ(match, (std::vector<int32_t>{0, -1}));
-  EXPECT_EQ(matcher.match(f, std::vector{qb, qa}, {}, {}, match), 1);
+  EXPECT_EQ(matcher.match(f, std::vector{qb, qa}, {}, {}, {}, match), 1);
   EXPECT_EQ(match, (std::vector<int32_t>{-1, 0}));
 }
 
-TEST(WindowMatch, ChecksTheRightColumnAndChiSquare) {
+TEST(WindowMatch, ChecksTheDepthAndTheError) {
   Random random(4);
   const Descriptor wanted = random_descriptor(random);
   Features f = no_features();
@@ -69,16 +69,21 @@ TEST(WindowMatch, ChecksTheRightColumnAndChiSquare) {
   finish(f);
   WindowMatcher matcher;
   std::vector<int32_t> match;
-  const auto matches = [&](float u, float u_right, float chi2) {
-    const std::vector<WindowQuery> queries{{u, 100, u_right, 10, 0, 0, &wanted}};
-    return matcher.match(f, queries, {}, {.max_chi2_mono = chi2, .max_chi2_stereo = chi2}, match);
+  Pinhole camera{500, 500, 320, 240, 40};
+  const auto matches = [&](float u, float disparity, bool bound) {
+    const std::vector<WindowQuery> queries{{u, 100, disparity, 10, 0, 0, &wanted}};
+    return matcher.match(f, queries, {}, camera, {.within_bound = bound}, match);
   };
-  EXPECT_EQ(matches(100, 85, 0), 1);
-  EXPECT_EQ(matches(100, 95, 0), 0);  // off by more than the radius
-  EXPECT_EQ(matches(100, -1, 0), 1);  // not asked
-  EXPECT_EQ(matches(102, -1, 5), 1);  // 4 <= 5
-  EXPECT_EQ(matches(103, -1, 5), 0);  // 9 > 5
-  EXPECT_EQ(matches(102, 82, 5), 0);  // 4 + 4 > 5
+  EXPECT_EQ(matches(100, 15, false), 1);
+  EXPECT_EQ(matches(100, 5, false), 0);  // off by more than the radius
+  EXPECT_EQ(matches(100, 0, false), 1);  // not asked
+  EXPECT_EQ(matches(102, 0, true), 1);   // 4 <= 5.99
+  EXPECT_EQ(matches(103, 0, true), 0);   // 9 > 5.99
+  EXPECT_EQ(matches(102, 18, true), 0);  // 4 + 4 > 7.81
+  camera.depth_noise = DepthNoise::kinect();
+  EXPECT_EQ(matches(100, 15, false), 0);  // a depth sensor is surer
+  EXPECT_EQ(matches(101, 18, true), 1);   // but its depth alone rules no match out
+  EXPECT_EQ(matches(103, 20, true), 0);
 }
 
 TEST(CheckRotation, KeepsTheBulkWhateverItsAngle) {

@@ -90,9 +90,10 @@ int classify_observations(BundleProblem& problem) {
   for (BundleObservation& o : problem.observations) {
     const Eigen::Vector3d p_c =
         problem.poses[static_cast<size_t>(o.pose)] * problem.points[static_cast<size_t>(o.point)];
-    o.active =
-        p_c.z() > kMinDepth &&
-        reprojection_residual(p_c, problem.camera, o.u, o.v, o.u_right).squaredNorm() * o.inv_sigma2 <= bundle_bound(o);
+    const Pinhole& camera = problem.camera;
+    o.active = p_c.z() > kMinDepth &&
+               within_bound(Chi2(reprojection_residual(p_c, camera, o.u, o.v, o.disparity), o.inv_sigma2, o.disparity),
+                            camera, o.disparity);
     inactive += !o.active;
   }
   return inactive;

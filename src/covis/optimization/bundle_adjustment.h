@@ -11,18 +11,18 @@
 #include <memory>
 #include <vector>
 
-#include "covis/geometry/camera.h"
+#include "covis/geometry/measurement.h"
 #include "covis/geometry/se3.h"
 
 namespace covis {
 
 struct BundleObservation {
-  int32_t pose = 0;      // index into poses
-  int32_t point = 0;     // index into points
-  float u = 0, v = 0;    // pixels, undistorted
-  float u_right = -1;    // pixels; negative: the observation has 2 rows only
-  float inv_sigma2 = 1;  // 1 / pixels^2
-  uint8_t active = 1;    // 0: not used (an outlier)
+  int32_t pose = 0;       // index into poses
+  int32_t point = 0;      // index into points
+  float u = 0, v = 0;     // pixels, undistorted
+  float inv_sigma2 = 1;   // of u and v, 1 / pixels^2
+  Disparity disparity{};  // not measured: the observation has 2 rows only
+  uint8_t active = 1;     // 0: not used (an outlier)
 };
 
 struct BundleProblem {
@@ -35,7 +35,7 @@ struct BundleProblem {
 
 struct BundleOptions {
   int iterations = 10;                           // greatest number of Levenberg-Marquardt steps, accepted or rejected
-  bool robust = true;                            // Huber at sqrt(5.991) (2 rows) and sqrt(7.815) (3 rows)
+  bool robust = true;                            // Huber: reprojection.h, robust_cost()
   double relative_cost_change = 1e-6;            // relative decrease of the cost below which the solver stops
   const std::atomic<bool>* interrupt = nullptr;  // when it becomes true the solver soon returns the last accepted state
 };

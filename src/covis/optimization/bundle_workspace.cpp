@@ -30,7 +30,7 @@ void BundleAdjuster::Workspace::prepare(const BundleProblem& problem) {
   for (size_t p = 0; p < points; ++p) {
     uint32_t rows = 0;
     for (uint32_t k = offset[p]; k < offset[p + 1]; ++k) {
-      rows += sorted[k].u_right >= 0 ? 3 : 2;
+      rows += sorted[k].disparity.measured() ? 3 : 2;
       ++seen[static_cast<size_t>(sorted[k].pose)];
     }
     point_moves[p] = rows >= 3;  // fewer rows leave the point undetermined: it does not move
@@ -56,10 +56,8 @@ double BundleAdjuster::Workspace::cost(const BundleProblem& problem, const std::
       if (used[k]) return std::numeric_limits<double>::infinity();  // a step must not move a point behind a camera
       continue;
     }
-    const Eigen::Vector3d e = reprojection_residual(p_c, problem.camera, o.u, o.v, o.u_right);
-    const double chi2 = e.squaredNorm() * o.inv_sigma2;
-    double weight;
-    if (used[k]) total += loss == Loss::huber ? huber(chi2, bundle_bound(o), weight) : chi2;
+    const Eigen::Vector3d e = reprojection_residual(p_c, problem.camera, o.u, o.v, o.disparity);
+    if (used[k]) total += robust_cost(Chi2(e, o.inv_sigma2, o.disparity), problem.camera, o.disparity, loss).cost;
   }
   return total;
 }
@@ -83,20 +81,20 @@ double BundleAdjuster::Workspace::linearise(const BundleProblem& problem, Loss l
       continue;
     }
     used[k] = 1;
-    const Eigen::Vector3d e = reprojection_residual(p_c, problem.camera, o.u, o.v, o.u_right);
-    const double chi2 = e.squaredNorm() * o.inv_sigma2;
-    double weight = 1;
-    total += loss == Loss::huber ? huber(chi2, bundle_bound(o), weight) : chi2;
-    weight *= o.inv_sigma2;
-    const Eigen::Matrix3d J_pi = projection_jacobian(p_c, problem.camera, o.u_right);
+    const Eigen::Vector3d e = reprojection_residual(p_c, problem.camera, o.u, o.v, o.disparity);
+    const RobustCost robust = robust_cost(Chi2(e, o.inv_sigma2, o.disparity), problem.camera, o.disparity, loss);
+    total += robust.cost;
+    const double pixel = robust.pixel * static_cast<double>(o.inv_sigma2);
+    const Eigen::Vector3d weight(pixel, pixel, robust.disparity * static_cast<double>(o.disparity.inv_sigma2));
+    const Eigen::Matrix3d J_pi = projection_jacobian(p_c, problem.camera, o.disparity);
     const Eigen::Matrix3d J_p = J_pi * T.R();
-    const Eigen::Matrix3d wJ_p = weight * J_p;
+    const Eigen::Matrix3d wJ_p = weight.asDiagonal() * J_p;
     V[p].noalias() += J_p.transpose() * wJ_p;
     b_p[p].noalias() += wJ_p.transpose() * e;
     const int32_t c = free_pose[static_cast<size_t>(o.pose)];
     if (c < 0) continue;
     const Matrix3x6d J_c = pose_jacobian(J_pi, p_c);
-    const Matrix3x6d wJ_c = weight * J_c;
+    const Matrix3x6d wJ_c = weight.asDiagonal() * J_c;
     U[static_cast<size_t>(c)].noalias() += J_c.transpose() * wJ_c;
     b_c[static_cast<size_t>(c)].noalias() += wJ_c.transpose() * e;
     W[k].noalias() = wJ_c.transpose() * J_p;

@@ -26,8 +26,6 @@ namespace covis {
 
 using Matrix6x3d = Eigen::Matrix<double, 6, 3>;
 
-inline double bundle_bound(const BundleObservation& o) { return chi2_bound(o.u_right); }
-
 struct BundleAdjuster::Workspace {
   // Observations sorted by point; those of point p are [offset[p], offset[p + 1]).
   std::vector<uint32_t> offset;

@@ -22,7 +22,7 @@ FocalEstimate estimate_focal(const BundleProblem& problem, BundleAdjuster& adjus
   }
   const double curvature = costs[0] + costs[2] - 2 * costs[1];
   double freedom = -3.0 * static_cast<double>(problem.points.size());
-  for (const BundleObservation& o : problem.observations) freedom += !o.active ? 0 : o.u_right >= 0 ? 3 : 2;
+  for (const BundleObservation& o : problem.observations) freedom += !o.active ? 0 : o.disparity.measured() ? 3 : 2;
   for (const uint8_t fixed : problem.fixed) freedom -= fixed ? 0 : 6;
   if (!(curvature > 0) || !(freedom > 0)) return estimate;
   estimate.cost = costs[1];

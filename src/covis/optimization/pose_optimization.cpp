@@ -22,8 +22,8 @@ struct PoseSystem {
 struct Residual {
   Eigen::Vector3d p;            // point in camera coordinates
   double iz = 0, x = 0, y = 0;  // 1 / depth, and the point at depth 1
-  Eigen::Vector3d r;            // residuals of u, v, u_right
-  bool stereo = false, usable = false;
+  Eigen::Vector3d r;            // residuals of u, v, disparity
+  bool usable = false;
 
   Residual(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera, size_t i)
       : p(T_cw.R() * Eigen::Vector3d(o.px[i], o.py[i], o.pz[i]) + T_cw.t()) {
@@ -33,11 +33,9 @@ struct Residual {
     x = p.x() * iz;
     y = p.y() * iz;
     const double u = camera.fx * x + camera.cx;
-    stereo = o.u_right[i] >= 0;
-    r = {o.u[i] - u, o.v[i] - (camera.fy * y + camera.cy), stereo ? o.u_right[i] - (u - camera.bf * iz) : 0};
+    const Disparity& d = o.disparity[i];
+    r = residual_of(o.u[i] - u, o.v[i] - (camera.fy * y + camera.cy), d.pixels - camera.bf * iz, camera, d);
   }
-  double chi2(float inv_sigma2) const { return (r.x() * r.x() + r.y() * r.y() + r.z() * r.z()) * inv_sigma2; }
-  double bound() const { return stereo ? kChi2Stereo : kChi2Mono; }
 };
 
 // Sums residuals and Jacobians of all observations with use[i] != 0, in their order.
@@ -52,44 +50,41 @@ PoseSystem accumulate(const SE3& T_cw, const PoseObservations& o, const Pinhole&
     if (!use[i]) continue;
     const Residual residual(T_cw, o, camera, i);
     if (!residual.usable) continue;
-    const double w0 = o.inv_sigma2[i];
-    const double chi2 = residual.chi2(o.inv_sigma2[i]);
-    const double bound = residual.bound();
-    double w = w0;
-    double rho = chi2;
-    if (loss == Loss::huber && chi2 > bound) {
-      const double e = std::sqrt(chi2), k = std::sqrt(bound);
-      rho = 2 * k * e - bound;
-      w *= k / e;
-    }
-    s.cost += rho;
+    const Disparity& disparity = o.disparity[i];
+    const RobustCost robust = robust_cost(Chi2(residual.r, o.inv_sigma2[i], disparity), camera, disparity, loss);
+    s.cost += robust.cost;
     ++s.used;
     if constexpr (kWithJacobian) {
       // d(pixel)/d(xi) for T <- exp(xi) T: dp = rho - p x phi.
-      Eigen::Matrix<double, 3, 6> J;
+      Eigen::Matrix<double, 2, 6> J;
       const double iz = residual.iz, x = residual.x, y = residual.y;
       const double a = camera.fx * iz, b = camera.fy * iz;
       J.row(0) << a, 0, -a * x, -camera.fx * x * y, camera.fx * (1 + x * x), -camera.fx * y;
       J.row(1) << 0, b, -b * y, -camera.fy * (1 + y * y), camera.fy * x * y, camera.fy * x;
-      if (residual.stereo) {
-        const double c = camera.bf * iz * iz;
-        J.row(2) = J.row(0);
-        J(2, 2) += c;
-        J(2, 3) += c * residual.p.y();
-        J(2, 4) -= c * residual.p.x();
-      } else {
-        J.row(2).setZero();
-      }
+      const double w = robust.pixel * static_cast<double>(o.inv_sigma2[i]);
       s.H.noalias() += w * J.transpose() * J;
-      s.b.noalias() += J.transpose() * (w * residual.r);
+      s.b.noalias() += J.transpose() * (w * residual.r.head<2>());
+      if (!disparity.measured()) continue;
+      const double c = camera.bf * iz * iz, w_d = robust.disparity * static_cast<double>(disparity.inv_sigma2);
+      const Eigen::Vector3d J_d(-c, -c * residual.p.y(), c * residual.p.x());  // of t_z, phi_x, phi_y
+      if (camera.depth_noise.known()) {
+        s.H.block<3, 3>(2, 2).noalias() += w_d * J_d * J_d.transpose();
+        s.b.segment<3>(2).noalias() += (w_d * residual.r.z()) * J_d;
+      } else {
+        Vector6d J_r = J.row(0).transpose();
+        J_r.segment<3>(2) -= J_d;
+        s.H.noalias() += w_d * J_r * J_r.transpose();
+        s.b.noalias() += (w_d * residual.r.z()) * J_r;
+      }
     }
   }
   return s;
 }
 
 bool finite(const PoseObservations& o, size_t i) {
-  return std::isfinite(o.u[i]) && std::isfinite(o.v[i]) && std::isfinite(o.u_right[i]) &&
-         std::isfinite(o.inv_sigma2[i]) && std::isfinite(o.px[i]) && std::isfinite(o.py[i]) && std::isfinite(o.pz[i]);
+  return std::isfinite(o.u[i]) && std::isfinite(o.v[i]) && std::isfinite(o.inv_sigma2[i]) &&
+         std::isfinite(o.disparity[i].pixels) && std::isfinite(o.disparity[i].inv_sigma2) && std::isfinite(o.px[i]) &&
+         std::isfinite(o.py[i]) && std::isfinite(o.pz[i]);
 }
 
 int classify(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera, std::vector<uint8_t>& inlier) {
@@ -98,7 +93,8 @@ int classify(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera, 
     inlier[i] = 0;
     if (!finite(o, i)) continue;
     const Residual residual(T_cw, o, camera, i);
-    inlier[i] = residual.usable && residual.chi2(o.inv_sigma2[i]) <= residual.bound();
+    inlier[i] =
+        residual.usable && within_bound(Chi2(residual.r, o.inv_sigma2[i], o.disparity[i]), camera, o.disparity[i]);
     count += inlier[i];
   }
   return count;
@@ -107,20 +103,23 @@ int classify(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera, 
 }  // namespace
 
 void PoseObservations::clear() {
-  for (auto* array : {&u, &v, &u_right, &inv_sigma2}) array->clear();
+  for (auto* array : {&u, &v, &inv_sigma2}) array->clear();
+  disparity.clear();
   for (auto* array : {&px, &py, &pz}) array->clear();
 }
 
 void PoseObservations::reserve(size_t n) {
-  for (auto* array : {&u, &v, &u_right, &inv_sigma2}) array->reserve(n);
+  for (auto* array : {&u, &v, &inv_sigma2}) array->reserve(n);
+  disparity.reserve(n);
   for (auto* array : {&px, &py, &pz}) array->reserve(n);
 }
 
-void PoseObservations::add(const Eigen::Vector3d& p_w, float u_, float v_, float u_right_, float inv_sigma2_) {
+void PoseObservations::add(const Eigen::Vector3d& p_w, float u_, float v_, float inv_sigma2_,
+                           const Disparity& disparity_) {
   u.push_back(u_);
   v.push_back(v_);
-  u_right.push_back(u_right_);
   inv_sigma2.push_back(inv_sigma2_);
+  disparity.push_back(disparity_);
   px.push_back(p_w.x());
   py.push_back(p_w.y());
   pz.push_back(p_w.z());

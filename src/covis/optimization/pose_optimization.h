@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pose of one camera from known points: 6 unknowns, robust, with repeated outlier classification.
 // Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, section III-C ("motion-only BA"); chi-square bounds at 95 %.
-// The cost is  sum rho( |z - h(T_cw p)|^2 * inv_sigma2 )  with 2 rows (u, v), or 3 (u, v, u_right) when u_right >= 0;
-// Huber's rho; xi perturbs on the left: T <- exp(xi) T.
+// The cost is  sum rho( |z - h(T_cw p)|^2 / sigma^2 )  with 2 rows (u, v), or 3 when a disparity was measured; rho is
+// robust_cost() of reprojection.h; xi perturbs on the left: T <- exp(xi) T.
 #pragma once
 
 #include <cstdint>
@@ -16,14 +16,15 @@ namespace covis {
 
 // Flat arrays, one entry per observation.
 struct PoseObservations {
-  AlignedVector<float> u, v, u_right;  // pixels, undistorted; u_right < 0: no measurement
-  AlignedVector<float> inv_sigma2;     // 1 / pixels^2
-  AlignedVector<double> px, py, pz;    // world point, metres
+  AlignedVector<float> u, v;        // pixels, undistorted
+  AlignedVector<float> inv_sigma2;  // of u and v, 1 / pixels^2
+  AlignedVector<Disparity> disparity;
+  AlignedVector<double> px, py, pz;  // world point, metres
 
   int size() const { return static_cast<int>(u.size()); }
   void clear();
   void reserve(size_t n);
-  void add(const Eigen::Vector3d& p_w, float u, float v, float u_right, float inv_sigma2);
+  void add(const Eigen::Vector3d& p_w, float u, float v, float inv_sigma2, const Disparity& disparity = {});
 };
 
 struct PoseOptions {

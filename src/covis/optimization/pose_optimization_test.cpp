@@ -28,9 +28,9 @@ PoseCase make_pose_case(uint64_t seed, int count, double outliers, Rows rows) {
     const bool wrong = random.uniform() < outliers, stereo = rows == Rows::stereo || (rows == Rows::mixed && i % 2);
     const double u = pixel.x() + (wrong ? random.uniform(-100, 100) : 0.7 * random.normal()),
                  v = pixel.y() + (wrong ? random.uniform(-100, 100) : 0.7 * random.normal());
-    const double u_right = pixel.x() - kCamera.bf / p_c.z() + 0.7 * random.normal();
-    c.observations.add(c.truth.inverse() * p_c, static_cast<float>(u), static_cast<float>(v),
-                       stereo ? static_cast<float>(std::max(0.0, u_right)) : -1.0f, 1);
+    const double right = pixel.x() - kCamera.bf / p_c.z() + 0.7 * random.normal(), disparity = u - right;
+    c.observations.add(c.truth.inverse() * p_c, static_cast<float>(u), static_cast<float>(v), 1,
+                       {stereo ? static_cast<float>(std::max(0.0, disparity)) : 0, 1});
   }
   return c;
 }
@@ -50,7 +50,7 @@ TEST(PoseOptimization, EndsWhereCeresEnds) {
         points.emplace_back(c.observations.px[i], c.observations.py[i], c.observations.pz[i]);
       for (size_t i = 0; i < inlier.size(); ++i) {
         if (!inlier[i]) continue;
-        theirs.AddResidualBlock(make_cost(c.observations.u[i], c.observations.v[i], c.observations.u_right[i], 1),
+        theirs.AddResidualBlock(make_cost(c.observations.u[i], c.observations.v[i], 1, c.observations.disparity[i]),
                                 nullptr, pose.v, points[i].data());
         theirs.SetParameterBlockConstant(points[i].data());
       }
@@ -81,9 +81,9 @@ TEST(PoseOptimization, StandsOutliersAndFewObservations) {
 TEST(PoseOptimization, BadObservationsDoNotPoisonIt) {
   PoseCase c = make_pose_case(3, 60, 0, Rows::mixed);
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  c.observations.add({0, 0, 5}, nan, 0, -1, 1);
-  c.observations.add({nan, 0, 5}, 0, 0, -1, 1);
-  c.observations.add(c.truth.inverse() * Eigen::Vector3d(0, 0, -3), 320, 240, -1, 1);  // behind
+  c.observations.add({0, 0, 5}, nan, 0, 1);
+  c.observations.add({nan, 0, 5}, 0, 0, 1);
+  c.observations.add(c.truth.inverse() * Eigen::Vector3d(0, 0, -3), 320, 240, 1);  // behind
   std::vector<uint8_t> inlier;
   const PoseResult result = optimize_pose(c.start, c.observations, kCamera, {}, inlier);
   ASSERT_TRUE(result.ok);

@@ -21,9 +21,9 @@ bool sim3_residual(const Sim3& S_12, const Sim3Match& match, const Pinhole& came
   if (!e.allFinite()) return false;
   if (!J) return true;
   // exp(xi) p = p + rho + phi x p + sigma p to first order; S_12^-1 exp(-xi) p_1 has the opposite sign inside S_21.
-  const Eigen::Matrix<double, 2, 3> J_1 = projection_jacobian(q_1, camera_1, kNoRight).topRows<2>();
+  const Eigen::Matrix<double, 2, 3> J_1 = projection_jacobian(q_1, camera_1, {}).topRows<2>();
   const Eigen::Matrix<double, 2, 3> J_2 =
-      projection_jacobian(q_2, camera_2, kNoRight).topRows<2>() * (-S_21.scale() * S_21.R());
+      projection_jacobian(q_2, camera_2, {}).topRows<2>() * (-S_21.scale() * S_21.R());
   J->topRows<2>() << J_1, -J_1 * hat(q_1), J_1 * q_1;
   J->bottomRows<2>() << J_2, -J_2 * hat(match.p_1), J_2 * match.p_1;
   return true;

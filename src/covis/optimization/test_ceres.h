@@ -23,7 +23,8 @@ struct CeresPose {
 };
 
 struct Reprojection {
-  double u, v, u_right, weight;  // weight: 1 / sigma
+  double u, v, weight;  // weight: 1 / sigma
+  Disparity disparity;
   template <class T>
   bool operator()(const T* pose, const T* point, T* r) const {
     T p[3];
@@ -32,13 +33,16 @@ struct Reprojection {
     const T x = kCamera.fx * p[0] / p[2] + kCamera.cx;
     r[0] = (u - x) * weight;
     r[1] = (v - (kCamera.fy * p[1] / p[2] + kCamera.cy)) * weight;
-    r[2] = u_right >= 0 ? (u_right - (x - kCamera.bf / p[2])) * weight : T(0);
+    const double disparity_weight = std::sqrt(static_cast<double>(disparity.inv_sigma2));
+    const T right = u - static_cast<double>(disparity.pixels) - (x - kCamera.bf / p[2]);
+    r[2] = disparity.measured() ? right * disparity_weight : T(0);
     return true;
   }
 };
 
-inline ceres::CostFunction* make_cost(double u, double v, double u_right, double inv_sigma2) {
-  return new ceres::AutoDiffCostFunction<Reprojection, 3, 6, 3>(new Reprojection{u, v, u_right, std::sqrt(inv_sigma2)});
+inline ceres::CostFunction* make_cost(double u, double v, double inv_sigma2, const Disparity& disparity) {
+  return new ceres::AutoDiffCostFunction<Reprojection, 3, 6, 3>(
+      new Reprojection{u, v, std::sqrt(inv_sigma2), disparity});
 }
 
 // The cost Ceres ends with, twice its own (which halves).
@@ -48,8 +52,8 @@ inline double ceres_cost(const BundleProblem& problem, bool robust) {
   ceres::Problem theirs;
   for (const BundleObservation& o : problem.observations) {
     if (!o.active) continue;
-    const double bound = std::sqrt(o.u_right >= 0 ? kChi2Stereo : kChi2Mono);
-    theirs.AddResidualBlock(make_cost(o.u, o.v, o.u_right, o.inv_sigma2),
+    const double bound = std::sqrt(o.disparity.measured() ? kChi2Stereo : kChi2Mono);
+    theirs.AddResidualBlock(make_cost(o.u, o.v, o.inv_sigma2, o.disparity),
                             robust ? new ceres::HuberLoss(bound) : nullptr, poses[static_cast<size_t>(o.pose)].v,
                             points[static_cast<size_t>(o.point)].data());
   }

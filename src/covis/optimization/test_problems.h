@@ -64,9 +64,9 @@ inline World make_world(uint64_t seed, int poses, int points, Rows rows, double 
       o.u = static_cast<float>(pixel.x() + random.normal() + (wrong ? 30 : 0));
       o.v = static_cast<float>(pixel.y() + random.normal());
       const bool stereo = rows == Rows::stereo || (rows == Rows::mixed && p % 2);
-      const double u_right = pixel.x() - kCamera.bf / p_c.z() + random.normal();
-      o.u_right = stereo && u_right > 0 ? static_cast<float>(u_right) : -1;
+      const double right = pixel.x() - kCamera.bf / p_c.z() + random.normal(), disparity = o.u - right;
       o.inv_sigma2 = static_cast<float>(1 / std::pow(1.44, random.below(4)));
+      if (stereo && disparity > 0) o.disparity = {static_cast<float>(disparity), o.inv_sigma2};
       seen.push_back(o);
     }
     if (seen.size() < 3) continue;

@@ -14,14 +14,14 @@ BackendOptions::BackendOptions(const SystemOptions& options)
     : sensor(options.sensor),
       mapper(options.mapper),
       loop(options.loop),
-      close_depth_baselines(options.tracker.key_frame.close_depth_baselines),
+      close_depth(options.tracker.key_frame.close_depth),
       seed(options.seed),
       schedule(options.schedule()) {}
 
 Backend::Backend(SharedMap& map, const BackendOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
     : map_(map),
       options_(options),
-      mapper_(map, options.sensor, options.mapper, options.close_depth_baselines, std::move(vocabulary)),
+      mapper_(map, options.sensor, options.mapper, options.close_depth, std::move(vocabulary)),
       closer_(map, options.sensor, options.loop, options.seed),
       given_fx_(map.read()->camera().fx) {}
 

@@ -23,8 +23,8 @@ struct BackendOptions {
   Sensor sensor = Sensor::monocular;
   MapperOptions mapper;
   LoopOptions loop;
-  double close_depth_baselines = 0;  // TrackerOptions::key_frame.close_depth_baselines
-  int seed = 0;                      // seed of the random choices
+  CloseDepth close_depth;  // TrackerOptions::key_frame.close_depth
+  int seed = 0;            // seed of the random choices
   Schedule schedule = Schedule::deterministic;
 
   explicit BackendOptions(const SystemOptions& options);

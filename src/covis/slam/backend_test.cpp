@@ -37,14 +37,14 @@ TEST_F(BackendTest, ReadsItsSlicesOfTheSettings) {
   options.realtime = true;
   options.loop.min_found = 44;
   options.mapper.ba_key_frames = 12;
-  options.tracker.key_frame.close_depth_baselines = 33;
+  options.tracker.key_frame.close_depth.baselines = 33;
   const BackendOptions slices(options);
   EXPECT_EQ(slices.sensor, Sensor::stereo);
   EXPECT_EQ(slices.seed, 7);
   EXPECT_EQ(slices.schedule, Schedule::realtime);
   EXPECT_EQ(slices.loop.min_found, 44);
   EXPECT_EQ(slices.mapper.ba_key_frames, 12);
-  EXPECT_EQ(slices.close_depth_baselines, 33);
+  EXPECT_EQ(slices.close_depth.baselines, 33);
 }
 
 TEST_F(BackendTest, ASubmapThatIsDiscardedIsForgotten) {

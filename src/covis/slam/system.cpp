@@ -19,16 +19,33 @@ TrackingSettings tracking_settings(const SystemOptions& o) {
           .seed = o.seed};
 }
 
+// The camera with a noise of its depth, which is a Kinect's where none is given.
+Pinhole with_depth_noise(Pinhole camera, Sensor sensor) {
+  if (sensor != Sensor::rgbd) {
+    camera.depth_noise = {};
+  } else if (!camera.depth_noise.known()) {
+    camera.depth_noise = DepthNoise::kinect();
+  }
+  return camera;
+}
+
+// Nothing is estimated that was given.
+BackendOptions backend_options(const SystemOptions& options, const Pinhole& camera) {
+  BackendOptions made(options);
+  made.mapper.estimate_depth_noise &= options.sensor == Sensor::rgbd && !camera.depth_noise.known();
+  return made;
+}
+
 }  // namespace
 
 System::System(const Camera& camera, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
     : given_(camera),
       options_(options),
       vocabulary_(std::move(vocabulary)),
-      map_(camera.pinhole),
+      map_(with_depth_noise(camera.pinhole, options.sensor)),
       frontend_(camera, options.orb, options.sensor),
       tracker_(map_, tracking_settings(options), vocabulary_),
-      mapping_(map_, BackendOptions(options), vocabulary_) {
+      mapping_(map_, backend_options(options, camera.pinhole), vocabulary_) {
   // A lost camera is looked for in the map; it begins none.
   if (options_.localize) tracker_.start_lost();
 }
@@ -43,13 +60,17 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
     if (!options_.localize)
       return fail(what + ": it can't be continued, for a map has one camera; localise in it only");
     log(LogLevel::warning, what + ": places of it are looked for with the present one");
-    tracker_.use_camera(given_.pinhole);
+    tracker_.use_camera(with_depth_noise(given_.pinhole, options_.sensor));
   }
   finish();
   if (vocabulary_) {
     for (const KeyFrameId& id : map.key_frames())
       map.set_words(id, std::make_shared<const Words>(vocabulary_->transform(map.at(id).features->descriptor)));
   }
+  // What is given for this recording goes before what the map learned.
+  Pinhole camera = map.camera();
+  if (given_.pinhole.depth_noise.known()) camera.depth_noise = given_.pinhole.depth_noise;
+  map.set_camera(with_depth_noise(camera, options_.sensor));
   snapshots_.map_loaded(map.next_submap(), tracker_.own_camera());
   *map_.write() = std::move(map);
   tracker_.start_lost();

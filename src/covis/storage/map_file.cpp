@@ -16,7 +16,7 @@ namespace covis::storage {
 namespace {
 
 // Identifiers of the sections.
-constexpr uint32_t kAbout = 1, kKeyFrames = 2, kFeatures = 3, kObservations = 4, kPoints = 5;
+constexpr uint32_t kAbout = 1, kKeyFrames = 2, kFeatures = 3, kObservations = 4, kPoints = 5, kDepthNoise = 6;
 
 constexpr const char* kNotRightLength = "it is damaged: a section has not the length that its contents ask for";
 
@@ -164,11 +164,18 @@ std::vector<Section> sections_of(const MapState& map, const MapHeader& header) {
   }
   for (const MapPointState& p : map.points) point_fields(points, p);
   about_fields(about, header, counts);
-  return {{kAbout, about.take()},
-          {kKeyFrames, key_frames.take()},
-          {kFeatures, features.take()},
-          {kObservations, observations.take()},
-          {kPoints, points.take()}};
+  std::vector<Section> sections{{kAbout, about.take()},
+                                {kKeyFrames, key_frames.take()},
+                                {kFeatures, features.take()},
+                                {kObservations, observations.take()},
+                                {kPoints, points.take()}};
+  if (map.camera.depth_noise.known()) {
+    FieldWriter noise;
+    noise(map.camera.depth_noise.a);
+    noise(map.camera.depth_noise.b);
+    sections.push_back({kDepthNoise, noise.take()});
+  }
+  return sections;
 }
 
 // ---- Reading ----
@@ -276,6 +283,20 @@ Pinhole camera_of(const std::vector<FrameRecord>& records, const SectionFile& fi
   return first;
 }
 
+// Files of versions before 1.2, and those of other sensors, have none.
+Result<DepthNoise> read_depth_noise(SectionFile& file) {
+  DepthNoise noise;
+  if (!file.has(kDepthNoise)) return noise;
+  const auto bytes = file.read(kDepthNoise, "depth noise");
+  if (!bytes) return tl::unexpected(bytes.error());
+  FieldReader fields(*bytes);
+  fields(noise.a);
+  fields(noise.b);
+  if (!fields.whole()) return fail(file.error(kNotRightLength));
+  if (!noise.valid()) return fail(file.error("its noise of depth is not valid"));
+  return noise;
+}
+
 Result<MapState> read_state(SectionFile& file, const Counts& counts, const Pinhole& given) {
   MapState state;
   state.root = counts.root;
@@ -285,6 +306,9 @@ Result<MapState> read_state(SectionFile& file, const Counts& counts, const Pinho
   if (!key_frames) return tl::unexpected(key_frames.error());
   state.key_frames = std::move(*key_frames);
   state.camera = records.empty() ? given : camera_of(records, file);
+  const auto noise = read_depth_noise(file);
+  if (!noise) return tl::unexpected(noise.error());
+  state.camera.depth_noise = *noise;
   Result<void> read = read_features(file, records, state.key_frames);
   if (read) read = read_observations(file, state.key_frames);
   if (read) read = read_points(file, counts.points, state.points);

@@ -166,6 +166,10 @@ Result<std::string> SectionFile::read_stored(Entry& entry, std::string_view name
   return stored;
 }
 
+bool SectionFile::has(uint32_t id) const {
+  return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.id == id; });
+}
+
 Result<std::string> SectionFile::read(uint32_t id, std::string_view name) {
   const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.id == id; });
   if (entry == entries_.end()) return fail(error("it has no section '" + std::string(name) + "'"));

@@ -21,7 +21,7 @@ namespace covis::storage {
 
 inline constexpr uint16_t kMapFileMajor = 1;  // files of another major version cannot be read
 // Newer minor versions move no field and are read, except for added contents.
-inline constexpr uint16_t kMapFileMinor = 1;
+inline constexpr uint16_t kMapFileMinor = 2;
 
 static_assert(std::endian::native == std::endian::little, "fields go to the file as they lie in memory");
 
@@ -114,6 +114,7 @@ class SectionFile {
   Result<std::string> read(uint32_t id, std::string_view name);
   // Verifies the checksums of the sections not read so far, unknown ones included.
   Result<void> verify_others();
+  bool has(uint32_t id) const;
   uint16_t major() const { return major_; }
   uint16_t minor() const { return minor_; }
   uint64_t size() const { return size_; }  // size of the file, bytes

@@ -202,6 +202,18 @@ TEST_F(MapFile, InfoSaysWhatIsInIt) {
   }
 }
 
+TEST_F(MapFile, TheNoiseOfDepthIsKept) {
+  Map map = random_map(7, 60, 12);
+  bytes_of(map);
+  EXPECT_FALSE(SectionFile::open(file())->has(6)) << "of other sensors there is none to keep";
+  Pinhole camera = refined_camera();
+  camera.depth_noise = {0.0005, 0.0012};
+  map.set_camera(camera);
+  bytes_of(map);
+  EXPECT_TRUE(SectionFile::open(file())->has(6));
+  EXPECT_EQ(load_map(file())->map.camera(), camera);
+}
+
 TEST_F(MapFile, CutOffAtAnyLength) {
   const std::string bytes = bytes_of(random_map(1, 60, 12));
   for (size_t length = 0; length < bytes.size(); length += length < 400 ? 1 : 41) {

@@ -1,20 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/tracking/frame_matcher.h"
 
+#include <algorithm>
+
 #include "covis/core/random.h"
 #include "covis/core/reserve.h"
 #include "covis/geometry/pnp.h"
+#include "covis/matching/point_geometry.h"
 
 namespace covis {
 namespace {
 
-// With depth the scale of a motion is known: a camera that moves along its axis by more than its baseline sees a point
-// larger, or smaller, than it did.
-LevelRule levels_after(const TrackedFrame& last, const TrackedFrame& frame, const Pinhole& camera) {
+// With depth the scale of a motion is known: a camera that moves along its axis by more than its baseline, or than a
+// share of its depth, sees a point larger, or smaller, than it did.
+LevelRule levels_after(const TrackedFrame& last, const TrackedFrame& frame, const Pinhole& camera, double depth) {
+  constexpr double kShare = 0.03;
   if (!(camera.bf > 0)) return LevelRule::around_seen;
+  const double least = camera.depth_noise.known() ? kShare * depth : camera.baseline();
   const double forward = (last.T_cw * frame.T_cw.centre()).z();
-  if (forward > camera.baseline()) return LevelRule::seen_or_larger;
-  if (-forward > camera.baseline()) return LevelRule::seen_or_finer;
+  if (forward > least) return LevelRule::seen_or_larger;
+  if (-forward > least) return LevelRule::seen_or_finer;
   return LevelRule::around_seen;
 }
 
@@ -27,6 +32,7 @@ FrameMatcher::FrameMatcher() {
   seen_.reserve(kFeatures);
   seen_by_.reserve(kFeatures);
   seen_angle_.reserve(kFeatures);
+  seen_depth_.reserve(kFeatures);
   observations_.reserve(kFeatures);
   observed_by_.reserve(kFeatures);
 }
@@ -37,14 +43,19 @@ FrameMatcher::LastFrameMatches FrameMatcher::match_last_frame(const TrackedFrame
   seen_.clear();
   seen_by_.clear();
   seen_angle_.clear();
+  seen_depth_.clear();
   for (size_t i = 0; i < last.source.size(); ++i) {
     if (last.source[i] == PointSource::none) continue;
+    seen_depth_.push_back((last.T_cw * last.positions[i]).z());
     seen_.add_seen(last.points[i], last.positions[i], from.descriptor[i], from.level[i]);
     seen_by_.push_back(static_cast<uint32_t>(i));
     seen_angle_.push_back(from.angle[i]);
   }
-  const int in_view = projection_.match(seen_, {camera, *frame.features, frame.T_cw},
-                                        MatchGate::last_frame(window, levels_after(last, frame, camera)));
+  const auto middle = seen_depth_.begin() + static_cast<ptrdiff_t>(seen_depth_.size() / 2);
+  std::nth_element(seen_depth_.begin(), middle, seen_depth_.end());
+  const LevelRule levels = levels_after(last, frame, camera, seen_depth_.empty() ? 0 : *middle);
+  const int in_view =
+      projection_.match(seen_, {camera, *frame.features, frame.T_cw}, MatchGate::last_frame(window, levels));
   const int kept = projection_.keep_consistent_rotations(seen_angle_, *frame.features);
   frame.clear_matches();
   for (const PointMatch& m : projection_.matches()) {
@@ -121,7 +132,8 @@ PoseFit FrameMatcher::fit_pose(TrackedFrame& frame, const Pinhole& camera) {
   const Features& f = *frame.features;
   for (size_t i = 0; i < frame.source.size(); ++i) {
     if (frame.source[i] == PointSource::none) continue;
-    observations_.add(frame.positions[i], f.x[i], f.y[i], f.u_right[i], f.pyramid->inv_sigma2[f.level[i]]);
+    observations_.add(frame.positions[i], f.x[i], f.y[i], f.pyramid->inv_sigma2[f.level[i]],
+                      disparity_of(f, i, camera));
     observed_by_.push_back(static_cast<uint32_t>(i));
   }
   reserve_ahead(inlier_, observed_by_.size());

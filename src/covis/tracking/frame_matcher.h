@@ -52,9 +52,10 @@ class FrameMatcher {
 
  private:
   ProjectionMatcher projection_;
-  PointSet seen_;                  // the last frame's points
-  std::vector<uint32_t> seen_by_;  // for each of them its feature in the last frame
-  std::vector<float> seen_angle_;  // the orientation of that feature, radians
+  PointSet seen_;                   // the last frame's points
+  std::vector<uint32_t> seen_by_;   // for each of them its feature in the last frame
+  std::vector<float> seen_angle_;   // the orientation of that feature, radians
+  std::vector<double> seen_depth_;  // metres, in the last camera
   MatchedPoints matched_;
   std::vector<uint8_t> known_, taken_;  // flags: points and features matched before a search of the local map
   PoseObservations observations_;

@@ -35,7 +35,7 @@ class KeyFramePolicy {
   void clear_counts() { counts_.clear(); }
 
   // Depth in metres up to which a point is close.
-  double close_depth(const Pinhole& camera) const { return options_.close_depth_baselines * camera.baseline(); }
+  double close_depth(const Pinhole& camera) const { return options_.close_depth.metres(camera); }
   // The features whose depth makes points: select_near_features().
   const std::vector<uint32_t>& near_features(const Features& features, const Pinhole& camera);
 

@@ -68,7 +68,7 @@ TEST_F(KeyFramePolicyTest, NoneIsMadeOfTooFewPoints) {
 }
 
 TEST_F(KeyFramePolicyTest, OneIsDueWhereFewClosePointsAreTrackedAndManyCouldBe) {
-  options.close_depth_baselines = 60;  // a baseline is 0.1 metres
+  options.close_depth.baselines = 60;  // a baseline is 0.1 metres
   const auto close = [&](size_t i) { return frame.features->depth[i] <= 6; };
   for (size_t i = 0; i < frame.source.size(); ++i) {
     if (close(i) && i % 2 == 0) frame.drop_match(i);
@@ -139,7 +139,7 @@ TEST_F(KeyFramePolicyTest, WaitingLongHelpsNotWhereResultsMustNotDependOnTime) {
 
 TEST_F(KeyFramePolicyTest, InRealTimeFewClosePointsDoNotWaitForMapping) {
   frame.clear_matches();
-  options.close_depth_baselines = 80;
+  options.close_depth.baselines = 80;
   options.min_close_points = 100;
   EXPECT_TRUE(is_due(Sensor::rgbd, 100, kBusy, Schedule::realtime));
   EXPECT_FALSE(is_due(Sensor::rgbd, 100, kBusy, Schedule::deterministic));

@@ -88,11 +88,11 @@ int MonoInitializer::match_reference(const Features& features) {
     const auto k = static_cast<size_t>(i);
     const int level = first.level[k];
     if (level > options_.init_levels) continue;
-    queries_.push_back({last_x_[k], last_y_[k], -1.0f, static_cast<float>(options_.init_window), level - 1, level + 1,
+    queries_.push_back({last_x_[k], last_y_[k], 0.0f, static_cast<float>(options_.init_window), level - 1, level + 1,
                         &first.descriptor[k]});
     query_feature_.push_back(i);
   }
-  matcher_.match(features, queries_, {}, {.max_distance = kHammingLow, .ratio = kRatio}, match_);
+  matcher_.match(features, queries_, {}, {}, {.max_distance = kHammingLow, .ratio = kRatio}, match_);
   std::vector<float> angle_a, angle_b;
   std::vector<size_t> query;
   for (size_t q = 0; q < match_.size(); ++q) {

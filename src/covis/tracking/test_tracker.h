@@ -32,7 +32,7 @@ class TrackerTest : public testing::Test {
       : frames(TestFrames::of(wanted.sensor)),
         settings(wanted),
         tracker(shared, settings, vocabulary),
-        mapper(shared, settings.sensor, {}, settings.options.key_frame.close_depth_baselines, vocabulary) {}
+        mapper(shared, settings.sensor, {}, settings.options.key_frame.close_depth, vocabulary) {}
 
   static TrackingSettings settings_of(Sensor sensor) {
     TrackingSettings settings;

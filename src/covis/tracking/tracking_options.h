@@ -6,6 +6,7 @@
 
 #include "covis/core/fields.h"
 #include "covis/core/sensor.h"
+#include "covis/geometry/camera.h"
 
 namespace covis {
 
@@ -45,7 +46,7 @@ struct RecoveryOptions {
 
 // The criteria of a key frame, and the points it makes.
 struct KeyFrameOptions {
-  double close_depth_baselines = 40;  // depth in baselines up to which a point is close
+  CloseDepth close_depth;      // up to where a point is close
   int min_close_points = 100;  // close points a frame makes at least (also farther ones), and the need-more bound
   int new_close_points = 70;   // untracked close points that make a key frame worth it
   // Tracked share of the reference key frame's points below which a key frame is due (stereo, RGB-D).

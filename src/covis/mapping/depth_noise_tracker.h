@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Follows the noise of a depth sensor whose noise was not given: each local adjustment gives a factor, of which the
+// model takes less and less.
+#pragma once
+
+#include "covis/map/shared_map.h"
+#include "covis/optimization/bundle_adjustment.h"
+
+namespace covis {
+
+class DepthNoiseTracker {
+ public:
+  // Changes the noise of the map's camera by what an adjusted problem says of it.
+  void learn(SharedMap& map, const BundleProblem& problem);
+
+ private:
+  double scale_ = 1;   // of the noise that the map began with
+  double logged_ = 1;  // the scale that was last logged
+  int problems_ = 0;
+};
+
+}  // namespace covis

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/mapping/depth_noise_tracker.h"
+
+#include <gtest/gtest.h>
+
+#include "covis/core/random.h"
+#include "covis/optimization/depth_noise_estimation.h"
+
+namespace covis {
+namespace {
+
+// Three cameras at one place and points whose depths have this noise.
+BundleProblem problem_with(const DepthNoise& noise, const Pinhole& camera, uint64_t seed) {
+  Random random(seed);
+  BundleProblem problem;
+  problem.camera = camera;
+  problem.poses.assign(3, SE3());
+  problem.fixed.assign(3, 1);
+  for (int p = 0; p < 400; ++p) {
+    const double z = random.uniform(1, 5);
+    double mean = 0;
+    for (int c = 0; c < 3; ++c) {
+      const auto depth = static_cast<float>(z + noise.sigma(z) * random.normal());
+      mean += static_cast<double>(depth) / 3;
+      problem.observations.push_back(
+          {.pose = c, .point = p, .inv_sigma2 = 1000, .disparity = disparity_of_depth(camera, depth, 1000)});
+    }
+    problem.points.emplace_back(0, 0, mean);
+  }
+  return problem;
+}
+
+void learn_of(SharedMap& map, const DepthNoise& noise) {
+  DepthNoiseTracker tracker;
+  for (uint64_t seed = 1; seed <= 30; ++seed) {
+    const Pinhole camera = map.read()->camera();
+    tracker.learn(map, problem_with(noise, camera, seed));
+  }
+}
+
+TEST(DepthNoiseTracker, TheMapsCameraGetsTheNoiseOfTheSensor) {
+  for (const double factor : {0.2, 2.5}) {
+    Pinhole camera{500, 500, 320, 240, 40};
+    camera.depth_noise = DepthNoise::kinect();
+    SharedMap map(camera);
+    learn_of(map, DepthNoise::kinect().scaled(factor));
+    EXPECT_NEAR(map.read()->camera().depth_noise.b, factor * DepthNoise::kinect().b, 0.15 * factor * 0.0015);
+    EXPECT_EQ(map.read()->camera().bf, 40);
+  }
+}
+
+TEST(DepthNoiseTracker, ItStaysWithinItsBounds) {
+  Pinhole camera{500, 500, 320, 240, 40};
+  camera.depth_noise = DepthNoise::kinect();
+  SharedMap map(camera);
+  learn_of(map, DepthNoise::kinect().scaled(30));
+  EXPECT_NEAR(map.read()->camera().depth_noise.b, 4 * 0.0015, 1e-9);
+}
+
+}  // namespace
+}  // namespace covis
