@@ -132,6 +132,11 @@ TEST_F(LoopVerifierTest, AScaleThatChangedIsFoundWithoutDepth) {
   constexpr double kGrowth = 1.1;
   const Eigen::Vector3d centre = larger.current.T_cw.centre();
   for (Eigen::Vector3d& position : larger.current.positions) position = centre + kGrowth * (position - centre);
+  PointSet& here = larger.here.points;
+  for (size_t k = 0; k < here.size(); ++k) {
+    const Eigen::Vector3d moved = centre + kGrowth * (here.position(k) - centre);
+    here.px[k] = moved.x(), here.py[k] = moved.y(), here.pz[k] = moved.z();
+  }
   for (KeyFrameView& neighbour : larger.neighbours) {
     const Eigen::Vector3d moved = centre + kGrowth * (neighbour.T_cw.centre() - centre);
     neighbour.T_cw = SE3(neighbour.T_cw.R(), Eigen::Vector3d(-(neighbour.T_cw.R() * moved)));
@@ -178,7 +183,7 @@ TEST_F(JoinVerifierTest, ANeighbourMustAgree) {
 TEST_F(JoinVerifierTest, NotSeenFromThere) {
   LoopCandidate onesided = candidate();
   Random random(1);
-  for (Descriptor& descriptor : onesided.here->points.descriptor) descriptor = random_descriptor(random);
+  for (Descriptor& descriptor : onesided.here.points.descriptor) descriptor = random_descriptor(random);
   EXPECT_EQ(refusal(onesided), LoopRefusal::not_seen_from_there);
 }
 
