@@ -77,6 +77,7 @@ json loops_json(const std::vector<LoopSummary>& loops) {
     json& line = list.emplace_back(to_json(loop));
     line.update(to_json(loop.report.drift));
     line.update({{"confirmed", loop.report.confirmed},
+                 {"unexplained", loop.report.unexplained},
                  {"new_edges", loop.report.new_edges},
                  {"pose_graph_ms", loop.report.ms.pose_graph},
                  {"full_ba_ms", loop.full_ba_ms}});

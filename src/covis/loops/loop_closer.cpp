@@ -46,8 +46,9 @@ std::optional<Loop> LoopCloser::recognise(KeyFrameId current, const std::vector<
     LoopVerdict verdict = verifier_.verify(candidate);
     if (verdict.drift) report.drift = *verdict.drift;
     RefusedPlace refused{place, map_.read()->at(place).frame, verdict.refusal, verdict.evidence, verdict.drift, {}};
-    if (verdict.claim && path_may_err(current, *verdict.claim, refused)) {
+    if (verdict.claim && confirmed(current, *verdict.claim, refused)) {
       report.confirmed = true;
+      report.unexplained = verdict.refusal == LoopRefusal::drift_too_great;
       verdict.loop = std::move(verdict.claim);
     }
     if (verdict.loop) {
@@ -63,12 +64,14 @@ std::optional<Loop> LoopCloser::recognise(KeyFrameId current, const std::vector<
 
 // A correction that no drift explains is right when the path since has a weak link, where the map hardly knows how the
 // camera moved, and another place says the same.
-bool LoopCloser::path_may_err(KeyFrameId current, const Loop& claim, RefusedPlace& refused) {
+bool LoopCloser::confirmed(KeyFrameId current, const Loop& claim, RefusedPlace& refused) {
   const auto map = map_.read();
+  if (refused.why == LoopRefusal::neighbours_disagree)
+    return consensus_.confirms(*map, current, claim, LoopConsensus::By::any_points);
   const KeyFrame& here = map->at(current);
   refused.link = LinkStrength(*map, here.submap).weakest(here.serial, map->at(claim.place.key_frame).serial);
   if (*refused.link >= options_.weak_link) return false;
-  if (consensus_.confirms(*map, current, claim)) return true;
+  if (consensus_.confirms(*map, current, claim, LoopConsensus::By::other_points)) return true;
   refused.why = LoopRefusal::unconfirmed;
   return false;
 }
@@ -84,7 +87,7 @@ bool LoopCloser::correct(KeyFrameId current, const Loop& loop, LoopReport& repor
     report.outcome = LoopOutcome::fused;
     return true;
   } else {
-    const int weak_link = report.confirmed ? options_.weak_link : 0;
+    const int weak_link = report.unexplained ? options_.weak_link : 0;
     const LoopCorrection done = correct_loop(map_, current, loop, sensor_, fuser_, weak_link);
     report.fused = done.fused;
     report.new_edges = done.new_edges;

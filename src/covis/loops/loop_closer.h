@@ -31,7 +31,7 @@ class LoopCloser {
 
  private:
   std::optional<Loop> recognise(KeyFrameId current, const std::vector<KeyFrameId>& places, LoopReport& report);
-  bool path_may_err(KeyFrameId current, const Loop& claim, RefusedPlace& refused);
+  bool confirmed(KeyFrameId current, const Loop& claim, RefusedPlace& refused);
   // False when the map refused to join.
   bool correct(KeyFrameId current, const Loop& loop, LoopReport& report);
 

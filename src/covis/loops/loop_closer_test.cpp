@@ -103,6 +103,7 @@ TEST_F(BrokenPathTest, TwoPlacesThatAgreeOverrideTheDrift) {
   ASSERT_EQ(closed(), 1);
   const auto loop = std::find_if(reports.begin(), reports.end(), [](const LoopReport& r) { return r.changed_map(); });
   EXPECT_TRUE(loop->confirmed);
+  EXPECT_TRUE(loop->unexplained);
   ASSERT_NE(loop, reports.begin()) << "one place alone is not enough";
   EXPECT_TRUE(std::any_of(reports.begin(), loop, [](const LoopReport& report) {
     return !report.refused.empty() && report.refused.front().why == LoopRefusal::unconfirmed;

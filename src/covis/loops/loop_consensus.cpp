@@ -37,7 +37,7 @@ bool agree(const Sim3& one, const Sim3& other, double path, double depth) {
 
 }  // namespace
 
-bool LoopConsensus::confirms(const Map& map, KeyFrameId current, const Loop& claim) {
+bool LoopConsensus::confirms(const Map& map, KeyFrameId current, const Loop& claim, By by) {
   constexpr size_t kKept = 20;
   if (claim.matches.empty()) return false;
   if (moves_ != map.moves()) claims_.clear();
@@ -48,7 +48,7 @@ bool LoopConsensus::confirms(const Map& map, KeyFrameId current, const Loop& cla
   std::sort(now.points.begin(), now.points.end());
   const double depth = median_depth(claim);
   const bool confirmed = std::any_of(claims_.begin(), claims_.end(), [&](const Claim& earlier) {
-    return earlier.submap == now.submap && !same_points(earlier.points, now.points) &&
+    return earlier.submap == now.submap && (by == By::any_points || !same_points(earlier.points, now.points)) &&
            agree(claim.S_cw, Sim3(key_frame.T_cw) * earlier.S_there_here.inverse(),
                  path_between(map, now.submap, earlier.serial, now.serial), depth);
   });

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Corrections that drift cannot explain, until another place says the same. One place alone may only look alike; two
-// that are seen by different key frames, by other points, and that agree on where the map went wrong, count as evidence
-// against the path between.
+// Claims on a loop that want a second opinion, until another key frame says the same. A correction that drift cannot
+// explain wants one by other points: one place alone may only look alike; two that agree on where the map went wrong
+// count as evidence against the path between. A place that no key frame beside the current one sees wants any: the
+// camera may have only just turned to it.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +14,9 @@ namespace covis {
 
 class LoopConsensus {
  public:
-  // True when an earlier claim, of other points, agrees with this one. It is kept in any case, until the map is moved.
-  bool confirms(const Map& map, KeyFrameId current, const Loop& claim);
+  enum class By { other_points, any_points };
+  // True when an earlier claim agrees with this one. It is kept in any case, until the map is moved.
+  bool confirms(const Map& map, KeyFrameId current, const Loop& claim, By by);
   void reset() { claims_.clear(); }
 
  private:

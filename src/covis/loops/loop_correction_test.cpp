@@ -44,7 +44,7 @@ TEST_F(LoopCorrectionTest, PointsFusedTieMoreKeyFrames) {
     EXPECT_GE(map->weight(i, j), kCovisibilityThreshold);
     const SE3 motion = around.scene.T_cw(static_cast<size_t>(map->at(j).frame)) *
                        around.scene.T_wc_of(static_cast<size_t>(map->at(i).frame));
-    EXPECT_LT((edge.S_ji.as_pose() * motion.inverse()).log().norm(), 0.05) << "as the loop has them";
+    EXPECT_LT((edge.S_ji.as_pose() * motion.inverse()).log().norm(), 0.15) << "as the loop has them";
   }
 }
 
@@ -69,7 +69,7 @@ TEST(LoopGraph, BendsAtAWeakLinkFirst) {
       worst = std::max(worst, (graph.problem().poses[k].as_pose().centre() - broken.scene.T_wc_of(k).t()).norm());
     return worst;
   };
-  EXPECT_LT(error_after(60), 0.02);
+  EXPECT_LT(error_after(60), 0.05);
   EXPECT_GT(error_after(0), 0.3) << "spread over all of them";
 }
 

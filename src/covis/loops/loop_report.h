@@ -77,7 +77,8 @@ struct LoopReport {
   std::vector<RefusedPlace> refused;  // in the order in which they were asked
   LoopEvidence evidence;              // the loop's; without one the greatest numbers of any candidate
   LoopDrift drift;                    // the loop's; without one that of the last candidate that came so far
-  bool confirmed = false;             // no drift explains the correction, but two places agree on it
+  bool confirmed = false;             // the loop was a claim, and two key frames agree on it
+  bool unexplained = false;           // no drift explains its correction
   int fused = 0;                      // points
   int new_edges = 0;                  // closed: edges that the pose graph got from points fused
   int joined_key_frames = 0;          // key frames of the submap that was moved

@@ -12,6 +12,8 @@
 namespace covis {
 namespace {
 
+constexpr size_t kViewsThere = 3;  // views of the place that are asked about a relation of which nothing else is known
+
 // Refines the pose on the matches and keeps those that agree. False when it can't.
 bool refine(const LoopPlace& place, const Pinhole& camera, const Features& f, SE3& T_cw,
             std::vector<PointMatch>& matches) {
@@ -74,15 +76,20 @@ LoopVerdict LoopVerifier::verify(const LoopCandidate& candidate) {
     return refused(LoopRefusal::small_share);
   if (tied_already(candidate, again->matches)) return refused(LoopRefusal::tied_already);
 
-  if (!neighbours_agree(candidate, S_cw)) return refused(LoopRefusal::neighbours_disagree);
   verdict.drift = drift_of(candidate, S_cw);
-  if (elsewhere && !seen_from_there(candidate, S_cw)) return refused(LoopRefusal::not_seen_from_there);
+  const bool explained = elsewhere || drift_explains(*verdict.drift);
   Loop loop{candidate.place, candidate.relation, S_cw, {}};
   for (const auto& [feature, p] : again->matches) loop.matches.emplace_back(feature, candidate.place.points.id[p]);
-  if (!elsewhere && !drift_explains(*verdict.drift)) {
+  if (!neighbours_agree(candidate, S_cw)) {
+    // Those that come later may: the camera has only just turned to the place.
+    if (!elsewhere && explained && seen_from_there(candidate, S_cw, 1)) verdict.claim = std::move(loop);
+    return refused(LoopRefusal::neighbours_disagree);
+  }
+  if (elsewhere && !seen_from_there(candidate, S_cw, kViewsThere)) return refused(LoopRefusal::not_seen_from_there);
+  if (!explained) {
     // The path since says nothing, as if the place were another submap's.
     const bool enough = again->count() >= options_.merge_min_found && again->share() >= options_.merge_min_found_share;
-    if (enough && seen_from_there(candidate, S_cw)) verdict.claim = std::move(loop);
+    if (enough && seen_from_there(candidate, S_cw, kViewsThere)) verdict.claim = std::move(loop);
     return refused(LoopRefusal::drift_too_great);
   }
   verdict.loop = std::move(loop);
@@ -166,10 +173,9 @@ bool LoopVerifier::neighbours_agree(const LoopCandidate& candidate, const Sim3& 
 
 // The other way around: the views of the place must find the points of the current key frame and of those around it. A
 // scene that is here and there is seen from both; of two that are only alike each side sees more than the other has.
-bool LoopVerifier::seen_from_there(const LoopCandidate& candidate, const Sim3& S_cw) {
-  constexpr size_t kAsked = 3;
+bool LoopVerifier::seen_from_there(const LoopCandidate& candidate, const Sim3& S_cw, size_t views) {
   const Sim3 S_wc = S_cw.inverse() * Sim3(candidate.current.T_cw);  // from the current world to the place's
-  for (size_t k = 0; k < kAsked && k < candidate.members.size(); ++k) {
+  for (size_t k = 0; k < views && k < candidate.members.size(); ++k) {
     const KeyFrameView& view = candidate.members[k];
     const SE3 T_cw = (Sim3(view.T_cw) * S_wc).as_pose();
     if (!enough_for_neighbour(project(candidate.here, candidate.camera, view, T_cw, 8))) return false;

@@ -9,7 +9,8 @@
 //   4. the neighbours of the key frame, moved along, find the old place's points too,
 //   5. the correction is one that drift can explain: a share of the path travelled since. What looks alike but is
 //      another place (the same poster on two walls, two equal rooms) fails here. What fails here alone is a claim, for
-//      LoopConsensus to judge, if it passes the tests of places in another submap.
+//      LoopConsensus to judge, if it passes the tests of places in another submap; so is what fails test 4 alone, if
+//      the old place's views find the new one's points.
 // A place in another submap joins the two submaps. Their relation is unknown, so that no drift could explain it: tests
 // 3 and 4 ask for more instead, and the old place's views must find the new one's points as well.
 //
@@ -33,7 +34,7 @@ struct LoopVerdict {
   LoopEvidence evidence;
   std::optional<LoopDrift> drift;  // when it came so far
   std::optional<Loop> loop;        // when it was accepted
-  std::optional<Loop> claim;       // when it was refused for its drift alone
+  std::optional<Loop> claim;       // when it was refused for its neighbours or its drift alone
 };
 
 class LoopVerifier {
@@ -63,7 +64,8 @@ class LoopVerifier {
                      double window);
   bool enough_for_neighbour(const Projection& projection) const;
   bool neighbours_agree(const LoopCandidate& candidate, const Sim3& S_cw);
-  bool seen_from_there(const LoopCandidate& candidate, const Sim3& S_cw);
+  // The first `views` views of the place find the points around the current key frame.
+  bool seen_from_there(const LoopCandidate& candidate, const Sim3& S_cw, size_t views);
   bool drift_explains(const LoopDrift& drift) const;
 
   bool monocular() const { return sensor_ == Sensor::monocular; }

@@ -108,6 +108,7 @@ TEST_F(LoopVerifierTest, NeighboursDisagree) {
       return none;
     }());
   EXPECT_EQ(refusal(alone), LoopRefusal::neighbours_disagree);
+  EXPECT_TRUE(verify(alone).claim) << "another key frame may say the same";
   alone.neighbours.clear();
   EXPECT_EQ(refusal(alone), LoopRefusal::none) << "there is none to be asked";
 }
@@ -120,6 +121,22 @@ TEST_F(LoopVerifierTest, DriftTooGreat) {
   const LoopVerdict verdict = verify(near);
   ASSERT_TRUE(verdict.drift);
   EXPECT_GT(verdict.drift->distance, 0.1);
+}
+
+// What no drift explains is a claim only with as much evidence as joining submaps needs.
+TEST_F(LoopVerifierTest, WithoutEnoughEvidenceAGreatDriftIsNoClaim) {
+  LoopCandidate near = candidate();
+  near.path = 0.5;
+  EXPECT_TRUE(verify(near).claim);
+  EXPECT_FALSE(verify(candidate()).claim) << "it is a loop";
+  const int found = verify(near).evidence.found_again;
+  EXPECT_FALSE(verify(near, {.merge_min_found = found + 1}).claim);
+  EXPECT_FALSE(verify(with_twice_the_points(near), {.merge_min_found_share = 0.7}).claim);
+  Random random(1);
+  for (Descriptor& descriptor : near.here.points.descriptor) descriptor = random_descriptor(random);
+  const LoopVerdict onesided = verify(near);
+  EXPECT_EQ(onesided.refusal, LoopRefusal::drift_too_great);
+  EXPECT_FALSE(onesided.claim) << "not seen from there";
 }
 
 TEST_F(LoopVerifierTest, AScaleThatChangedIsFoundWithoutDepth) {
