@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The covis command. Each subcommand registers itself (cmd_*.cpp) and only parses, calls and prints.
+#include <spdlog/cfg/env.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -22,6 +23,7 @@ namespace {
 // The library's messages go to stderr; stdout is reserved for results.
 void connect_log() {
   auto logger = spdlog::stderr_color_mt("covis");
+  spdlog::cfg::load_env_levels();  // SPDLOG_LEVEL=debug shows everything
   logger->set_pattern("%^%l%$: %v");
   covis::set_log_sink([logger](covis::LogLevel level, std::string_view message) {
     static constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::debug, spdlog::level::info,

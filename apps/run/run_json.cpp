@@ -18,6 +18,30 @@ nlohmann::json pinhole_json(const Pinhole& camera) {
 
 using nlohmann::json;
 
+json to_json(const LoopDrift& drift) {
+  return {{"path_m", drift.path},
+          {"correction_m", drift.distance},
+          {"rotation_deg", drift.rotation_deg},
+          {"scale", drift.scale}};
+}
+
+// The places that were no loop, and why.
+json to_json(const std::vector<RefusedPlace>& places) {
+  json list = json::array();
+  for (const RefusedPlace& place : places) {
+    json& line = list.emplace_back(json{{"frame", place.frame},
+                                        {"reason", name(place.why)},
+                                        {"matches", place.evidence.matches},
+                                        {"inliers", place.evidence.inliers},
+                                        {"both_ways", place.evidence.both_ways},
+                                        {"found_again", place.evidence.found_again},
+                                        {"in_view", place.evidence.in_view}});
+    if (place.drift) line.update(to_json(*place.drift));
+    if (place.link) line["weakest_link"] = *place.link;
+  }
+  return list;
+}
+
 json to_json(const MappingReport& m) {
   return {{"points_created", m.counts.points_created},
           {"points_fused", m.counts.points_fused},
@@ -31,6 +55,7 @@ json to_json(const MappingReport& m) {
           {"loop_matches", m.loop.evidence.matches},
           {"loop_inliers", m.loop.evidence.inliers},
           {"loop_found_again", m.loop.evidence.found_again},
+          {"loop_refused", to_json(m.loop.refused)},
           {"loop_closed", m.loop.outcome == LoopOutcome::closed},
           {"maps_joined", m.loop.outcome == LoopOutcome::joined},
           {"loop_query_ms", m.loop.ms.query},
@@ -45,7 +70,9 @@ json to_json(const LoopSummary& loop) {
   return {{"frame", loop.frame},
           {"matches", report.evidence.matches},
           {"inliers", report.evidence.inliers},
+          {"both_ways", report.evidence.both_ways},
           {"found_again", report.evidence.found_again},
+          {"in_view", report.evidence.in_view},
           {"fused", report.fused},
           {"scale", report.drift.scale},
           {"query_ms", report.ms.query},
@@ -56,10 +83,11 @@ json to_json(const LoopSummary& loop) {
 json loops_json(const std::vector<LoopSummary>& loops) {
   json list = json::array();
   for (const LoopSummary& loop : loops) {
-    list.emplace_back(to_json(loop))
-        .update({{"path_m", loop.report.drift.path},
-                 {"correction_m", loop.report.drift.distance},
-                 {"rotation_deg", loop.report.drift.rotation_deg},
+    json& line = list.emplace_back(to_json(loop));
+    line.update(to_json(loop.report.drift));
+    line.update({{"confirmed", loop.report.confirmed},
+                 {"unexplained", loop.report.unexplained},
+                 {"new_edges", loop.report.new_edges},
                  {"pose_graph_ms", loop.report.ms.pose_graph},
                  {"full_ba_ms", loop.full_ba_ms}});
   }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/loops/loop_closer.h"
 
-#include <algorithm>
+#include <utility>
 
+#include "covis/core/log.h"
 #include "covis/core/time.h"
+#include "covis/loops/link_strength.h"
 #include "covis/loops/loop_correction.h"
 
 namespace covis {
@@ -17,7 +19,6 @@ LoopReport LoopCloser::process(KeyFrameId current) {
   const std::optional<Loop> loop = recognise(current, places, report);
   report.ms.verify = watch.lap();
   if (!loop || !correct(current, *loop, report)) return report;
-  report.fused = fuse_loop(map_, current, *loop, fuser_);
   {
     const auto map = map_.write();
     if (report.changed_map()) map->add_loop_edge(current, loop->place.key_frame);
@@ -32,26 +33,54 @@ std::optional<Loop> LoopCloser::recognise(KeyFrameId current, const std::vector<
   for (const KeyFrameId& place : places) {
     const LoopCandidate candidate(*map_.read(), current, place);
     LoopVerdict verdict = verifier_.verify(candidate);
-    report.evidence.matches = std::max(report.evidence.matches, verdict.evidence.matches);
-    report.evidence.inliers = std::max(report.evidence.inliers, verdict.evidence.inliers);
-    report.evidence.found_again = std::max(report.evidence.found_again, verdict.evidence.found_again);
     if (verdict.drift) report.drift = *verdict.drift;
-    if (verdict.loop) return std::move(verdict.loop);
-    report.refusal = verdict.refusal;
+    RefusedPlace refused{place, map_.read()->at(place).frame, verdict.refusal, verdict.evidence, verdict.drift, {}};
+    if (verdict.claim && confirmed(current, *verdict.claim, refused)) {
+      report.confirmed = true;
+      report.unexplained = verdict.refusal == LoopRefusal::drift_too_great;
+      verdict.loop = std::move(verdict.claim);
+    }
+    if (verdict.loop) {
+      report.evidence = verdict.evidence;
+      return std::move(verdict.loop);
+    }
+    log(LogLevel::debug, describe(refused));
+    report.evidence.raise_to(verdict.evidence);
+    report.refused.push_back(std::move(refused));
   }
   return std::nullopt;
+}
+
+// A correction that no drift explains is right when the path since has a weak link, where the map hardly knows how the
+// camera moved, and another place says the same.
+bool LoopCloser::confirmed(KeyFrameId current, const Loop& claim, RefusedPlace& refused) {
+  const auto map = map_.read();
+  if (refused.why == LoopRefusal::neighbours_disagree)
+    return consensus_.confirms(*map, current, claim, LoopConsensus::By::any_points);
+  const KeyFrame& here = map->at(current);
+  refused.link = LinkStrength(*map, here.submap).weakest(here.serial, map->at(claim.place.key_frame).serial);
+  if (*refused.link >= options_.weak_link) return false;
+  if (consensus_.confirms(*map, current, claim, LoopConsensus::By::other_points)) return true;
+  refused.why = LoopRefusal::unconfirmed;
+  return false;
 }
 
 bool LoopCloser::correct(KeyFrameId current, const Loop& loop, LoopReport& report) {
   if (loop.relation == LoopRelation::other_submap) {
     report.joined_key_frames = join_at_loop(map_, current, loop);
     if (report.joined_key_frames == 0) return false;
+    report.fused = fuse_loop(map_, current, loop, fuser_);
     report.outcome = LoopOutcome::joined;
   } else if (nothing_to_correct(loop, report.drift, map_.read()->camera())) {
+    report.fused = fuse_loop(map_, current, loop, fuser_);
     report.outcome = LoopOutcome::fused;
     return true;
   } else {
-    report.ms.pose_graph = correct_loop(map_, current, loop, sensor_);
+    const int weak_link = report.unexplained ? options_.weak_link : 0;
+    const LoopCorrection done = correct_loop(map_, current, loop, sensor_, fuser_, weak_link);
+    report.fused = done.fused;
+    report.new_edges = done.new_edges;
+    report.ms.pose_graph = done.pose_graph_ms;
     report.outcome = LoopOutcome::closed;
   }
   report.loop = loop.place.key_frame;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "covis/loops/loop_consensus.h"
 #include "covis/loops/loop_detector.h"
 #include "covis/loops/loop_verifier.h"
 #include "covis/map/shared_map.h"
@@ -18,22 +19,28 @@ namespace covis {
 class LoopCloser {
  public:
   LoopCloser(SharedMap& map, Sensor sensor, const LoopOptions& options, int seed)
-      : map_(map), sensor_(sensor), verifier_(sensor, options, seed) {}
+      : map_(map), sensor_(sensor), options_(options), verifier_(sensor, options, seed) {}
 
   // Closes the loop, or joins the submaps, that `current`, just mapped, shows; if any.
   LoopReport process(KeyFrameId current);
   // The map is begun anew.
-  void reset() { detector_.reset(); }
+  void reset() {
+    detector_.reset();
+    consensus_.reset();
+  }
 
  private:
   std::optional<Loop> recognise(KeyFrameId current, const std::vector<KeyFrameId>& places, LoopReport& report);
+  bool confirmed(KeyFrameId current, const Loop& claim, RefusedPlace& refused);
   // False when the map refused to join.
   bool correct(KeyFrameId current, const Loop& loop, LoopReport& report);
 
   SharedMap& map_;
   const Sensor sensor_;
+  const LoopOptions options_;
   LoopDetector detector_;
   LoopVerifier verifier_;
+  LoopConsensus consensus_;
   PointFuser fuser_;
 };
 

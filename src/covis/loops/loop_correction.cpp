@@ -5,7 +5,7 @@
 
 #include "covis/core/log.h"
 #include "covis/core/time.h"
-#include "covis/map/map_edit.h"
+#include "covis/loops/link_strength.h"
 
 namespace covis {
 namespace {
@@ -22,71 +22,120 @@ int points_found_in(const Map& map, const Loop& loop, KeyFrameId member) {
   return shared;
 }
 
-// The result's poses, and points, which go with their reference key frames.
-void write_back(const LoopGraph& graph, SharedMap& shared) {
-  const PoseGraphProblem& problem = graph.problem;
-  std::vector<std::pair<KeyFrameId, size_t>> order;
-  for (size_t k = 0; k < graph.frames.size(); ++k) order.emplace_back(graph.frames[k], k);
-  std::sort(order.begin(), order.end());
+constexpr double kLoose = 1e-3;  // weight of a motion across a weak link
+
+}  // namespace
+
+LoopGraph::LoopGraph(const Map& map, KeyFrameId current, const Loop& loop, Sensor sensor, int weak_link) {
+  constexpr int kSharedForEdge = 15;  // matched points a key frame of the old place must see to be tied to the new one
+  problem_.fix_scale = sensor != Sensor::monocular;
+  frames_ = map.key_frames(map.at(current).submap);
+  map.for_each_key_frame([&](KeyFrameId id, const KeyFrame&) { index_.resize(id.slot + size_t{1}, -1); });
+  for (size_t k = 0; k < frames_.size(); ++k) index_[frames_[k].slot] = static_cast<int32_t>(k);
+  std::vector<Sim3> before;
+  for (const KeyFrameId& id : frames_) before.emplace_back(map.at(id).T_cw);
+  // The world stays where it is, and the points that refer to its root.
+  for (const KeyFrameId& id : frames_) problem_.fixed.push_back(map.is_root(id));
+  moved_.push_back(index_of(current));
+  for (const Neighbour& n : map.neighbours(current)) moved_.push_back(index_of(n.key_frame));
+  std::erase_if(moved_, [&](int32_t k) { return problem_.fixed[static_cast<size_t>(k)] != 0; });
+  std::sort(moved_.begin(), moved_.end());
+  start_ = before;
+  const Sim3 S_wc = Sim3(map.at(current).T_cw.inverse());
+  for (const int32_t k : moved_) {
+    Sim3& S = start_[static_cast<size_t>(k)];
+    S = S * S_wc * loop.S_cw;
+    for (const Neighbour& n : map.neighbours(frames_[static_cast<size_t>(k)]))
+      tied_.emplace_back(k, index_of(n.key_frame));
+  }
+  std::sort(tied_.begin(), tied_.end());
+  problem_.poses = start_;
+  // As it was before the loop …
+  const LinkStrength links(map, map.at(current).submap);
+  for (const auto& [a, b] : map.essential_graph()) {
+    const int32_t i = index_of(a), j = index_of(b);
+    if (i < 0) continue;
+    const bool loose = weak_link > 0 && links.weakest(map.at(a).serial, map.at(b).serial) < weak_link;
+    problem_.edges.push_back({i, j, motion(before, i, j), loose ? kLoose : 1});
+  }
+  // … and what the loop says: the current key frame against each of the old place's that sees points found again.
+  const int32_t i = index_of(current);
+  for (const KeyFrameId& member : loop.place.group) {
+    const int32_t j = index_of(member);
+    if (i == j) continue;
+    if (member != loop.place.key_frame && points_found_in(map, loop, member) < kSharedForEdge) continue;
+    problem_.edges.push_back({i, j, before[static_cast<size_t>(j)] * loop.S_cw.inverse()});
+    tied_.insert(std::upper_bound(tied_.begin(), tied_.end(), std::pair{i, j}), {i, j});
+  }
+}
+
+Sim3 LoopGraph::motion(const std::vector<Sim3>& poses, int32_t i, int32_t j) const {
+  return poses[static_cast<size_t>(j)] * poses[static_cast<size_t>(i)].inverse();
+}
+
+void LoopGraph::move_beside_loop(SharedMap& shared) const {
   std::vector<std::pair<MapPointId, Eigen::Vector3d>> places;
-  shared.read()->for_each_point([&](MapPointId id, const MapPoint& point) {
-    const auto at = std::lower_bound(order.begin(), order.end(), std::pair{point.reference, size_t{0}});
-    if (at == order.end() || at->first != point.reference) return;
-    places.emplace_back(id, problem.poses[at->second].inverse() * (graph.before[at->second] * point.position_w));
-  });
-  MapEdit map(shared);  // all of it at once: a reader must not see half a loop
-  for (size_t k = 0; k < graph.frames.size(); ++k) {
-    if (!problem.fixed[k])
-      map.map().correct_pose(graph.frames[k], problem.poses[k].as_pose(), 1 / problem.poses[k].scale());
+  {
+    const auto map = shared.read();
+    map->for_each_point([&](MapPointId id, const MapPoint& point) {
+      const int32_t k = index_of(point.reference);
+      if (!std::binary_search(moved_.begin(), moved_.end(), k)) return;
+      const SE3& T_cw = map->at(point.reference).T_cw;
+      places.emplace_back(id, start_[static_cast<size_t>(k)].inverse() * (T_cw * point.position_w));
+    });
+  }
+  MapEdit map(shared);
+  for (const int32_t k : moved_) {
+    const Sim3& S = start_[static_cast<size_t>(k)];
+    map.map().correct_pose(frames_[static_cast<size_t>(k)], S.as_pose(), 1 / S.scale());
   }
   for (const auto& [id, position] : places) map.set_position(id, position);
 }
 
-}  // namespace
-
-LoopGraph::LoopGraph(const Map& map, KeyFrameId current, const Loop& loop, Sensor sensor) {
-  constexpr int kSharedForEdge = 15;  // matched points a key frame of the old place must see to be tied to the new one
-  problem.fix_scale = sensor != Sensor::monocular;
-  frames = map.key_frames(map.at(current).submap);
-  std::vector<int32_t> index;  // by slot; -1: of another submap
-  map.for_each_key_frame([&](KeyFrameId id, const KeyFrame&) { index.resize(id.slot + size_t{1}, -1); });
-  for (size_t k = 0; k < frames.size(); ++k) index[frames[k].slot] = static_cast<int32_t>(k);
-  std::vector<uint8_t> moved(frames.size(), 0);  // 1: goes with the current key frame
-  moved[static_cast<size_t>(index[current.slot])] = 1;
-  for (const Neighbour& n : map.neighbours(current)) moved[static_cast<size_t>(index[n.key_frame.slot])] = 1;
-  const Sim3 S_wc = Sim3(map.at(current).T_cw.inverse());
-  for (size_t k = 0; k < frames.size(); ++k) {
-    const SE3& T = map.at(frames[k]).T_cw;
-    const bool root = map.is_root(frames[k]);  // the world stays where it is, and the points that refer to it
-    before.push_back(T);
-    problem.poses.push_back(moved[k] && !root ? Sim3(T) * S_wc * loop.S_cw : Sim3(T));
-    problem.fixed.push_back(root);
+int LoopGraph::tie(const Map& map) {
+  const size_t there = problem_.edges.size();
+  for (const int32_t k : moved_) {
+    for (const Neighbour& n : map.neighbours_above(frames_[static_cast<size_t>(k)], kCovisibilityThreshold)) {
+      const int32_t j = index_of(n.key_frame);
+      if (std::binary_search(moved_.begin(), moved_.end(), j)) continue;
+      if (std::binary_search(tied_.begin(), tied_.end(), std::pair{k, j})) continue;
+      problem_.edges.push_back({k, j, motion(start_, k, j)});
+    }
   }
-  // As it was before the loop …
-  for (const auto& [a, b] : map.essential_graph()) {
-    const int32_t i = index[a.slot], j = index[b.slot];
-    if (i < 0) continue;
-    const Sim3 S_ji = Sim3(before[static_cast<size_t>(j)] * before[static_cast<size_t>(i)].inverse());
-    problem.edges.push_back({i, j, S_ji});
-  }
-  // … and what the loop says: the current key frame against each of the old place's that sees points found again.
-  const int32_t i = index[current.slot];
-  for (const KeyFrameId& member : loop.place.group) {
-    const int32_t j = index[member.slot];
-    if (i == j) continue;
-    if (member != loop.place.key_frame && points_found_in(map, loop, member) < kSharedForEdge) continue;
-    problem.edges.push_back({i, j, Sim3(before[static_cast<size_t>(j)]) * loop.S_cw.inverse()});
-  }
+  return static_cast<int>(problem_.edges.size() - there);
 }
 
-double correct_loop(SharedMap& shared, KeyFrameId current, const Loop& loop, Sensor sensor) {
-  LoopGraph graph(*shared.read(), current, loop, sensor);
+bool LoopGraph::solve() { return optimize_pose_graph(problem_).ok; }
+
+void LoopGraph::write_back(SharedMap& shared) const {
+  std::vector<std::pair<MapPointId, Eigen::Vector3d>> places;
+  shared.read()->for_each_point([&](MapPointId id, const MapPoint& point) {
+    const int32_t k = index_of(point.reference);
+    if (k < 0) return;
+    const auto at = static_cast<size_t>(k);
+    places.emplace_back(id, problem_.poses[at].inverse() * (start_[at] * point.position_w));
+  });
+  MapEdit map(shared);  // all of it at once: a reader must not see half a graph
+  for (size_t k = 0; k < frames_.size(); ++k) {
+    const double growth = start_[k].scale() / problem_.poses[k].scale();
+    if (!problem_.fixed[k]) map.map().correct_pose(frames_[k], problem_.poses[k].as_pose(), growth);
+  }
+  for (const auto& [id, position] : places) map.set_position(id, position);
+}
+
+LoopCorrection correct_loop(SharedMap& shared, KeyFrameId current, const Loop& loop, Sensor sensor, PointFuser& fuser,
+                            int weak_link) {
+  LoopGraph graph(*shared.read(), current, loop, sensor, weak_link);
+  graph.move_beside_loop(shared);
+  LoopCorrection done;
+  done.fused = fuse_loop(shared, current, loop, fuser);
+  done.new_edges = graph.tie(*shared.read());
   const Stopwatch watch;
-  const PoseGraphSummary summary = optimize_pose_graph(graph.problem);
-  const double ms = watch.ms();
-  if (!summary.ok) log(LogLevel::warning, "a loop's pose graph could not be optimised; the loop bends its end alone");
-  write_back(graph, shared);
-  return ms;
+  if (!graph.solve())
+    log(LogLevel::warning, "a loop's pose graph could not be optimised; the loop bends its end alone");
+  done.pose_graph_ms = watch.ms();
+  graph.write_back(shared);
+  return done;
 }
 
 // The submap goes to the other's world as a whole. Nothing contradicts its new place, so that there is no error to

@@ -5,28 +5,64 @@
 // graph over Sim(3)).
 #pragma once
 
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "covis/core/sensor.h"
-#include "covis/loops/loop_verifier.h"
+#include "covis/loops/loop_candidate.h"
+#include "covis/map/map_edit.h"
 #include "covis/map/shared_map.h"
 #include "covis/matching/point_fuser.h"
 #include "covis/optimization/pose_graph.h"
 
 namespace covis {
 
-// The essential graph of the current key frame's submap as a problem: edges as they were before the loop, and the loop.
-struct LoopGraph {
-  PoseGraphProblem problem;
-  std::vector<KeyFrameId> frames;  // for each pose
-  std::vector<SE3> before;         // T_cw of each
+// The essential graph of the current key frame's submap as a problem: edges as they were before the loop, and those
+// that the loop brings.
+class LoopGraph {
+ public:
+  // The key frames beside the current one start where the loop has them. The submap's root stays. Motions across links
+  // of fewer than `weak_link` points are hardly known: they bend first.
+  LoopGraph(const Map& map, KeyFrameId current, const Loop& loop, Sensor sensor, int weak_link = 0);
 
-  // The key frames beside the current one start where the loop has them. The submap's root stays.
-  LoopGraph(const Map& map, KeyFrameId current, const Loop& loop, Sensor sensor);
+  // Brings the key frames that start elsewhere, and the points that refer to them, to where they start.
+  void move_beside_loop(SharedMap& map) const;
+  // Ties these to every key frame that they share points with now and did not before: as they lie to each other.
+  // Returns the number of edges.
+  int tie(const Map& map);
+  // False when it could not be solved; then the loop bends its end alone.
+  bool solve();
+  // Writes the poses, and the points, which go with their reference key frames.
+  void write_back(SharedMap& map) const;
+
+  const PoseGraphProblem& problem() const { return problem_; }
+  const std::vector<KeyFrameId>& frames() const { return frames_; }
+
+ private:
+  int32_t index_of(KeyFrameId id) const { return id.slot < index_.size() ? index_[id.slot] : -1; }
+  Sim3 motion(const std::vector<Sim3>& poses, int32_t i, int32_t j) const;
+
+  PoseGraphProblem problem_;
+  std::vector<KeyFrameId> frames_;  // for each pose
+  std::vector<int32_t> index_;      // for each slot the pose of its key frame; -1: of another submap
+  std::vector<Sim3> start_;         // S_cw of each, as the map has it once move_beside_loop() is done
+  std::vector<int32_t> moved_;      // those that start beside the loop, rising
+  // Pairs (one that is moved, another) that shared enough points before, sorted.
+  std::vector<std::pair<int32_t, int32_t>> tied_;
 };
 
-// Bends the map. Returns the milliseconds that the pose graph took.
-double correct_loop(SharedMap& map, KeyFrameId current, const Loop& loop, Sensor sensor);
+// What closing did.
+struct LoopCorrection {
+  int fused = 0;      // points fused and observations added
+  int new_edges = 0;  // of the pose graph, by points fused
+  double pose_graph_ms = 0;
+};
+
+// Bends the map. First the key frames beside the current one are brought to where the loop has them, and the points of
+// both places are fused, so that the graph gets an edge for each pair that turns out to see the same.
+LoopCorrection correct_loop(SharedMap& map, KeyFrameId current, const Loop& loop, Sensor sensor, PointFuser& fuser,
+                            int weak_link = 0);
 
 // Moves the younger submap to the older one's world. Returns the number of key frames that were moved; 0 when the map
 // refused.

@@ -45,6 +45,21 @@ TEST(LoopDetector, APlaceMappedAMomentAgoIsNone) {
   }
 }
 
+// Two steps along the covisibility graph lie places that look most alike: the wall behind the camera's last metres.
+TEST(LoopDetector, FarPlacesComeBeforeNearOnes) {
+  LoopScene loop;
+  loop.world.memory = 2;  // so that covisibility ends soon
+  loop.go_around(12);
+  const auto map = loop.world.shared.read();
+  const std::vector<KeyFrameId> places = LoopDetector().candidates(*map, loop.current);
+  ASSERT_FALSE(places.empty());
+  EXPECT_LT(map->at(places.front()).serial, 24u) << "of the first round";
+  for (size_t a = 0; a < places.size(); ++a) {
+    for (size_t b = a + 1; b < places.size(); ++b)
+      EXPECT_LT(map->weight(places[a], places[b]), kCovisibilityThreshold) << "each place once";
+  }
+}
+
 TEST(LoopDetector, AnotherSubmapsPlaceMayBeNew) {
   LoopScene loop;
   loop.go_twice(4, SE3());

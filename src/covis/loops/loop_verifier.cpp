@@ -7,80 +7,14 @@
 
 #include "covis/core/quantile.h"
 #include "covis/core/random.h"
-#include "covis/matching/descriptor_match.h"
+#include "covis/loops/loop_matches.h"
 #include "covis/matching/point_geometry.h"
 #include "covis/optimization/pose_optimization.h"
 
 namespace covis {
 namespace {
 
-constexpr size_t kGroupMatching = 6;  // key frames of a place that are matched against
-constexpr int kGroupPoints = 15;      // covisible key frames of a place whose points are projected
-constexpr int kNeighbours = 5;        // key frames beside the current one that are asked
-constexpr float kRatio = 0.75f;
-
-// The way along the key frames between two of one submap, in the map's unit.
-double path_between(const Map& map, KeyFrameId a, KeyFrameId b) {
-  const auto [first, last] = std::minmax(map.at(a).serial, map.at(b).serial);
-  double path = 0;
-  std::optional<Eigen::Vector3d> before;
-  for (const KeyFrameId& id : map.key_frames(map.at(a).submap)) {
-    const KeyFrame& key_frame = map.at(id);
-    if (key_frame.serial < first || key_frame.serial > last) continue;
-    const Eigen::Vector3d centre = key_frame.T_cw.centre();
-    if (before) path += (centre - *before).norm();
-    before = centre;
-  }
-  return path;
-}
-
-// For each feature of the current key frame the place's point that looks most like it, or an invalid handle.
-std::vector<MapPointId> match_descriptors(const LoopCandidate& candidate) {
-  const KeyFrameView& current = candidate.current;
-  std::vector<MapPointId> matched(current.points.size());
-  std::vector<int> distance(current.points.size(), kHammingBeyond);
-  const std::vector<uint8_t> has_point = features_with_point(current.points);
-  for (const KeyFrameView& member : candidate.members) {
-    for (const FeatureMatch& m :
-         match_descriptors(*current.features, has_point, *member.features, features_with_point(member.points),
-                           {.max_distance = kHammingLow, .ratio = kRatio})) {
-      const auto a = static_cast<size_t>(m.a), b = static_cast<size_t>(m.b);
-      const int d = hamming(current.features->descriptor[a], member.features->descriptor[b]);
-      if (d >= distance[a] || member.points[b] == current.points[a]) continue;
-      distance[a] = d;
-      matched[a] = member.points[b];
-    }
-  }
-  return matched;
-}
-
-// Points of the key frame against points of the place.
-std::vector<Sim3Match> match_points(const LoopCandidate& candidate) {
-  const LoopPlace& place = candidate.place;
-  const KeyFrameView& current = candidate.current;
-  const std::vector<MapPointId> matched = match_descriptors(candidate);
-  std::vector<Sim3Match> matches;
-  const Features& f = *current.features;
-  for (size_t i = 0; i < matched.size(); ++i) {
-    if (!matched[i].valid()) continue;
-    const int32_t at = index_of(place.points, matched[i]);
-    if (at < 0) continue;
-    const auto p = static_cast<size_t>(at);
-    Sim3Match m;
-    m.p_1 = current.T_cw * current.positions[i];
-    m.p_2 = place.T_cw * place.points.position(p);
-    if (!(m.p_1.z() > 0) || !(m.p_2.z() > 0)) continue;
-    // Others of the group may see the point where the key frame itself does not: its measurement there is taken to be
-    // its projection.
-    m.z_1 = {f.x[i], f.y[i]};
-    m.z_2 = candidate.camera.project(m.p_2);
-    const int level = f.pyramid->predict_level(place.points.d_max[p], static_cast<float>(m.p_2.norm()));
-    m.inv_sigma2_1 = f.pyramid->inv_sigma2[f.level[i]];
-    m.inv_sigma2_2 = f.pyramid->inv_sigma2[static_cast<size_t>(level)];
-    matches.push_back(m);
-  }
-  return matches;
-}
+constexpr size_t kViewsThere = 3;  // views of the place that are asked about a relation of which nothing else is known
 
 // Refines the pose on the matches and keeps those that agree. False when it can't.
 bool refine(const LoopPlace& place, const Pinhole& camera, const Features& f, SE3& T_cw,
@@ -123,24 +57,6 @@ LoopDrift drift_of(const LoopCandidate& candidate, const Sim3& S_cw) {
 
 }  // namespace
 
-LoopPlace::LoopPlace(const Map& map, KeyFrameId id) : key_frame(id), T_cw(map.at(id).T_cw), group{id} {
-  for (const Neighbour& n : map.best_neighbours(id, kGroupPoints)) group.push_back(n.key_frame);
-  points.id = points_of(map, group);
-  points.copy(map);
-}
-
-LoopCandidate::LoopCandidate(const Map& map, KeyFrameId from, KeyFrameId to)
-    : camera(map.camera()), frame(map.at(from).frame), current(map, from), place(map, to) {
-  for (size_t g = 0; g < place.group.size() && g < kGroupMatching; ++g) members.emplace_back(map, place.group[g]);
-  for (const Neighbour& n : map.best_neighbours(from, kNeighbours)) neighbours.emplace_back(map, n.key_frame);
-  if (map.at(from).submap == map.at(to).submap) {
-    path = path_between(map, from, to);
-  } else {
-    relation = LoopRelation::other_submap;
-    here.emplace(map, from);
-  }
-}
-
 LoopVerdict LoopVerifier::verify(const LoopCandidate& candidate) {
   const bool elsewhere = candidate.relation == LoopRelation::other_submap;
   LoopVerdict verdict;
@@ -148,30 +64,37 @@ LoopVerdict LoopVerifier::verify(const LoopCandidate& candidate) {
     verdict.refusal = why;
     return std::move(verdict);
   };
-  const std::vector<Sim3Match> matches = match_points(candidate);
+  const std::vector<Sim3Match> matches = match_by_descriptor(candidate);
   verdict.evidence.matches = static_cast<int>(matches.size());
   if (verdict.evidence.matches < options_.min_matches) return refused(LoopRefusal::few_matches);
   const std::optional<Sim3> S_12 = similarity(matches, candidate, verdict.evidence);
   if (!S_12) return refused(LoopRefusal::no_similarity);
 
-  // The scale is the similarity's: the pose is refined in the old place's unit.
-  SE3 T_cw = (*S_12 * Sim3(candidate.place.T_cw)).as_pose();
-  const std::optional<Projection> again = find_again(candidate, T_cw);
-  if (!again) return refused(LoopRefusal::not_found_again);
-  const int count = static_cast<int>(again->matches.size());
-  verdict.evidence.found_again = count;
-  if (count < (elsewhere ? options_.merge_min_found : options_.min_found)) return refused(LoopRefusal::not_found_again);
-  if (count < (elsewhere ? options_.merge_min_found_share : options_.min_found_share) * again->in_view)
+  Sim3 S_cw = *S_12 * Sim3(candidate.place.T_cw);
+  const std::optional<Projection> again = find_again(candidate, S_cw, verdict.evidence);
+  if (!again || again->count() < (elsewhere ? options_.merge_min_found : options_.min_found))
+    return refused(LoopRefusal::not_found_again);
+  if (again->share() < (elsewhere ? options_.merge_min_found_share : options_.min_found_share))
     return refused(LoopRefusal::small_share);
   if (tied_already(candidate, again->matches)) return refused(LoopRefusal::tied_already);
 
-  const Sim3 S_cw(T_cw.R(), S_12->scale() * T_cw.t(), S_12->scale());
-  if (!neighbours_agree(candidate, S_cw)) return refused(LoopRefusal::neighbours_disagree);
   verdict.drift = drift_of(candidate, S_cw);
-  if (elsewhere && !seen_from_there(candidate, S_cw)) return refused(LoopRefusal::not_seen_from_there);
-  if (!elsewhere && !drift_explains(*verdict.drift)) return refused(LoopRefusal::drift_too_great);
-  Loop& loop = verdict.loop.emplace(Loop{candidate.place, candidate.relation, S_cw, {}});
+  const bool explained = elsewhere || drift_explains(*verdict.drift);
+  Loop loop{candidate.place, candidate.relation, S_cw, {}};
   for (const auto& [feature, p] : again->matches) loop.matches.emplace_back(feature, candidate.place.points.id[p]);
+  if (!neighbours_agree(candidate, S_cw)) {
+    // Those that come later may: the camera has only just turned to the place.
+    if (!elsewhere && explained && seen_from_there(candidate, S_cw, 1)) verdict.claim = std::move(loop);
+    return refused(LoopRefusal::neighbours_disagree);
+  }
+  if (elsewhere && !seen_from_there(candidate, S_cw, kViewsThere)) return refused(LoopRefusal::not_seen_from_there);
+  if (!explained) {
+    // The path since says nothing, as if the place were another submap's.
+    const bool enough = again->count() >= options_.merge_min_found && again->share() >= options_.merge_min_found_share;
+    if (enough && seen_from_there(candidate, S_cw, kViewsThere)) verdict.claim = std::move(loop);
+    return refused(LoopRefusal::drift_too_great);
+  }
+  verdict.loop = std::move(loop);
   return verdict;
 }
 
@@ -198,23 +121,44 @@ LoopVerifier::Projection LoopVerifier::project(const LoopPlace& place, const Pin
   return {in_view, matcher_.matches()};
 }
 
-// Twice, the second time from a better pose and so in narrower windows.
-std::optional<LoopVerifier::Projection> LoopVerifier::find_again(const LoopCandidate& candidate, SE3& T_cw) {
+// Twice, the second time from a better pose and so in narrower windows. Each time the similarity, whose scale the few
+// matches by descriptor hardly tell, is refined on what both sides find of each other, and then the pose, in the old
+// place's unit, on what is found here, which may have no point of its own yet, and has its depth.
+std::optional<LoopVerifier::Projection> LoopVerifier::find_again(const LoopCandidate& candidate, Sim3& S_cw,
+                                                                 LoopEvidence& evidence) {
   constexpr double kWindows[] = {10, 4};  // pixels x scale
   Projection projection;
   for (const double window : kWindows) {
-    projection = project(candidate.place, candidate.camera, candidate.current, T_cw, window);
-    if (static_cast<int>(projection.matches.size()) < options_.min_inliers) return std::nullopt;
+    projection = project(candidate.place, candidate.camera, candidate.current, S_cw.as_pose(), window);
+    evidence.found_again = projection.count();
+    evidence.in_view = projection.in_view;
+    if (projection.count() < options_.min_inliers) return std::nullopt;
+    refine_both_ways(candidate, projection, window, S_cw, evidence);
+    SE3 T_cw = S_cw.as_pose();
     if (!refine(candidate.place, candidate.camera, *candidate.current.features, T_cw, projection.matches))
       return std::nullopt;
+    S_cw = Sim3(T_cw.R(), S_cw.scale() * T_cw.t(), S_cw.scale());
+    evidence.found_again = projection.count();
   }
   return projection;
 }
 
+void LoopVerifier::refine_both_ways(const LoopCandidate& candidate, const Projection& here, double window, Sim3& S_cw,
+                                    LoopEvidence& evidence) {
+  const KeyFrameView& view = candidate.members.front();
+  const Sim3 S_wc = S_cw.inverse() * Sim3(candidate.current.T_cw);  // from the current world to the place's
+  const SE3 T_view = (Sim3(view.T_cw) * S_wc).as_pose();
+  const Projection there = project(candidate.here, candidate.camera, view, T_view, window);
+  const std::vector<Sim3Match> matches = match_both_ways(candidate, here.matches, there.matches);
+  const Sim3 S_12 = S_cw * Sim3(view.T_cw.inverse());
+  const Sim3Result fine = refine_sim3(S_12, matches, candidate.camera, candidate.camera, !monocular());
+  evidence.both_ways = fine.inliers;
+  if (fine.ok && fine.inliers >= options_.min_inliers) S_cw = fine.S_12 * Sim3(view.T_cw);
+}
+
 // A key frame beside one that is tied may see less of the other place: half as many points will do.
 bool LoopVerifier::enough_for_neighbour(const Projection& projection) const {
-  const auto found = static_cast<double>(projection.matches.size());
-  return found >= options_.min_found / 2 && found >= options_.min_found_share * projection.in_view;
+  return projection.count() >= options_.min_found / 2 && projection.share() >= options_.min_found_share;
 }
 
 // The best covisible key frames, moved along with the current one, must find the place's points too: two of the first
@@ -232,13 +176,12 @@ bool LoopVerifier::neighbours_agree(const LoopCandidate& candidate, const Sim3& 
 
 // The other way around: the views of the place must find the points of the current key frame and of those around it. A
 // scene that is here and there is seen from both; of two that are only alike each side sees more than the other has.
-bool LoopVerifier::seen_from_there(const LoopCandidate& candidate, const Sim3& S_cw) {
-  constexpr size_t kAsked = 3;
+bool LoopVerifier::seen_from_there(const LoopCandidate& candidate, const Sim3& S_cw, size_t views) {
   const Sim3 S_wc = S_cw.inverse() * Sim3(candidate.current.T_cw);  // from the current world to the place's
-  for (size_t k = 0; k < kAsked && k < candidate.members.size(); ++k) {
+  for (size_t k = 0; k < views && k < candidate.members.size(); ++k) {
     const KeyFrameView& view = candidate.members[k];
     const SE3 T_cw = (Sim3(view.T_cw) * S_wc).as_pose();
-    if (!enough_for_neighbour(project(*candidate.here, candidate.camera, view, T_cw, 8))) return false;
+    if (!enough_for_neighbour(project(candidate.here, candidate.camera, view, T_cw, 8))) return false;
   }
   return true;
 }

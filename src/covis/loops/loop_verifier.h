@@ -8,7 +8,9 @@
 //      of them not points the key frame has anyway,
 //   4. the neighbours of the key frame, moved along, find the old place's points too,
 //   5. the correction is one that drift can explain: a share of the path travelled since. What looks alike but is
-//      another place (the same poster on two walls, two equal rooms) fails here.
+//      another place (the same poster on two walls, two equal rooms) fails here. What fails here alone is a claim, for
+//      LoopConsensus to judge, if it passes the tests of places in another submap; so is what fails test 4 alone, if
+//      the old place's views find the new one's points.
 // A place in another submap joins the two submaps. Their relation is unknown, so that no drift could explain it: tests
 // 3 and 4 ask for more instead, and the old place's views must find the new one's points as well.
 //
@@ -16,62 +18,23 @@
 // key frames: Campos et al., "ORB-SLAM3", T-RO 2021, section VI (merging of maps, too).
 #pragma once
 
-#include <cstdint>
 #include <optional>
-#include <utility>
 #include <vector>
 
-#include "covis/geometry/sim3.h"
+#include "covis/loops/loop_candidate.h"
 #include "covis/loops/loop_options.h"
 #include "covis/loops/loop_report.h"
-#include "covis/map/key_frame_view.h"
 #include "covis/matching/projection_match.h"
 #include "covis/optimization/sim3_optimization.h"
 
 namespace covis {
-
-// A key frame and those around it, copied out of the map.
-struct LoopPlace {
-  KeyFrameId key_frame;
-  SE3 T_cw;
-  std::vector<KeyFrameId> group;  // the key frame first
-  PointSet points;                // those the group observes, in the order of handles
-
-  LoopPlace() = default;
-  LoopPlace(const Map& map, KeyFrameId id);
-};
-
-enum class LoopRelation { same_submap, other_submap };
-
-// Everything that verification reads of the map.
-struct LoopCandidate {
-  Pinhole camera;
-  int64_t frame = 0;  // of the current key frame, in the recording
-  KeyFrameView current;
-  LoopPlace place;
-  LoopRelation relation = LoopRelation::same_submap;  // the place lies in the same submap, or in another
-  std::vector<KeyFrameView> members;                  // the first of the place's group
-  std::vector<KeyFrameView> neighbours;               // the current key frame's best
-  std::optional<LoopPlace> here;                      // around the current key frame; other_submap alone
-  double path = 0;                                    // travelled since the place, in the map's unit; same_submap alone
-
-  // Both key frames must live.
-  LoopCandidate(const Map& map, KeyFrameId current, KeyFrameId place);
-};
-
-// A candidate that was accepted.
-struct Loop {
-  LoopPlace place;
-  LoopRelation relation = LoopRelation::same_submap;
-  Sim3 S_cw;                                             // the current key frame as the old place's map would have it
-  std::vector<std::pair<uint32_t, MapPointId>> matches;  // feature of the current key frame, point of the place
-};
 
 struct LoopVerdict {
   LoopRefusal refusal = LoopRefusal::none;
   LoopEvidence evidence;
   std::optional<LoopDrift> drift;  // when it came so far
   std::optional<Loop> loop;        // when it was accepted
+  std::optional<Loop> claim;       // when it was refused for its neighbours or its drift alone
 };
 
 class LoopVerifier {
@@ -85,17 +48,24 @@ class LoopVerifier {
   struct Projection {
     int in_view = 0;
     std::vector<PointMatch> matches;
+
+    int count() const { return static_cast<int>(matches.size()); }
+    double share() const { return in_view > 0 ? static_cast<double>(count()) / in_view : 0; }
   };
 
   std::optional<Sim3> similarity(const std::vector<Sim3Match>& matches, const LoopCandidate& candidate,
                                  LoopEvidence& evidence) const;
-  // Finds the place's points in the current view, refining its pose; nothing when they are too few.
-  std::optional<Projection> find_again(const LoopCandidate& candidate, SE3& T_cw);
+  // Finds the place's points in the current view, refining its pose and scale; nothing when they are too few.
+  std::optional<Projection> find_again(const LoopCandidate& candidate, Sim3& S_cw, LoopEvidence& evidence);
+  // Refines the similarity on the points that were found here, and on those around here that are found there.
+  void refine_both_ways(const LoopCandidate& candidate, const Projection& here, double window, Sim3& S_cw,
+                        LoopEvidence& evidence);
   Projection project(const LoopPlace& place, const Pinhole& camera, const KeyFrameView& view, const SE3& T_cw,
                      double window);
   bool enough_for_neighbour(const Projection& projection) const;
   bool neighbours_agree(const LoopCandidate& candidate, const Sim3& S_cw);
-  bool seen_from_there(const LoopCandidate& candidate, const Sim3& S_cw);
+  // The first `views` views of the place find the points around the current key frame.
+  bool seen_from_there(const LoopCandidate& candidate, const Sim3& S_cw, size_t views);
   bool drift_explains(const LoopDrift& drift) const;
 
   bool monocular() const { return sensor_ == Sensor::monocular; }

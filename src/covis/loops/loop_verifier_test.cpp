@@ -108,6 +108,7 @@ TEST_F(LoopVerifierTest, NeighboursDisagree) {
       return none;
     }());
   EXPECT_EQ(refusal(alone), LoopRefusal::neighbours_disagree);
+  EXPECT_TRUE(verify(alone).claim) << "another key frame may say the same";
   alone.neighbours.clear();
   EXPECT_EQ(refusal(alone), LoopRefusal::none) << "there is none to be asked";
 }
@@ -122,6 +123,22 @@ TEST_F(LoopVerifierTest, DriftTooGreat) {
   EXPECT_GT(verdict.drift->distance, 0.1);
 }
 
+// What no drift explains is a claim only with as much evidence as joining submaps needs.
+TEST_F(LoopVerifierTest, WithoutEnoughEvidenceAGreatDriftIsNoClaim) {
+  LoopCandidate near = candidate();
+  near.path = 0.5;
+  EXPECT_TRUE(verify(near).claim);
+  EXPECT_FALSE(verify(candidate()).claim) << "it is a loop";
+  const int found = verify(near).evidence.found_again;
+  EXPECT_FALSE(verify(near, {.merge_min_found = found + 1}).claim);
+  EXPECT_FALSE(verify(with_twice_the_points(near), {.merge_min_found_share = 0.7}).claim);
+  Random random(1);
+  for (Descriptor& descriptor : near.here.points.descriptor) descriptor = random_descriptor(random);
+  const LoopVerdict onesided = verify(near);
+  EXPECT_EQ(onesided.refusal, LoopRefusal::drift_too_great);
+  EXPECT_FALSE(onesided.claim) << "not seen from there";
+}
+
 TEST_F(LoopVerifierTest, AScaleThatChangedIsFoundWithoutDepth) {
   LoopScene mono(Sensor::monocular);
   mono.drift.setZero();
@@ -132,6 +149,11 @@ TEST_F(LoopVerifierTest, AScaleThatChangedIsFoundWithoutDepth) {
   constexpr double kGrowth = 1.1;
   const Eigen::Vector3d centre = larger.current.T_cw.centre();
   for (Eigen::Vector3d& position : larger.current.positions) position = centre + kGrowth * (position - centre);
+  PointSet& here = larger.here.points;
+  for (size_t k = 0; k < here.size(); ++k) {
+    const Eigen::Vector3d moved = centre + kGrowth * (here.position(k) - centre);
+    here.px[k] = moved.x(), here.py[k] = moved.y(), here.pz[k] = moved.z();
+  }
   for (KeyFrameView& neighbour : larger.neighbours) {
     const Eigen::Vector3d moved = centre + kGrowth * (neighbour.T_cw.centre() - centre);
     neighbour.T_cw = SE3(neighbour.T_cw.R(), Eigen::Vector3d(-(neighbour.T_cw.R() * moved)));
@@ -178,7 +200,7 @@ TEST_F(JoinVerifierTest, ANeighbourMustAgree) {
 TEST_F(JoinVerifierTest, NotSeenFromThere) {
   LoopCandidate onesided = candidate();
   Random random(1);
-  for (Descriptor& descriptor : onesided.here->points.descriptor) descriptor = random_descriptor(random);
+  for (Descriptor& descriptor : onesided.here.points.descriptor) descriptor = random_descriptor(random);
   EXPECT_EQ(refusal(onesided), LoopRefusal::not_seen_from_there);
 }
 

@@ -129,9 +129,9 @@ template <int N>
 double PoseGraphSolver<N>::cost(const std::vector<Sim3>& poses) const {
   double total = 0;
   for (const PoseGraphEdge& edge : problem_.edges) {
-    total += pose_graph_residual(edge.S_ji, poses[static_cast<size_t>(edge.i)], poses[static_cast<size_t>(edge.j)])
-                 .template head<N>()
-                 .squaredNorm();
+    const Vector7d e =
+        pose_graph_residual(edge.S_ji, poses[static_cast<size_t>(edge.i)], poses[static_cast<size_t>(edge.j)]);
+    total += edge.weight * e.template head<N>().squaredNorm();
   }
   return total;
 }
@@ -150,19 +150,20 @@ void PoseGraphSolver<N>::linearise() {
                                          problem_.poses[static_cast<size_t>(edge.j)], J_i, J_j)
                          .template head<N>();
     const Block A = J_i.template topLeftCorner<N, N>(), B = J_j.template topLeftCorner<N, N>();
+    const double w = edge.weight;
     if (i >= 0) {
-      H_[static_cast<size_t>(i)].noalias() += A.transpose() * A;
-      b_.segment<N>(i * N).noalias() -= A.transpose() * e;
+      H_[static_cast<size_t>(i)].noalias() += w * (A.transpose() * A);
+      b_.segment<N>(i * N).noalias() -= w * (A.transpose() * e);
     }
     if (j >= 0) {
-      H_[static_cast<size_t>(j)].noalias() += B.transpose() * B;
-      b_.segment<N>(j * N).noalias() -= B.transpose() * e;
+      H_[static_cast<size_t>(j)].noalias() += w * (B.transpose() * B);
+      b_.segment<N>(j * N).noalias() -= w * (B.transpose() * e);
     }
     if (i < 0 || j < 0) continue;
     if (i < j) {
-      system_.block(slot_[k]).noalias() += A.transpose() * B;
+      system_.block(slot_[k]).noalias() += w * (A.transpose() * B);
     } else {
-      system_.block(slot_[k]).noalias() += B.transpose() * A;
+      system_.block(slot_[k]).noalias() += w * (B.transpose() * A);
     }
   }
 }

@@ -3,7 +3,7 @@
 // drift of a loop (of scale too) over its cameras. Input and output are plain data; the code does not depend on the
 // map. Source: Strasdat, Montiel, Davison, "Scale drift-aware large scale monocular SLAM", RSS 2010, section IV;
 // Jacobians: Solà, Deray, Atchuthan, "A micro Lie theory", 2018, section II-G. Damping: Nielsen, 1999, as in bundle
-// adjustment. The cost is sum |e|^2,  e = log(S_ji * S_i * S_j^-1), 7 rows of equal weight: [rho; phi; sigma].
+// adjustment. The cost is sum w |e|^2,  e = log(S_ji * S_i * S_j^-1), 7 rows of equal weight: [rho; phi; sigma].
 #pragma once
 
 #include <atomic>
@@ -17,6 +17,7 @@ namespace covis {
 struct PoseGraphEdge {
   int32_t i = 0, j = 0;  // two different indices into poses
   Sim3 S_ji;             // measured motion, from camera i's to camera j's coordinates
+  double weight = 1;     // w: small for a motion that is hardly known
 };
 
 struct PoseGraphProblem {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "covis/core/random.h"
@@ -34,7 +35,7 @@ PoseGraphProblem random_problem(uint64_t seed, int count, bool fix_scale) {
     for (const int32_t gap : {1, 2, 3, 5, 11}) {
       const int32_t j = (i + gap) % count;
       const Sim3 S_ji = problem.poses[static_cast<size_t>(j)] * problem.poses[static_cast<size_t>(i)].inverse();
-      problem.edges.push_back({i, j, random_sim3(random, 0.05, 0.03, drift) * S_ji});
+      problem.edges.push_back({i, j, random_sim3(random, 0.05, 0.03, drift) * S_ji, random.uniform(0.1, 1)});
     }
   }
   for (int c = 1; c < count; ++c) {
@@ -48,11 +49,12 @@ PoseGraphProblem random_problem(uint64_t seed, int count, bool fix_scale) {
 template <int N>
 struct EdgeResidual {
   Sim3 S_ji, S_iw, S_jw;
+  double weight;
   bool operator()(const double* xi_i, const double* xi_j, double* e) const {
     Vector7d i = Vector7d::Zero(), j = Vector7d::Zero();
     std::copy_n(xi_i, N, i.data());
     std::copy_n(xi_j, N, j.data());
-    const Vector7d r = pose_graph_residual(S_ji, Sim3::exp(i) * S_iw, Sim3::exp(j) * S_jw);
+    const Vector7d r = std::sqrt(weight) * pose_graph_residual(S_ji, Sim3::exp(i) * S_iw, Sim3::exp(j) * S_jw);
     std::copy_n(r.data(), N, e);
     return true;
   }
@@ -65,7 +67,7 @@ double ceres_cost(const PoseGraphProblem& problem) {
   for (const PoseGraphEdge& edge : problem.edges) {
     const auto i = static_cast<size_t>(edge.i), j = static_cast<size_t>(edge.j);
     auto* cost = new ceres::NumericDiffCostFunction<EdgeResidual<N>, ceres::CENTRAL, N, N, N>(
-        new EdgeResidual<N>{edge.S_ji, problem.poses[i], problem.poses[j]});
+        new EdgeResidual<N>{edge.S_ji, problem.poses[i], problem.poses[j], edge.weight});
     theirs.AddResidualBlock(cost, nullptr, xi[i].data(), xi[j].data());
   }
   for (size_t c = 0; c < xi.size(); ++c) {

@@ -25,6 +25,24 @@ bool KeyFramePolicy::few_close_points(const TrackedFrame& frame, const Pinhole& 
   return tracked < options_.min_close_points && untracked > options_.new_close_points;
 }
 
+// True when the translation from the reference key frame would move the tracked points by so much, were it across the
+// view. The share of points that is left says little of that where most are far: they stay in view, while the near
+// ones, which alone tell the translation, are lost before they were seen often enough to hold the scale.
+bool KeyFramePolicy::moved_away(const TrackedFrame& frame, const KeyFrameView& reference) const {
+  double inverse_squares = 0;
+  int points = 0;
+  for (size_t i = 0; i < frame.source.size(); ++i) {
+    if (!frame.on_map(i)) continue;
+    const double depth = (frame.T_cw * frame.positions[i]).z();
+    if (!(depth > 0)) continue;
+    inverse_squares += 1 / (depth * depth);
+    ++points;
+  }
+  const double bound = options_.key_frame_parallax_mono;
+  const double squared_baseline = (frame.T_cw.centre() - reference.T_cw.centre()).squaredNorm();
+  return squared_baseline * inverse_squares > bound * bound * points;
+}
+
 // True when the view has turned so far from the reference key frame's that too few key frames would see the places in
 // between.
 bool KeyFramePolicy::turned_away(const TrackedFrame& frame, const KeyFrameView& reference,
@@ -49,7 +67,8 @@ bool KeyFramePolicy::is_due(const TrackedFrame& frame, int inliers, const LocalM
     // The share of all points counts too: many new points, of two views, would let the camera move far before fewer
     // matches are left than the reference has older points.
     return inliers < o.key_frame_ratio_mono * local_map.reference_points ||
-           inliers < o.key_frame_all_ratio_mono * local_map.reference_all_points;
+           inliers < o.key_frame_all_ratio_mono * local_map.reference_all_points ||
+           moved_away(frame, local_map.reference);
   }
   return few_close || turned_away(frame, local_map.reference, camera) ||
          inliers < o.key_frame_ratio * local_map.reference_points;

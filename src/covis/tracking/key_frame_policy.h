@@ -41,6 +41,7 @@ class KeyFramePolicy {
 
  private:
   bool few_close_points(const TrackedFrame& frame, const Pinhole& camera) const;
+  bool moved_away(const TrackedFrame& frame, const KeyFrameView& reference) const;
   bool turned_away(const TrackedFrame& frame, const KeyFrameView& reference, const Pinhole& camera) const;
 
   const Sensor sensor_;

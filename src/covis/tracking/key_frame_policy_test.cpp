@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "covis/tracking/test_frame.h"
 
 namespace covis {
@@ -60,6 +62,27 @@ TEST_F(KeyFramePolicyTest, MonocularAlsoWhereHalfOfAllItsPointsAreGone) {
   EXPECT_FALSE(is_due(Sensor::stereo, 99));
 }
 
+TEST_F(KeyFramePolicyTest, MonocularAlsoWhereTheCameraHasMovedFarForTheDepthOfItsPoints) {
+  double inverse_squares = 0;
+  int points = 0;
+  for (size_t i = 0; i < frame.source.size(); ++i) {
+    if (!frame.on_map(i)) continue;
+    inverse_squares += std::pow((frame.T_cw * frame.positions[i]).z(), -2);
+    ++points;
+  }
+  ASSERT_GT(points, 0);
+  const double depth = std::sqrt(points / inverse_squares);
+  const auto moved = [&](double share) {
+    const Eigen::Vector3d baseline = share * depth * Eigen::Vector3d(0, 0.8, 0.6);
+    local_map.reference.T_cw = SE3(so3_exp({0.2, 0, 0}), baseline) * frame.T_cw;
+  };
+  moved(0.119);
+  EXPECT_FALSE(is_due(Sensor::monocular));
+  moved(0.121);
+  EXPECT_TRUE(is_due(Sensor::monocular));
+  EXPECT_FALSE(is_due(Sensor::rgbd)) << "depth tells the translation from one frame";
+}
+
 TEST_F(KeyFramePolicyTest, NoneIsMadeOfTooFewPoints) {
   options.key_frame_min_inliers = 15;
   EXPECT_TRUE(is_due(Sensor::rgbd, 15));
@@ -93,7 +116,7 @@ TEST_F(KeyFramePolicyTest, OneIsDueWhereTheViewHasTurnedAway) {
   // The wider angle of view: 2 atan(320 / 500) = 65.2 degrees, a fifth of which is 13.
   const auto turned = [&](double degrees) {
     local_map.reference.T_cw = SE3(so3_exp({0.1, 0, 0}), {1, 2, 3});
-    frame.T_cw = SE3(so3_exp({0, degrees / 57.29578, 0}), {4, 5, 6}) * local_map.reference.T_cw;
+    frame.T_cw = SE3(so3_exp({0, degrees / 57.29578, 0}), {}) * local_map.reference.T_cw;
   };
   for (const double sign : {-1.0, 1.0}) {
     turned(sign * 12.9);

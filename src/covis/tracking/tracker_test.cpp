@@ -109,6 +109,7 @@ class NewPointsTest : public TrackerTest, public testing::WithParamInterface<dou
     TrackingSettings settings = settings_of(Sensor::monocular);
     settings.options.key_frame.key_frame_ratio_mono = 0;
     settings.options.key_frame.key_frame_all_ratio_mono = GetParam();
+    settings.options.key_frame.key_frame_parallax_mono = 10;
     return settings;
   }
 };

@@ -48,6 +48,9 @@ Fields fields(TrackerOptions& o) {
        "tracked share below which a key frame is due (monocular)", 0, 1},
       {"tracker.key_frame_all_ratio_mono", &o.key_frame.key_frame_all_ratio_mono,
        "the same of all points of two views and more, new ones too (monocular)", 0, 1},
+      {"tracker.key_frame_parallax_mono", &o.key_frame.key_frame_parallax_mono,
+       "parallax of the tracked points since the reference key frame at which one is due, radians (monocular)", 0.001,
+       10},
       {"tracker.key_frame_turn", &o.key_frame.key_frame_turn,
        "turn away from the reference key frame's view beyond which one is due, share of the wider angle of view "
        "(stereo, RGB-D)",

@@ -53,6 +53,9 @@ struct KeyFrameOptions {
   double key_frame_ratio = 0.75;
   double key_frame_ratio_mono = 0.8;      // the same, monocular (published: 0.9; docs/notes/008-mapping-figures.md)
   double key_frame_all_ratio_mono = 0.5;  // the same of all its points that another key frame observes, monocular
+  // Root mean square of the angles by which the translation from the reference key frame moves the tracked points, at
+  // which one is due, monocular, radians (docs/notes/019-monocular-scale.md).
+  double key_frame_parallax_mono = 0.12;
   // Turn away from the reference key frame's view beyond which one is due, share of the wider angle of view (stereo,
   // RGB-D).
   double key_frame_turn = 0.2;

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/loops/loop_candidate.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace covis {
+namespace {
+
+constexpr size_t kGroupMatching = 6;  // key frames of a place that are matched against
+constexpr int kGroupPoints = 15;      // covisible key frames of a place whose points are projected
+constexpr int kNeighbours = 5;        // key frames beside the current one that are asked
+
+}  // namespace
+
+double path_between(const Map& map, uint32_t submap, uint32_t serial_a, uint32_t serial_b) {
+  const auto [first, last] = std::minmax(serial_a, serial_b);
+  double path = 0;
+  std::optional<Eigen::Vector3d> before;
+  for (const KeyFrameId& id : map.key_frames(submap)) {
+    const KeyFrame& key_frame = map.at(id);
+    if (key_frame.serial < first || key_frame.serial > last) continue;
+    const Eigen::Vector3d centre = key_frame.T_cw.centre();
+    if (before) path += (centre - *before).norm();
+    before = centre;
+  }
+  return path;
+}
+
+LoopPlace::LoopPlace(const Map& map, KeyFrameId id) : key_frame(id), T_cw(map.at(id).T_cw), group{id} {
+  for (const Neighbour& n : map.best_neighbours(id, kGroupPoints)) group.push_back(n.key_frame);
+  points.id = points_of(map, group);
+  points.copy(map);
+}
+
+LoopCandidate::LoopCandidate(const Map& map, KeyFrameId from, KeyFrameId to)
+    : camera(map.camera()), frame(map.at(from).frame), current(map, from), place(map, to), here(map, from) {
+  for (size_t g = 0; g < place.group.size() && g < kGroupMatching; ++g) members.emplace_back(map, place.group[g]);
+  for (const Neighbour& n : map.best_neighbours(from, kNeighbours)) neighbours.emplace_back(map, n.key_frame);
+  if (map.at(from).submap == map.at(to).submap) {
+    path = path_between(map, map.at(from).submap, map.at(from).serial, map.at(to).serial);
+  } else {
+    relation = LoopRelation::other_submap;
+  }
+}
+
+}  // namespace covis

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// A place that may be where the current key frame is, copied out of the map, so that it is judged without the map.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "covis/geometry/sim3.h"
+#include "covis/map/key_frame_view.h"
+#include "covis/matching/point_set.h"
+
+namespace covis {
+
+// A key frame and those around it, copied out of the map.
+struct LoopPlace {
+  KeyFrameId key_frame;
+  SE3 T_cw;
+  std::vector<KeyFrameId> group;  // the key frame first
+  PointSet points;                // those the group observes, in the order of handles
+
+  LoopPlace() = default;
+  LoopPlace(const Map& map, KeyFrameId id);
+};
+
+enum class LoopRelation { same_submap, other_submap };
+
+// Everything that verification reads of the map.
+struct LoopCandidate {
+  Pinhole camera;
+  int64_t frame = 0;  // of the current key frame, in the recording
+  KeyFrameView current;
+  LoopPlace place;
+  LoopRelation relation = LoopRelation::same_submap;  // the place lies in the same submap, or in another
+  std::vector<KeyFrameView> members;                  // the first of the place's group
+  std::vector<KeyFrameView> neighbours;               // the current key frame's best
+  LoopPlace here;                                     // around the current key frame
+  double path = 0;                                    // travelled since the place, in the map's unit; same_submap alone
+
+  // Both key frames must live.
+  LoopCandidate(const Map& map, KeyFrameId current, KeyFrameId place);
+};
+
+// A candidate as it was verified.
+struct Loop {
+  LoopPlace place;
+  LoopRelation relation = LoopRelation::same_submap;
+  Sim3 S_cw;                                             // the current key frame as the old place's map would have it
+  std::vector<std::pair<uint32_t, MapPointId>> matches;  // feature of the current key frame, point of the place
+};
+
+// The way along the key frames of a submap between two serials, in the map's unit.
+double path_between(const Map& map, uint32_t submap, uint32_t serial_a, uint32_t serial_b);
+
+}  // namespace covis

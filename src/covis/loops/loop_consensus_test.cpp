@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/loops/loop_consensus.h"
+
+#include <gtest/gtest.h>
+
+#include "covis/loops/test_loop_scene.h"
+
+namespace covis {
+namespace {
+
+// Twice around: each key frame of the second round sees a place of the first, and has a claim on where it is.
+class LoopConsensusTest : public testing::Test {
+ protected:
+  void SetUp() override { around.go_around(24); }
+
+  // The claim of a key frame of the second round, beside the truth by `off`, in its camera.
+  Loop claim(size_t k, const Sim3& off = Sim3()) const {
+    const auto map = around.world.shared.read();
+    const KeyFrameId place = around.world.frames[k % LoopScene::kSteps];
+    Loop loop{LoopPlace(*map, place), LoopRelation::same_submap, off * Sim3(around.scene.T_cw(k)), {}};
+    uint32_t feature = 0;
+    for (const MapPointId& point : map->at(place).points) {
+      if (point.valid()) loop.matches.emplace_back(feature++, point);
+    }
+    return loop;
+  }
+  bool confirms(LoopConsensus& consensus, size_t k, const Sim3& off = Sim3(),
+                LoopConsensus::By by = LoopConsensus::By::other_points) const {
+    return consensus.confirms(*around.world.shared.read(), around.world.frames[k], claim(k, off), by);
+  }
+
+  static constexpr size_t kFirst = LoopScene::kSteps + 2, kNear = kFirst + 1, kFar = kFirst + 12;
+  LoopScene around;
+};
+
+TEST_F(LoopConsensusTest, ASecondPlaceConfirms) {
+  LoopConsensus consensus;
+  EXPECT_FALSE(confirms(consensus, kFirst)) << "one alone";
+  EXPECT_TRUE(confirms(consensus, kFar));
+}
+
+TEST_F(LoopConsensusTest, TheSamePointsSeenAgainDoNot) {
+  LoopConsensus consensus;
+  EXPECT_FALSE(confirms(consensus, kFirst));
+  EXPECT_FALSE(confirms(consensus, kNear));
+  EXPECT_TRUE(confirms(consensus, kNear, Sim3(), LoopConsensus::By::any_points)) << "unless that is asked for";
+}
+
+TEST_F(LoopConsensusTest, AnotherOpinionDoesNot) {
+  const Sim3 turned(so3_exp({0, 0.2, 0}), Eigen::Vector3d::Zero(), 1);
+  const Sim3 moved(Eigen::Matrix3d::Identity(), Eigen::Vector3d(3, 0, 0), 1);
+  const Sim3 grown(Eigen::Matrix3d::Identity(), Eigen::Vector3d::Zero(), 1.5);
+  for (const Sim3& off : {turned, moved, grown}) {
+    LoopConsensus consensus;
+    EXPECT_FALSE(confirms(consensus, kFirst));
+    EXPECT_FALSE(confirms(consensus, kFar, off));
+  }
+}
+
+TEST_F(LoopConsensusTest, AMapThatMovedSinceDoesNot) {
+  LoopConsensus consensus;
+  EXPECT_FALSE(confirms(consensus, kFirst));
+  around.world.shared.write()->count_move();
+  EXPECT_FALSE(confirms(consensus, kFar));
+}
+
+TEST_F(LoopConsensusTest, ResetForgets) {
+  LoopConsensus consensus;
+  EXPECT_FALSE(confirms(consensus, kFirst));
+  consensus.reset();
+  EXPECT_FALSE(confirms(consensus, kFar));
+}
+
+TEST_F(LoopConsensusTest, AClaimWithoutPointsIsNone) {
+  LoopConsensus consensus;
+  Loop empty = claim(kFirst);
+  empty.matches.clear();
+  EXPECT_FALSE(consensus.confirms(*around.world.shared.read(), around.world.frames[kFirst], empty,
+                                  LoopConsensus::By::any_points));
+}
+
+}  // namespace
+}  // namespace covis
