@@ -93,7 +93,7 @@ TEST_F(CommandRun, TellsPosesThatWereTakenBackAsLostLong) {
   int frame = 0;
   for (std::string line; std::getline(lines, line);) {
     const bool comment = line[0] == '#';
-    if (comment || frame < 100 || frame >= 140) cut << line << "\n";
+    if (comment || frame < 50 || frame >= 90) cut << line << "\n";
     frame += !comment;
   }
   cut.close();

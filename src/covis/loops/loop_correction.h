@@ -52,7 +52,7 @@ class LoopGraph {
   std::vector<std::pair<int32_t, int32_t>> tied_;
 };
 
-// What closing did.
+// The results of closing a loop.
 struct LoopCorrection {
   int fused = 0;      // points fused and observations added
   int new_edges = 0;  // of the pose graph, by points fused

@@ -45,7 +45,7 @@ TEST_F(LoopCorrectionTest, PointsFusedTieMoreKeyFrames) {
   }
 }
 
-// Of a ring whose key frames hang together by few points in one place alone, that place takes the whole correction.
+// A ring that hangs together by few points in one place alone: that place takes the whole correction.
 TEST(LoopGraph, BendsAtAWeakLinkFirst) {
   constexpr size_t kBreak = 20, kCount = LoopScene::kSteps + 4;
   LoopScene broken;

@@ -123,7 +123,7 @@ TEST_F(LoopVerifierTest, DriftTooGreat) {
   EXPECT_GT(verdict.drift->distance, 0.1);
 }
 
-// What no drift explains is a claim only with as much evidence as joining submaps needs.
+// A loop that no drift explains is a claim only with as much evidence as joining submaps needs.
 TEST_F(LoopVerifierTest, WithoutEnoughEvidenceAGreatDriftIsNoClaim) {
   LoopCandidate near = candidate();
   near.path = 0.5;

@@ -25,7 +25,7 @@ struct LocalWindow {
 // that share most first (`fixed` of them, at most).
 LocalWindow local_window(const Map& map, KeyFrameId current, int moving, int fixed);
 
-// What the adjusted problem says of the depth sensor goes to `depth_noise` (null: nobody asks). `interrupt` (may be
+// The noise seen in the adjusted problem goes to `depth_noise` (null: nobody asks). `interrupt` (may be
 // null) cuts it short when it becomes true.
 AdjustmentReport adjust_locally(SharedMap& map, KeyFrameId current, const MapperOptions& options,
                                 BundleAdjuster& adjuster, DepthNoiseTracker* depth_noise,

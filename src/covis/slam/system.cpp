@@ -67,7 +67,7 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
     for (const KeyFrameId& id : map.key_frames())
       map.set_words(id, std::make_shared<const Words>(vocabulary_->transform(map.at(id).features->descriptor)));
   }
-  // What is given for this recording goes before what the map learned.
+  // Noise given for this recording goes before the noise that the map learned.
   Pinhole camera = map.camera();
   if (given_.pinhole.depth_noise.known()) camera.depth_noise = given_.pinhole.depth_noise;
   map.set_camera(with_depth_noise(camera, options_.sensor));
