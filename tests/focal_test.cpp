@@ -96,7 +96,7 @@ TEST_F(FocalLength, IsRefinedInRealTime) {
 }
 
 TEST(FocalLengthWithDepth, IsRefinedForRgbdNotForStereoLong) {
-  constexpr int kShort = 150;
+  constexpr int kShort = 180;
   for (const Sensor sensor : {Sensor::rgbd, Sensor::stereo}) {
     SCOPED_TRACE(sensor_name(sensor));
     Recording recording(sensor, kShort, 10, "posters");

@@ -304,11 +304,11 @@ TEST(Jump, IsNotToAnotherPosterInRealTimeEitherLong) {
   }
 }
 
-// Another gap in that walk leads to a wrong poster that is accepted for a while: those poses are tentative and
+// Another gap in that walk leads to a place from which the camera is lost within a second: those poses are tentative and
 // retracted.
 TEST(Jump, ThatProvesWrongIsTakenBack) {
-  Recording recording(Sensor::rgbd, 135, 10, "posters");
-  Walk walk = cut(recording, 10, 50, 90, 135);
+  Recording recording(Sensor::rgbd, 150, 10, "posters");
+  Walk walk = cut(recording, 10, 80, 120, 150);
   Walked run(walk, options_for(Sensor::rgbd));
   EXPECT_GT(run.tentative.size(), 0u);
   const std::vector<PoseOfFrame> poses = run.system.trajectory();
