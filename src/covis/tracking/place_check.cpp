@@ -100,12 +100,13 @@ void PlaceCheck::take_back_jump() {
 // how far it turned in one.
 bool PlaceCheck::jumped(const Found& found, Arrival arrival) const {
   constexpr double kTurn = std::numbers::pi / 12, kMostTurn = std::numbers::pi / 3;  // a frame, and in all
-  constexpr double kWay = 0.2;    // share of the mean depth of what it sees
-  constexpr double kSlack = 0.5;  // share of the way gone while lost
+  constexpr double kWay = 0.2;     // share of the mean depth of what it sees
+  constexpr double kSlack = 0.5;   // share of the way gone while lost
+  constexpr double kMoment = 0.5;  // seconds; where a camera lost for longer is found says nothing of how it went there
   if (!last_ || found.local_map.reference.submap != last_->submap) return true;
   const SE3 T_cl = found.frame.T_cw * last_->T_cw.inverse();
-  const Timestamp since = std::min(found.frame.stamp - last_->stamp, from_seconds(kTentativeTime));
-  const double lost = last_->interval > 0 ? std::max(0.0, to_seconds(since - last_->interval)) : 0;  // seconds
+  double lost = last_->interval > 0 ? to_seconds(found.frame.stamp - last_->stamp - last_->interval) : 0;  // seconds
+  if (lost < 0 || lost > kMoment) lost = 0;
   const Eigen::Vector3d on_the_way = lost * last_->velocity;
   const Eigen::Vector3d off = found.frame.T_cw.centre() - last_->T_cw.centre() - on_the_way;
   const double frames = lost > 0 ? 1 + lost / to_seconds(last_->interval) : 1;

@@ -66,6 +66,13 @@ TEST_F(TentativePlaceTest, ACameraLostForAMomentMovedOnMeanwhile) {
   EXPECT_TRUE(place.tentative()) << "twice as far as it goes in that time";
 }
 
+TEST_F(TentativePlaceTest, WhereACameraLostForLongIsFoundItHasJumped) {
+  settle();
+  find(1, 0.1, 0.5);
+  find(8, 0.8, 4, Arrival::relocalised);
+  EXPECT_TRUE(place.tentative()) << "seven tenths of a second at 5 m/s lead there, but it was not seen to go";
+}
+
 // Things that the last frame saw too show how far the camera turned; nothing confirms a place that only looks alike.
 TEST_F(TentativePlaceTest, AWideTurnIsNoJumpWhereTheLastFrameShowsIt) {
   const auto turned_by = [&](double degrees, Arrival arrival) {
