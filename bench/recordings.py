@@ -24,7 +24,7 @@ def lines_of(file):
 
 
 def width_of(image):
-    """Of a PNG file; 0 for others."""
+    """The width of a PNG file in pixels; 0 for others."""
     head = image.read_bytes()[:24] if image.suffix.lower() == '.png' else b''
     return struct.unpack('>I', head[16:20])[0] if head[:8] == b'\x89PNG\r\n\x1a\n' else 0
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What bench/table and bench/suite share: tables as text and as Markdown, and which command on which machine was measured."""
+"""Shared by bench/table and bench/suite: tables as text and as Markdown, and which command on which machine was measured."""
 import os
 import pathlib
 import subprocess

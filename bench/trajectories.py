@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run's poses are worth: ground truth and estimates paired, aligned and judged. Positions alone are looked at.
+"""The worth of a run's poses: ground truth and estimates paired, aligned and judged. Positions alone are looked at.
 
 Pairing is that of `covis eval`: with the true pose within half a millisecond; else with the interpolation between two
 true poses at most 0.1 s apart; else with the nearest within 0.02 s; else the frame has no truth.
@@ -16,8 +16,8 @@ import statistics
 SAME = 0.0005            # seconds: stamps rounded to milliseconds count as equal
 MAX_GAP = 0.1            # seconds between two true poses that are interpolated
 MAX_DIFFERENCE = 0.02    # seconds to the nearest true pose
-ROUNDS = 15              # of robust alignment
-WRONG_SHARE = 0.01       # of the path: an error above it is a frame claimed wrong,
+ROUNDS = 15              # rounds of robust alignment
+WRONG_SHARE = 0.01       # share of the path: an error above it is a frame claimed wrong,
 WRONG_MEDIANS = 5        # and so is one above this many times the run's median error,
 FLOOR_SHARE = 0.0005     # unless it is below this share of the path
 FLOOR_M = 0.01           # or below this many metres: nobody is misled by it, and truth is no better known
@@ -66,7 +66,7 @@ def path_length(positions):
 # ---- Alignment --------------------------------------------------------------------------------------------------------
 
 def largest_eigenvector(matrix):
-    """Of a symmetric matrix, by Jacobi's rotations."""
+    """The eigenvector of a symmetric matrix, by Jacobi's rotations."""
     n = len(matrix)
     a = [list(row) for row in matrix]
     v = [[float(i == j) for j in range(n)] for i in range(n)]
@@ -185,7 +185,7 @@ def ate(positions, truth, with_scale):
 
 
 def claimed_wrong(run, truth, path, with_scale):
-    """Which frames said `tracking`, not tentative, and were wrong. truth: position by key."""
+    """The frames that said `tracking`, not tentative, and were wrong. truth: position by key."""
     worlds = {}
     for frame in run.frames:
         claim, true = run.claim(frame), truth.get(key_of(frame['stamp']))

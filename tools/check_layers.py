@@ -7,8 +7,8 @@
 - A module includes only the modules that the table below allows it; tests may look further. The modules are the
   folders of src/covis, and synth/ with its folders.
 - The core modules include nothing but the standard library, Eigen, Highway and tl::expected; those around it no
-  logging library and no windows. What a test needs besides stays in its *_test.cpp: the helpers that tests share
-  (test_*.h) add GoogleTest alone, and one named after a library (test_ceres.h) that library.
+  logging library and no windows. What a test needs besides stays in its *_test.cpp or in a header of tests/: the
+  helpers beside the sources (test_*.h) add GoogleTest alone.
 - The library never sleeps, prints or exits, and draws no numbers from rand().
 - Every source says its licence (SPDX) at its top.
 """
@@ -51,7 +51,6 @@ EXCEPTIONS = {('core', header) for header in ('fcntl.h', 'sys/mman.h', 'sys/stat
 EXCEPTIONS |= {('core', header) for header in ('pthread.h', 'sched.h', 'sys/resource.h')}
 EXCEPTIONS |= {('storage', 'zstd.h')}
 TEST_HELPER_EXTERNAL = re.compile(r'g(test|mock)/')
-NAMED_HELPERS = {'test_ceres': 'ceres/', 'test_opencv': 'opencv2/'}
 OUTER_FORBIDDEN = re.compile(r'spdlog/|fmt/|CLI/|opencv2/(highgui|viz)')  # the command's, and windows
 FORBIDDEN_CALLS = [
     (re.compile(r'\b(sleep_for|sleep_until|usleep|nanosleep|sleep)\s*\('), 'sleeps: wait on a condition variable'),
@@ -106,8 +105,7 @@ def check_include(path, module, bracket, target):
         return None
     if module in CORE:
         allowed = (CORE_EXTERNAL.match(target) or (module, target) in EXCEPTIONS or
-                   (test and TEST_HELPER_EXTERNAL.match(target)) or
-                   (path.stem in NAMED_HELPERS and target.startswith(NAMED_HELPERS[path.stem])))
+                   (test and TEST_HELPER_EXTERNAL.match(target)))
         return None if allowed else f'core module {module} must not include <{target}>'
     return f'{module} must not include <{target}>' if OUTER_FORBIDDEN.match(target) else None
 

@@ -62,9 +62,8 @@ class CheckLayersTest(unittest.TestCase):
         for header in ['opencv2/imgproc.hpp', 'ceres/ceres.h']:
             self.assertIn(f'must not include <{header}>',
                           self.problem('src/covis/features/test_a.h', f'#include <{header}>\n'))
-        self.assert_clean('src/covis/features/test_opencv.h', '#include <opencv2/imgproc.hpp>\n')
-        self.assertIn('must not include <ceres/ceres.h>',
-                      self.problem('src/covis/features/test_opencv.h', '#include <ceres/ceres.h>\n'))
+        self.assertIn('must not include <opencv2/imgproc.hpp>',
+                      self.problem('src/covis/features/test_opencv.h', '#include <opencv2/imgproc.hpp>\n'))
         self.assertIn('must not include <gtest/gtest.h>',
                       self.problem('src/covis/features/a.h', '#include <gtest/gtest.h>\n'))
 

@@ -8,7 +8,7 @@
 #include <set>
 #include <tuple>
 
-#include "covis/features/test_opencv.h"
+#include "tests/opencv_images.h"
 
 namespace covis {
 namespace {

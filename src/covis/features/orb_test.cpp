@@ -11,7 +11,7 @@
 
 #include "covis/features/hamming.h"
 #include "covis/features/pyramid.h"
-#include "covis/features/test_opencv.h"
+#include "tests/opencv_images.h"
 
 namespace covis {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "covis/features/test_opencv.h"
+#include "tests/opencv_images.h"
 
 namespace covis {
 namespace {

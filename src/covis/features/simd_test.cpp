@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "covis/core/random.h"
-#include "covis/features/test_opencv.h"
 #include "covis/features/test_targets.h"
+#include "tests/opencv_images.h"
 
 namespace covis {
 namespace {

@@ -83,7 +83,7 @@ inline Eigen::Vector3d reprojection_residual(const Eigen::Vector3d& p_c, const P
 
 // The squared residuals of a measurement divided by their variances.
 struct Chi2 {
-  double pixel = 0;      // of u and v
+  double pixel = 0;      // error of u and v
   double disparity = 0;  // 0 when none was measured
 
   Chi2(const Eigen::Vector3d& residual, double inv_sigma2, const Disparity& d)

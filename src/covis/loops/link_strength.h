@@ -18,7 +18,7 @@ class LinkStrength {
   int weakest(uint32_t serial_a, uint32_t serial_b) const;
 
  private:
-  std::vector<uint32_t> serials_;  // of the submap's key frames, rising
+  std::vector<uint32_t> serials_;  // serials of the submap's key frames, rising
   std::vector<int> across_;        // points across the boundary behind each
 };
 

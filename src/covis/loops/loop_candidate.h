@@ -28,7 +28,7 @@ enum class LoopRelation { same_submap, other_submap };
 // Everything that verification reads of the map.
 struct LoopCandidate {
   Pinhole camera;
-  int64_t frame = 0;  // of the current key frame, in the recording
+  int64_t frame = 0;  // index of the current key frame's frame in the recording
   KeyFrameView current;
   LoopPlace place;
   LoopRelation relation = LoopRelation::same_submap;  // the place lies in the same submap, or in another

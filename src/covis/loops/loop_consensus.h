@@ -21,7 +21,7 @@ class LoopConsensus {
 
  private:
   struct Claim {
-    uint32_t submap = 0, serial = 0;  // of the key frame
+    uint32_t submap = 0, serial = 0;  // those of the key frame
     Sim3 S_there_here;                // from the world as the key frame has it to the place's
     std::vector<MapPointId> points;   // the place's points it found again, sorted
   };

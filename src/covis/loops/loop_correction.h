@@ -55,7 +55,7 @@ class LoopGraph {
 // The results of closing a loop.
 struct LoopCorrection {
   int fused = 0;      // points fused and observations added
-  int new_edges = 0;  // of the pose graph, by points fused
+  int new_edges = 0;  // edges of the pose graph made by fused points
   double pose_graph_ms = 0;
 };
 

@@ -54,7 +54,7 @@ struct MapPoint {
   uint32_t found = 1;    // frames in which it was matched
 };
 
-// What follows from a point's observations: the members of MapPoint of the same names.
+// The members of MapPoint that follow from its observations, under the same names.
 struct PointAppearance {
   Eigen::Vector3d normal_w;
   float d_min = 0, d_max = 0;

@@ -14,7 +14,7 @@ class DepthNoiseTracker {
   void learn(SharedMap& map, const BundleProblem& problem);
 
  private:
-  double scale_ = 1;   // of the noise that the map began with
+  double scale_ = 1;   // factor on the noise that the map began with
   double logged_ = 1;  // the scale that was last logged
   int problems_ = 0;
 };

@@ -40,8 +40,8 @@ bool depth_in_window(const Features& features, size_t i, const WindowQuery& quer
   const float error = std::abs(measured.pixels - query.disparity);
   if (!camera.depth_noise.known())
     return std::abs(features.x[i] - query.u - (measured.pixels - query.disparity)) <= query.radius;
-  constexpr float kSigmas = 1.5f;                       // of the depth sensor, as its weight has them
-  constexpr float kLeastShare = 0.1f, kPixelShare = 2;  // of the depth, and of the window as an angle
+  constexpr float kSigmas = 1.5f;                       // sigmas of the depth sensor, as its weight has them
+  constexpr float kLeastShare = 0.1f, kPixelShare = 2;  // shares of the depth, and of the window as an angle
   const float share = kLeastShare + kPixelShare * query.radius / static_cast<float>(camera.fx);
   return error <= share * query.disparity + kSigmas / std::sqrt(measured.inv_sigma2);
 }

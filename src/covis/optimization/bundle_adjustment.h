@@ -20,7 +20,7 @@ struct BundleObservation {
   int32_t pose = 0;       // index into poses
   int32_t point = 0;      // index into points
   float u = 0, v = 0;     // pixels, undistorted
-  float inv_sigma2 = 1;   // of u and v, 1 / pixels^2
+  float inv_sigma2 = 1;   // weight of u and v, 1 / pixels^2
   Disparity disparity{};  // not measured: the observation has 2 rows only
   uint8_t active = 1;     // 0: not used (an outlier)
 };

@@ -5,7 +5,7 @@
 
 #include <atomic>
 
-#include "covis/optimization/test_ceres.h"
+#include "tests/ceres_problems.h"
 
 namespace covis {
 namespace {

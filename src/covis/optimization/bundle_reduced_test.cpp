@@ -2,7 +2,7 @@
 // The two ways to solve the reduced system: dense for few poses, by blocks for many.
 #include <gtest/gtest.h>
 
-#include "covis/optimization/test_ceres.h"
+#include "tests/ceres_problems.h"
 
 namespace covis {
 namespace {

@@ -10,12 +10,12 @@ namespace {
 
 // Squares, relative to the depth.
 struct DepthError {
-  double error = 0;     // of a depth
+  double error = 0;     // error of a depth
   double sensor = 0;    // variance of the sensor, by the model
   double position = 0;  // variance by the position of the keypoint
 };
 
-constexpr int kLeastDepths = 3;  // of a point
+constexpr int kLeastDepths = 3;  // depths of one point
 
 std::vector<DepthError> depth_errors(const BundleProblem& problem) {
   const Pinhole& camera = problem.camera;
@@ -41,7 +41,7 @@ std::vector<DepthError> depth_errors(const BundleProblem& problem) {
 
 std::optional<double> depth_noise_factor(const BundleProblem& problem) {
   constexpr size_t kLeast = 100, kMost = 2000;  // depths
-  constexpr double kMedian = 0.4549;            // of a chi-square distribution of one degree of freedom
+  constexpr double kMedian = 0.4549;            // median of a chi-square distribution of one degree of freedom
   constexpr int kSteps = 16;
   if (!problem.camera.depth_noise.known()) return std::nullopt;
   const std::vector<DepthError> errors = depth_errors(problem);

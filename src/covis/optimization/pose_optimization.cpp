@@ -66,7 +66,7 @@ PoseSystem accumulate(const SE3& T_cw, const PoseObservations& o, const Pinhole&
       s.b.noalias() += J.transpose() * (w * residual.r.head<2>());
       if (!disparity.measured()) continue;
       const double c = camera.bf * iz * iz, w_d = robust.disparity * static_cast<double>(disparity.inv_sigma2);
-      const Eigen::Vector3d J_d(-c, -c * residual.p.y(), c * residual.p.x());  // of t_z, phi_x, phi_y
+      const Eigen::Vector3d J_d(-c, -c * residual.p.y(), c * residual.p.x());  // derivatives by t_z, phi_x, phi_y
       if (camera.depth_noise.known()) {
         s.H.block<3, 3>(2, 2).noalias() += w_d * J_d * J_d.transpose();
         s.b.segment<3>(2).noalias() += (w_d * residual.r.z()) * J_d;

@@ -17,7 +17,7 @@ namespace covis {
 // Flat arrays, one entry per observation.
 struct PoseObservations {
   AlignedVector<float> u, v;        // pixels, undistorted
-  AlignedVector<float> inv_sigma2;  // of u and v, 1 / pixels^2
+  AlignedVector<float> inv_sigma2;  // weight of u and v, 1 / pixels^2
   AlignedVector<Disparity> disparity;
   AlignedVector<double> px, py, pz;  // world point, metres
 

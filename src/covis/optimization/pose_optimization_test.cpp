@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "covis/core/test_allocations.h"
-#include "covis/optimization/test_ceres.h"
+#include "tests/ceres_problems.h"
 
 namespace covis {
 namespace {

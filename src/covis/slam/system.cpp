@@ -29,7 +29,7 @@ Pinhole with_depth_noise(Pinhole camera, Sensor sensor) {
   return camera;
 }
 
-// Nothing is estimated that was given.
+// Noise that was given is not estimated.
 BackendOptions backend_options(const SystemOptions& options, const Pinhole& camera) {
   BackendOptions made(options);
   made.mapper.estimate_depth_noise &= options.sensor == Sensor::rgbd && !camera.depth_noise.known();

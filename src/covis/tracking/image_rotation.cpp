@@ -172,7 +172,7 @@ std::vector<Shift> best_shifts(const Coarse& first, const Coarse& second) {
 // The rotation that moves two points beside the image's centre as the shift does.
 Eigen::Matrix3d rotation_of(const Shift& shift, const SmallImage& image, const Pinhole& camera) {
   const double cx = (image.width - 1) / 2.0, cy = (image.height - 1) / 2.0, beside = image.width / 8.0;
-  const auto frame = [&](double u, double v, double du, double dv) {  // of the rays through (u, v) -+ (du, dv)
+  const auto frame = [&](double u, double v, double du, double dv) {  // axes on the rays through (u, v) -+ (du, dv)
     const Eigen::Vector3d left = camera.unproject(u - du, v - dv).normalized();
     const Eigen::Vector3d right = camera.unproject(u + du, v + dv).normalized();
     Eigen::Matrix3d axes;

@@ -62,7 +62,7 @@ class PlaceCheck {
     uint32_t submap = 0;
     Timestamp stamp = 0;
     Timestamp interval = 0;                              // since the frame before; 0: unknown
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // of the camera's centre, metres a second
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // velocity of the camera's centre, metres a second
   };
   struct Jump {
     int64_t frame = 0;
