@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 
+#include "apps/run/run_json.h"
 #include "covis/core/log.h"
 
 namespace covis::app {
@@ -49,18 +50,11 @@ void add_reading_options(CLI::App& command, Reading& reading) {
 
 nlohmann::json camera_json(const Camera& camera) {
   static constexpr const char* kModels[] = {"pinhole", "brown_conrady", "kannala_brandt"};
-  nlohmann::json json{{"width", camera.width},
-                      {"height", camera.height},
-                      {"fx", camera.pinhole.fx},
-                      {"fy", camera.pinhole.fy},
-                      {"cx", camera.pinhole.cx},
-                      {"cy", camera.pinhole.cy},
-                      {"model", kModels[static_cast<int>(camera.distortion)]}};
+  nlohmann::json json = pinhole_json(camera.pinhole);
+  json["width"] = camera.width;
+  json["height"] = camera.height;
+  json["model"] = kModels[static_cast<int>(camera.distortion)];
   if (camera.pinhole.bf > 0) json["baseline"] = camera.pinhole.baseline();
-  if (camera.pinhole.depth_noise.known()) {
-    json["depth_sigma_a"] = camera.pinhole.depth_noise.a;
-    json["depth_sigma_b"] = camera.pinhole.depth_noise.b;
-  }
   if (camera.distortion != Distortion::none) json["distortion"] = camera.coefficients;
   return json;
 }

@@ -37,7 +37,7 @@ function(covis_module name)
     target_link_libraries(${test} PRIVATE covis_${name} GTest::gmock_main ${M_TEST_DEPS})
     target_compile_definitions(${test} PRIVATE COVIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     target_include_directories(${test} PRIVATE ${PROJECT_SOURCE_DIR})
-    covis_compile_soon(${test})
+    covis_compile_fast(${test})
     if(M_ONE_TEST)
       set(filter *)
       if(M_THREADED AND COVIS_SANITIZE MATCHES thread)
@@ -53,9 +53,9 @@ function(covis_module name)
   endif()
 endfunction()
 
-# covis_compile_soon(TEST): the sources of a test, not what it tests, with fewer optimisations: three quarters of the time to
+# covis_compile_fast(TEST): the sources of a test, not what it tests, with fewer optimisations: three quarters of the time to
 # compile, and what they do themselves takes next to none. So little inlined, GCC 12 takes matrices of Eigen for unset.
-function(covis_compile_soon test)
+function(covis_compile_fast test)
   target_compile_options(${test} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1 -Wno-maybe-uninitialized>)
 endfunction()
 

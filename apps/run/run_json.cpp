@@ -7,15 +7,6 @@
 namespace covis::app {
 namespace {
 
-nlohmann::json pinhole_json(const Pinhole& camera) {
-  nlohmann::json json{{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}};
-  if (camera.depth_noise.known()) {
-    json["depth_sigma_a"] = camera.depth_noise.a;
-    json["depth_sigma_b"] = camera.depth_noise.b;
-  }
-  return json;
-}
-
 using nlohmann::json;
 
 json to_json(const LoopDrift& drift) {
@@ -25,17 +16,20 @@ json to_json(const LoopDrift& drift) {
           {"scale", drift.scale}};
 }
 
+json to_json(const LoopEvidence& evidence) {
+  return {{"matches", evidence.matches},
+          {"inliers", evidence.inliers},
+          {"both_ways", evidence.both_ways},
+          {"found_again", evidence.found_again},
+          {"in_view", evidence.in_view}};
+}
+
 // The places that were no loop, and why.
 json to_json(const std::vector<RefusedPlace>& places) {
   json list = json::array();
   for (const RefusedPlace& place : places) {
-    json& line = list.emplace_back(json{{"frame", place.frame},
-                                        {"reason", name(place.why)},
-                                        {"matches", place.evidence.matches},
-                                        {"inliers", place.evidence.inliers},
-                                        {"both_ways", place.evidence.both_ways},
-                                        {"found_again", place.evidence.found_again},
-                                        {"in_view", place.evidence.in_view}});
+    json& line = list.emplace_back(to_json(place.evidence));
+    line.update({{"frame", place.frame}, {"reason", name(place.why)}});
     if (place.drift) line.update(to_json(*place.drift));
     if (place.link) line["weakest_link"] = *place.link;
   }
@@ -67,17 +61,14 @@ json to_json(const MappingReport& m) {
 // The figures common to closing a loop and joining two maps.
 json to_json(const LoopSummary& loop) {
   const LoopReport& report = loop.report;
-  return {{"frame", loop.frame},
-          {"matches", report.evidence.matches},
-          {"inliers", report.evidence.inliers},
-          {"both_ways", report.evidence.both_ways},
-          {"found_again", report.evidence.found_again},
-          {"in_view", report.evidence.in_view},
-          {"fused", report.fused},
-          {"scale", report.drift.scale},
-          {"query_ms", report.ms.query},
-          {"verify_ms", report.ms.verify},
-          {"correct_ms", report.ms.correct}};
+  json line = to_json(report.evidence);
+  line.update({{"frame", loop.frame},
+               {"fused", report.fused},
+               {"scale", report.drift.scale},
+               {"query_ms", report.ms.query},
+               {"verify_ms", report.ms.verify},
+               {"correct_ms", report.ms.correct}});
+  return line;
 }
 
 json loops_json(const std::vector<LoopSummary>& loops) {
@@ -185,6 +176,13 @@ std::string stats_text(const RunRecord& run, const Snapshot& snapshot) {
     text += '\n';
   }
   return text;
+}
+
+json pinhole_json(const Pinhole& camera) {
+  json figures{{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}};
+  if (camera.depth_noise.known())
+    figures.update({{"depth_sigma_a", camera.depth_noise.a}, {"depth_sigma_b", camera.depth_noise.b}});
+  return figures;
 }
 
 json to_json(const RunSummary& s) {

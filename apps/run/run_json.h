@@ -7,10 +7,12 @@
 #include <vector>
 
 #include "apps/run/run_summary.h"
+#include "covis/geometry/camera.h"
 
 namespace covis::app {
 
 nlohmann::json to_json(const RunSummary& summary);
+nlohmann::json pinhole_json(const Pinhole& camera);
 
 // A line for each frame, with the mapping done for it and the submap its pose belongs to.
 std::string stats_text(const RunRecord& run, const Snapshot& snapshot);

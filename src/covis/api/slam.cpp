@@ -71,10 +71,8 @@ Camera to_camera(const CameraParameters& parameters, SensorType sensor) {
   Camera camera;
   camera.width = parameters.width;
   camera.height = parameters.height;
-  constexpr double kVirtualBaseline = 0.08;  // metres, RGB-D; no result depends on it
-  const double baseline = sensor == SensorType::monocular                          ? 0
-                          : sensor == SensorType::rgbd && parameters.baseline == 0 ? kVirtualBaseline
-                                                                                   : parameters.baseline;
+  double baseline = sensor == SensorType::monocular ? 0 : parameters.baseline;
+  if (sensor == SensorType::rgbd && baseline == 0) baseline = kVirtualBaseline;
   camera.pinhole = {parameters.fx,
                     parameters.fy,
                     parameters.cx,

@@ -40,6 +40,12 @@ void Features::start(size_t room, RawPixels raw) {
   grid.offsets.reserve(std::min(room, FeatureGrid::kCells) + 1);
 }
 
+std::shared_ptr<Features> Features::for_key_frame() const {
+  auto copy = std::make_shared<Features>(*this);
+  copy->small = {};
+  return copy;
+}
+
 void FeatureGrid::build(const ImageBounds& image_bounds, const AlignedVector<float>& x, const AlignedVector<float>& y) {
   assert(x.size() <= kMaxFeatures);
   bounds = image_bounds;

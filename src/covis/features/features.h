@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The features of an image: keypoints and descriptors in flat arrays, immutable once made and shared by
-// std::shared_ptr<const Features> (architecture.md, decision 4). Monocular, stereo and RGB-D differ only in u_right and
-// depth. Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, section III-A.
+// std::shared_ptr<const Features> (architecture.md, decision 4). Monocular, stereo and RGB-D differ only in depth
+// (u_right follows from it). Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, section III-A.
 #pragma once
 
 #include <algorithm>
@@ -84,7 +84,10 @@ struct Features {
   AlignedVector<Descriptor> descriptor;
   FeatureGrid grid;
   std::shared_ptr<const ScalePyramid> pyramid;
-  SmallImage small;  // for the next frame alone: key frames keep none
+  SmallImage small;  // for the next frame alone
+
+  // A copy for a key frame: without the small image, and without room for more keypoints.
+  std::shared_ptr<Features> for_key_frame() const;
 
   int size() const { return static_cast<int>(x.size()); }
   const AlignedVector<float>& image_x() const { return raw_x.empty() ? x : raw_x; }

@@ -18,7 +18,6 @@ struct SmallImage {
   int left = 0, top = 0;      // the first image pixel that is covered
   std::vector<uint8_t> grey;  // row by row
 
-  bool empty() const { return grey.empty(); }
   // The pinhole camera of these pixels, given that of the image.
   Pinhole camera(const Pinhole& of_image) const;
 };

@@ -29,6 +29,10 @@ struct Pinhole {
   friend bool operator==(const Pinhole&, const Pinhole&) = default;
 };
 
+// The baseline that an RGB-D camera has where none is given, metres: a unit for its depths as disparities. No result
+// depends on it.
+inline constexpr double kVirtualBaseline = 0.08;
+
 // Up to where a measured depth is close, so that it tells scale and translation: stereo in baselines, a depth sensor by
 // the noise of its depth.
 struct CloseDepth {

@@ -5,8 +5,8 @@
 // operations that is fastest.) Units: metres and pixels. Sources: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, eq. 3,
 // 4; docs/notes/018-depth-noise.md for the disparity's variance.
 //
-// Depth of a depth sensor is written as the disparity of a virtual baseline because noise that grows with z^2 is even
-// in it. The baseline's length cancels out: residual and sigma of the third row are both proportional to bf.
+// Depth of a depth sensor is written as the disparity of a virtual baseline because noise that grows with z^2 is
+// constant in it. The baseline's length cancels out: residual and sigma of the third row are both proportional to bf.
 #pragma once
 
 #include <Eigen/Core>
@@ -43,9 +43,14 @@ struct Disparity {
   friend bool operator==(const Disparity&, const Disparity&) = default;
 };
 
+// The disparity that a depth (metres, positive) stands for.
+inline float pixels_of_depth(const Pinhole& camera, float depth) {
+  return static_cast<float>(camera.bf * (1 / static_cast<double>(depth)));
+}
+
 // The variance of a depth's logarithm by the position of its keypoint, for surfaces are seen at a slant.
 inline double relative_position_variance(const Pinhole& camera, double inv_sigma2) {
-  constexpr double kSlope = 0.5;  // tangent of the angle to the normal, by the share of a sigma that positions err
+  constexpr double kSlope = 0.5;  // half a sigma of the keypoint's position, on a surface at 45 degrees (note 18)
   const double slope = kSlope / camera.fx;
   return slope * slope / inv_sigma2;
 }
@@ -60,7 +65,7 @@ inline constexpr double kAlikeErrors = 2;
 inline Disparity disparity_of_depth(const Pinhole& camera, float depth, float inv_sigma2) {
   if (!(depth > 0)) return {};
   const double iz = 1 / static_cast<double>(depth);
-  const auto pixels = static_cast<float>(camera.bf * iz);
+  const float pixels = pixels_of_depth(camera, depth);
   if (!camera.depth_noise.known()) return {pixels, inv_sigma2};
   const double sensor = kAlikeErrors * camera.depth_noise.sigma(depth) * iz;
   const double relative2 = sensor * sensor + relative_position_variance(camera, inv_sigma2);

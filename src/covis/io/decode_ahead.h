@@ -24,7 +24,7 @@ class DecodeAhead {
   // so that a taken frame is never older than one frame interval).
   enum class WhenFull { wait, drop_old };
 
-  // ahead: greatest number of frames in the queue; of a recording's, the one being decoded is among them.
+  // ahead: greatest number of frames in the queue; with `wait`, the frame being decoded counts as one of them.
   DecodeAhead(Decode decode, int ahead, WhenFull when_full = WhenFull::wait)
       : ahead_(static_cast<size_t>(std::max(1, ahead))), when_full_(when_full), decode_(std::move(decode)) {
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });

@@ -47,7 +47,5 @@ Result<Recording> read_images(const Request& request);
 std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);
 // Returns the error for a missing calibration: it names --camera and shows a minimal file.
 Error no_calibration(const std::filesystem::path& folder, const std::string& looked_for);
-// Virtual baseline, in metres, of an RGB-D camera for which none is given.
-inline constexpr double kVirtualBaseline = 0.08;
 
 }  // namespace covis::io

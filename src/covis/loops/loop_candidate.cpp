@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
+
+#include "covis/core/quantile.h"
 
 namespace covis {
 namespace {
@@ -25,6 +28,16 @@ double path_between(const Map& map, uint32_t submap, uint32_t serial_a, uint32_t
     before = centre;
   }
   return path;
+}
+
+double median_depth(const Loop& loop) {
+  std::vector<double> depths;
+  const SE3 T_cw = loop.S_cw.as_pose();
+  for (const auto& [feature, id] : loop.matches) {
+    const int32_t at = index_of(loop.place.points, id);
+    depths.push_back((T_cw * loop.place.points.position(static_cast<size_t>(at))).z());
+  }
+  return quantile(std::move(depths), 0.5);
 }
 
 LoopPlace::LoopPlace(const Map& map, KeyFrameId id) : key_frame(id), T_cw(map.at(id).T_cw), group{id} {

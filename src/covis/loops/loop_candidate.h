@@ -49,6 +49,9 @@ struct Loop {
   std::vector<std::pair<uint32_t, MapPointId>> matches;  // feature of the current key frame, point of the place
 };
 
+// The median depth of the points found again, in the unit of the place's map.
+double median_depth(const Loop& loop);
+
 // The way along the key frames of a submap between two serials, in the map's unit.
 double path_between(const Map& map, uint32_t submap, uint32_t serial_a, uint32_t serial_b);
 

@@ -9,6 +9,7 @@
 #include "covis/loops/loop_correction.h"
 
 namespace covis {
+
 LoopReport LoopCloser::process(KeyFrameId current) {
   LoopReport report;
   Stopwatch watch;

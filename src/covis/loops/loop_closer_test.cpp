@@ -117,6 +117,12 @@ TEST_F(BrokenPathTest, TwoPlacesThatAgreeOverrideTheDrift) {
 TEST_F(BrokenPathTest, AFirmPathIsBelievedMoreThanAnyNumberOfPlaces) {
   go_around(true);
   EXPECT_EQ(closed(), 0);
+  constexpr int kWeakLink = 60;  // LoopOptions::weak_link
+  EXPECT_TRUE(std::any_of(reports.begin(), reports.end(), [&](const LoopReport& report) {
+    return std::any_of(report.refused.begin(), report.refused.end(), [&](const RefusedPlace& place) {
+      return place.why == LoopRefusal::drift_too_great && place.link.value_or(0) >= kWeakLink;
+    });
+  })) << "a place is found, and the path says no";
 }
 
 TEST_F(LoopCloserTest, JoinsASubmapToTheOlderOne) {

@@ -8,14 +8,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "covis/loops/loop_verifier.h"
+#include "covis/loops/loop_candidate.h"
 
 namespace covis {
 
 class LoopConsensus {
  public:
   enum class By { other_points, any_points };
-  // True when an earlier claim agrees with this one. It is kept in any case, until the map is moved.
+  // True when an earlier claim of another key frame agrees with this one. It is kept in any case, until the map is
+  // moved.
   bool confirms(const Map& map, KeyFrameId current, const Loop& claim, By by);
   void reset() { claims_.clear(); }
 
@@ -24,6 +25,7 @@ class LoopConsensus {
     uint32_t submap = 0, serial = 0;  // those of the key frame
     Sim3 S_there_here;                // from the world as the key frame has it to the place's
     std::vector<MapPointId> points;   // the place's points it found again, sorted
+    By by = By::other_points;
   };
 
   std::vector<Claim> claims_;  // the newest last

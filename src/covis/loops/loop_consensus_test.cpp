@@ -46,6 +46,26 @@ TEST_F(LoopConsensusTest, TheSamePointsSeenAgainDoNot) {
   EXPECT_TRUE(confirms(consensus, kNear, Sim3(), LoopConsensus::By::any_points)) << "unless that is asked for";
 }
 
+TEST_F(LoopConsensusTest, AKeyFrameDoesNotConfirmItself) {
+  for (const LoopConsensus::By by : {LoopConsensus::By::other_points, LoopConsensus::By::any_points}) {
+    LoopConsensus consensus;
+    const KeyFrameId current = around.world.frames[kFirst];
+    const auto map = around.world.shared.read();
+    Loop elsewhere = claim(kFar);
+    elsewhere.S_cw = claim(kFirst).S_cw;
+    EXPECT_FALSE(consensus.confirms(*map, current, claim(kFirst), by));
+    EXPECT_FALSE(consensus.confirms(*map, current, elsewhere, by));
+  }
+}
+
+// What wants any second opinion has passed fewer tests than what wants one by other points.
+TEST_F(LoopConsensusTest, AWeakerClaimDoesNotConfirmAStronger) {
+  LoopConsensus consensus;
+  EXPECT_FALSE(confirms(consensus, kFirst, Sim3(), LoopConsensus::By::any_points));
+  EXPECT_FALSE(confirms(consensus, kFar));
+  EXPECT_TRUE(confirms(consensus, kFar + 1, Sim3(), LoopConsensus::By::any_points));
+}
+
 TEST_F(LoopConsensusTest, AnotherOpinionDoesNot) {
   const Sim3 turned(so3_exp({0, 0.2, 0}), Eigen::Vector3d::Zero(), 1);
   const Sim3 moved(Eigen::Matrix3d::Identity(), Eigen::Vector3d(3, 0, 0), 1);

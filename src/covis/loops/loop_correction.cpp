@@ -2,10 +2,12 @@
 #include "covis/loops/loop_correction.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "covis/core/log.h"
 #include "covis/core/time.h"
 #include "covis/loops/link_strength.h"
+#include "covis/map/map_edit.h"
 
 namespace covis {
 namespace {
@@ -45,17 +47,18 @@ LoopGraph::LoopGraph(const Map& map, KeyFrameId current, const Loop& loop, Senso
   for (const int32_t k : moved_) {
     Sim3& S = start_[static_cast<size_t>(k)];
     S = S * S_wc * loop.S_cw;
-    for (const Neighbour& n : map.neighbours(frames_[static_cast<size_t>(k)]))
+    for (const Neighbour& n : map.neighbours_above(frames_[static_cast<size_t>(k)], kCovisibilityThreshold))
       tied_.emplace_back(k, index_of(n.key_frame));
   }
   std::sort(tied_.begin(), tied_.end());
   problem_.poses = start_;
   // As it was before the loop …
-  const LinkStrength links(map, map.at(current).submap);
+  std::optional<LinkStrength> links;
+  if (weak_link > 0) links.emplace(map, map.at(current).submap);
   for (const auto& [a, b] : map.essential_graph()) {
     const int32_t i = index_of(a), j = index_of(b);
     if (i < 0) continue;
-    const bool loose = weak_link > 0 && links.weakest(map.at(a).serial, map.at(b).serial) < weak_link;
+    const bool loose = links && links->weakest(map.at(a).serial, map.at(b).serial) < weak_link;
     problem_.edges.push_back({i, j, motion(before, i, j), loose ? kLoose : 1});
   }
   // … and what the loop says: the current key frame against each of the old place's that sees points found again.

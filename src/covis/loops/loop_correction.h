@@ -11,7 +11,6 @@
 
 #include "covis/core/sensor.h"
 #include "covis/loops/loop_candidate.h"
-#include "covis/map/map_edit.h"
 #include "covis/map/shared_map.h"
 #include "covis/matching/point_fuser.h"
 #include "covis/optimization/pose_graph.h"

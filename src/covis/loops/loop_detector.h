@@ -19,8 +19,8 @@ class LoopDetector {
   static constexpr size_t kCandidates = 3;       // places for a key frame, at most
   static constexpr int kNearSteps = 2;           // along edges of the covisibility graph: what is no further is near
 
-  // Each place once: none shares points with one before it. The far ones first, of these the best. None for a key frame
-  // that is gone or has no words, or that comes soon after a loop.
+  // Each place once: none shares 15 points with one before it. The far ones first, of these the best. None for a key
+  // frame that is gone or has no words, or that comes soon after a loop.
   std::vector<KeyFrameId> candidates(const Map& map, KeyFrameId current) const;
   // A place was recognised by the key frame of this serial.
   void recognised(uint32_t serial) { last_loop_serial_ = serial; }

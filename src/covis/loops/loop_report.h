@@ -29,7 +29,7 @@ enum class LoopRefusal {
   neighbours_disagree,  // the key frames beside it do not find the place's points
   not_seen_from_there,  // the place's key frames do not find the points here
   drift_too_great,      // no drift explains the correction
-  unconfirmed,          // nor does it, but the path since has a weak link: another place must say the same
+  unconfirmed,          // no drift explains it, the path since has a weak link, and no other place has agreed
 };
 const char* name(LoopRefusal refusal);
 

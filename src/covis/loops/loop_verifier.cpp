@@ -193,14 +193,8 @@ bool LoopVerifier::drift_explains(const LoopDrift& drift) const {
 
 bool nothing_to_correct(const Loop& loop, const LoopDrift& drift, const Pinhole& camera) {
   constexpr double kPixels = 2;
-  std::vector<double> depths;
-  const SE3 T_cw = loop.S_cw.as_pose();
-  for (const auto& [feature, id] : loop.matches) {
-    const int32_t at = index_of(loop.place.points, id);
-    depths.push_back((T_cw * loop.place.points.position(static_cast<size_t>(at))).z());
-  }
-  const double median = quantile(std::move(depths), 0.5);
-  const double angle = drift.distance / std::max(median, 1e-9) + drift.rotation_deg * std::numbers::pi / 180;
+  const double angle =
+      drift.distance / std::max(median_depth(loop), 1e-9) + drift.rotation_deg * std::numbers::pi / 180;
   return angle * camera.fx < kPixels && std::abs(std::log(drift.scale)) < 0.005;
 }
 

@@ -70,18 +70,13 @@ std::optional<InitialMap> make_initial_map(SharedMap& shared, const InitialMapRe
   if (!scale) return std::nullopt;
 
   MapEdit map(shared);
-  // Features are copied: the frames' have room for more.
-  const auto copy = [](const FeaturesPtr& features) {
-    auto made = std::make_shared<Features>(*features);
-    made->small = {};
-    return made;
-  };
   const SE3 T_21(problem.poses[1].R(), Eigen::Vector3d(problem.poses[1].t() * *scale));
   InitialMap made;
-  made.first = map.map().begin_submap(request.first.frame, request.first.stamp, SE3(), copy(request.first.features));
+  made.first =
+      map.map().begin_submap(request.first.frame, request.first.stamp, SE3(), request.first.features->for_key_frame());
   const uint32_t submap = map->at(made.first).submap;
-  made.second =
-      map.map().add_key_frame(request.second.frame, request.second.stamp, T_21, copy(request.second.features), submap);
+  made.second = map.map().add_key_frame(request.second.frame, request.second.stamp, T_21,
+                                        request.second.features->for_key_frame(), submap);
   if (!made.second.valid()) {
     map.map().erase_submap(submap);
     return std::nullopt;

@@ -11,8 +11,7 @@
 namespace covis {
 
 KeyFrameId insert_key_frame(SharedMap& shared, const KeyFrameRequest& request, RecentPoints& recent) {
-  auto features = std::make_shared<Features>(*request.features);  // a copy: the frame's have room for more
-  features->small = {};
+  std::shared_ptr<Features> features = request.features->for_key_frame();
   MapEdit map(shared);
   SE3 T_cw = request.pose.T_cr;
   std::optional<RelativePose> reference;

@@ -75,7 +75,7 @@ AdjustmentReport adjust_locally(SharedMap& shared, KeyFrameId current, const Map
     MapEdit edit(shared);
     local.commit(edit);
   }
-  if (depth_noise) depth_noise->learn(shared, problem);
+  if (depth_noise && !summary.interrupted) depth_noise->learn(shared, problem);
   return report;
 }
 

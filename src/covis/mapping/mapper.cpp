@@ -10,6 +10,7 @@
 #include "covis/mapping/point_fusion.h"
 
 namespace covis {
+
 MapperReport Mapper::process(const KeyFrameRequest& request, const std::atomic<bool>* interrupt) {
   MapperReport report;
   report.frame = request.frame;

@@ -33,7 +33,7 @@ class PointTriangulation {
  private:
   const Pinhole camera_;
   const Sensor sensor_;
-  const KeyFrameView current_;
+  KeyFrameView current_;
   std::vector<uint8_t> is_free_;  // for each feature of the new key frame 1 while it has no point
   std::vector<TriangulatedPoint> made_;
 };

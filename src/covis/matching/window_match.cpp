@@ -36,14 +36,14 @@ struct BestTwo {
 // far from where it is thought to be as the window says.
 bool depth_in_window(const Features& features, size_t i, const WindowQuery& query, const Pinhole& camera) {
   if (!(query.disparity > 0) || !(features.depth[i] > 0)) return true;
-  const Disparity measured = disparity_of(features, i, camera);
-  const float error = std::abs(measured.pixels - query.disparity);
-  if (!camera.depth_noise.known())
-    return std::abs(features.x[i] - query.u - (measured.pixels - query.disparity)) <= query.radius;
+  const float off = pixels_of_depth(camera, features.depth[i]) - query.disparity;
+  if (!camera.depth_noise.known()) return std::abs(features.x[i] - query.u - off) <= query.radius;
   constexpr float kSigmas = 1.5f;                       // sigmas of the depth sensor, as its weight has them
   constexpr float kLeastShare = 0.1f, kPixelShare = 2;  // shares of the depth, and of the window as an angle
   const float share = kLeastShare + kPixelShare * query.radius / static_cast<float>(camera.fx);
-  return error <= share * query.disparity + kSigmas / std::sqrt(measured.inv_sigma2);
+  const float least = share * query.disparity;
+  return std::abs(off) <= least ||
+         std::abs(off) <= least + kSigmas / std::sqrt(disparity_of(features, i, camera).inv_sigma2);
 }
 
 bool error_within_bound(const Features& features, size_t i, const WindowQuery& query, const Pinhole& camera) {

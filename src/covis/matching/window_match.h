@@ -25,7 +25,7 @@ struct WindowQuery {
 struct WindowMatchOptions {
   int max_distance = kHammingHigh;  // greatest Hamming distance of a match
   float ratio = 1.0f;               // best < ratio x second best, asked only when both are of one level; 1: not asked
-  bool within_bound = false;        // asked of the error of a match
+  bool within_bound = false;        // true: a match's reprojection error must be within its 95 % bound
 };
 
 // match[q] becomes the index of the feature matched to query q, or -1. A feature goes to at most one query: the most

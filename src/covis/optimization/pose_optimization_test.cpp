@@ -65,6 +65,41 @@ TEST(PoseOptimization, EndsWhereCeresEnds) {
   }
 }
 
+// A depth sensor's depth adds what the derivative of its disparity by the pose says, taken numerically here.
+TEST(PoseOptimization, DepthsOfASensorWeighByTheirOwnVariance) {
+  constexpr float kInvSigma2 = 25;
+  Pinhole camera = kCamera;
+  camera.depth_noise = DepthNoise::kinect();
+  Random random(4);
+  const SE3 truth = random_pose(random, 0.5, 1);
+  PoseObservations with, without;
+  Matrix6d expected = Matrix6d::Zero();
+  for (int i = 0; i < 60; ++i) {
+    const Eigen::Vector3d p_c(random.uniform(-2, 2), random.uniform(-1.5, 1.5), random.uniform(2, 8));
+    const Eigen::Vector3d p_w = truth.inverse() * p_c;
+    const Eigen::Vector2d pixel = camera.project(p_c);
+    const auto u = static_cast<float>(pixel.x()), v = static_cast<float>(pixel.y());
+    without.add(p_w, u, v, 1, {});
+    with.add(p_w, u, v, 1, {static_cast<float>(camera.bf / p_c.z()), kInvSigma2});
+    Vector6d J;
+    for (int k = 0; k < 6; ++k) {
+      constexpr double kStep = 1e-6;
+      const auto disparity = [&](double step) {
+        Vector6d xi = Vector6d::Zero();
+        xi[k] = step;
+        return camera.bf / (SE3::exp(xi) * p_c).z();
+      };
+      J[k] = (disparity(kStep) - disparity(-kStep)) / (2 * kStep);
+    }
+    expected += static_cast<double>(kInvSigma2) * J * J.transpose();
+  }
+  std::vector<uint8_t> inlier;
+  const PoseResult a = optimize_pose(truth, with, camera, {}, inlier);
+  const PoseResult b = optimize_pose(truth, without, camera, {}, inlier);
+  ASSERT_TRUE(a.ok && b.ok);
+  EXPECT_LT((a.information - b.information - expected).norm(), 1e-3 * expected.norm());
+}
+
 TEST(PoseOptimization, StandsOutliersAndFewObservations) {
   int good = 0;
   for (uint64_t seed = 1; seed <= 50; ++seed) {

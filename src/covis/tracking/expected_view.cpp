@@ -32,14 +32,14 @@ void ExpectedView::measure(const TrackedFrame& frame) {
   }
 }
 
-void ExpectedView::look(const LocalMap& local_map, std::span<const uint8_t> in_view, const TrackedFrame& frame,
-                        const Pinhole& camera) {
+double ExpectedView::look(const LocalMap& local_map, std::span<const uint8_t> in_view, const TrackedFrame& frame,
+                          const Pinhole& camera) {
   constexpr int kEnough = 4;       // keypoints in a cell to say how far one sees there
   constexpr double kBeyond = 1.5;  // times that depth: a point so far away is covered
   measure(frame);
   reserve_ahead(points_, in_view.size());
   points_.assign(in_view.begin(), in_view.end());
-  matches_ = 0;
+  double matches = 0;
   for (size_t k = 0; k < points_.size(); ++k) {
     if (!points_[k]) continue;
     const Eigen::Vector3d p_c = frame.T_cw * local_map.points.position(k);
@@ -48,8 +48,9 @@ void ExpectedView::look(const LocalMap& local_map, std::span<const uint8_t> in_v
       const Cell* c = cell(frame.features->grid.bounds, h.u, h.v);
       if (c && c->seen >= kEnough && p_c.z() > kBeyond * c->farthest) points_[k] = 0;
     }
-    if (points_[k]) matches_ += local_map.match_ratio[k];
+    if (points_[k]) matches += local_map.match_ratio[k];
   }
+  return matches;
 }
 
 }  // namespace covis

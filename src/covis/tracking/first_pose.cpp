@@ -2,8 +2,9 @@
 #include "covis/tracking/first_pose.h"
 
 #include <numbers>
+#include <utility>
 
-#include "covis/geometry/lie.h"
+#include "covis/geometry/se3.h"
 #include "covis/tracking/motion_model.h"
 
 namespace covis {
@@ -43,10 +44,8 @@ FirstPose::Hypothesis FirstPose::by_motion(const TrackedFrame& last, const SE3& 
 
 FirstPose::Hypothesis FirstPose::by_descriptors(const TrackedFrame& last, TrackedFrame& frame,
                                                 PoseSearch& search) const {
-  // Wide gates, as RANSAC sorts out what is wrong.
-  constexpr DescriptorMatchOptions kGate{.max_distance = 64, .ratio = 0.9f};
   Hypothesis h;
-  h.matches = FrameMatcher::match_frame(last, frame, kGate);
+  h.matches = FrameMatcher::match_frame(last, frame, kForRansac);
   if (h.matches < options_.reference_min_matches) {
     h.reason = "too few matches with the last frame";
   } else if (!search.matcher.find_pose(frame, search.camera, seed_)) {
@@ -83,7 +82,7 @@ FirstPose::Hypothesis FirstPose::by_images(const TrackedFrame& last, const SE3& 
                                            PoseSearch& search) {
   turn_seen_ = image_rotation(last.features->small, frame.features->small, search.camera);
   if (!turn_seen_) return {.method = TrackMethod::image_rotation, .reason = "the images show no rotation"};
-  Hypothesis h = by_motion(last, MotionModel::turned(T_cl, turn_seen_->R_21), frame, search);
+  Hypothesis h = by_motion(last, MotionModel::turned(T_cl, *turn_seen_), frame, search);
   h.method = TrackMethod::image_rotation;
   return h;
 }
@@ -92,27 +91,28 @@ bool FirstPose::find(const TrackedFrame& last, const std::optional<SE3>& T_cl, T
                      TrackResult& figures) {
   turn_seen_.reset();
   Hypothesis best;
-  // Keeps the better of two hypotheses, and the frame as that has it.
-  const auto compete = [&](const Hypothesis& h) {
+  // Keeps the better one of two hypotheses, and the frame as that has it.
+  const auto compete = [&](auto&& hypothesis) {
+    if (best.ok()) best_ = frame;
+    const Hypothesis h = hypothesis();
     if (h.ok() && (!best.ok() || h.inliers > kBetter * best.inliers)) {
       best = h;
     } else if (best.ok()) {
-      frame.swap(best_);
+      std::swap(frame, best_);
     }
-    if (best.ok()) best_ = frame;
   };
   if (T_cl) {
     best = by_motion(last, *T_cl, frame, search);
     if (!best.explains()) {
-      if (best.ok()) best_ = frame;
-      compete(by_images(last, *T_cl, frame, search));
-      if (!best.explains()) compete(by_descriptors(last, frame, search));
-      if (!best.ok()) compete(by_reference(last, frame, search));
+      compete([&] { return by_images(last, *T_cl, frame, search); });
+      if (!best.explains()) compete([&] { return by_descriptors(last, frame, search); });
+      if (!best.ok()) compete([&] { return by_reference(last, frame, search); });
     }
   } else {
     best = by_reference(last, frame, search);
-    if (!best.ok()) compete(by_descriptors(last, frame, search));
+    if (!best.ok()) compete([&] { return by_descriptors(last, frame, search); });
   }
+  best_.features.reset();  // the ring of features wants them back
   figures.predicted_matches = best.matches;
   figures.first_share = best.share;
   figures.reason = best.reason;
@@ -122,7 +122,7 @@ bool FirstPose::find(const TrackedFrame& last, const std::optional<SE3>& T_cl, T
 
 bool FirstPose::images_agree(const SE3& T_cl) const {
   constexpr double kAgree = 1.5 / 180 * std::numbers::pi;
-  return turn_seen_ && so3_log(turn_seen_->R_21 * T_cl.R().transpose()).norm() < kAgree;
+  return turn_seen_ && so3_log(*turn_seen_ * T_cl.R().transpose()).norm() < kAgree;
 }
 
 }  // namespace covis

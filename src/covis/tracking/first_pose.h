@@ -22,8 +22,7 @@ namespace covis {
 
 class FirstPose {
  public:
-  // In `counted` frames' points all count; else only those of the map do, and what the last frame's own depth gave
-  // helps the pose but does not carry it.
+  // all_points: points from the last frame's own depth count too. map_points: they help the pose but do not carry it.
   enum class Support { map_points, all_points };
   FirstPose(Sensor sensor, const FirstPoseOptions& options, Support support, int seed)
       : sensor_(sensor), options_(options), support_(support), seed_(seed) {}
@@ -57,8 +56,8 @@ class FirstPose {
   const FirstPoseOptions options_;
   const Support support_;
   const int seed_;
-  std::optional<ImageRotation> turn_seen_;  // the rotation that the images show; empty: not asked, or not seen
-  TrackedFrame best_;                       // the frame as the best hypothesis so far has it
+  std::optional<Eigen::Matrix3d> turn_seen_;  // the rotation that the images show; empty: not asked, or not seen
+  TrackedFrame best_;                         // the frame as the best hypothesis so far has it
 };
 
 }  // namespace covis

@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "covis/tracking/test_frame.h"
+#include "covis/tracking/test_panorama.h"
 
 namespace covis {
 namespace {
@@ -27,7 +30,8 @@ class FirstPoseTest : public testing::Test {
   }
   // Finds the pose of a frame at T_cw, when the motion is expected to be T_cl.
   bool find(const SE3& T_cw, const std::optional<SE3>& T_cl) {
-    frame = frame_of(scene.view(T_cw), SE3(), 2);
+    const PointScene::View view = scene.view(T_cw);
+    frame = frame_of(show_images ? with_image(view, T_cw) : view, SE3(), 2);
     result = {};
     return first_pose.find(last, T_cl, frame, search, result);
   }
@@ -35,6 +39,20 @@ class FirstPoseTest : public testing::Test {
     if (!find(T_cw, T_cl)) return false;
     EXPECT_LT(distance(frame.T_cw, T_cw), 0.05);
     return true;
+  }
+  // The view with a small image of what lies at infinity.
+  PointScene::View with_image(const PointScene::View& view, const SE3& T_cw) const {
+    return edited(view, [&](Features& f) {
+      const Pinhole& camera = scene.camera;
+      ImageU8 image(static_cast<int>(2 * camera.cx), static_cast<int>(2 * camera.cy));
+      for (int y = 0; y < image.height(); ++y) {
+        for (int x = 0; x < image.width(); ++x) {
+          const double grey = far.grey(T_cw.R().transpose() * camera.unproject(x, y));
+          image(x, y) = static_cast<uint8_t>(std::clamp(std::lround(grey), 0l, 255l));
+        }
+      }
+      SmallImageMaker().make(image.view(), f.small);
+    });
   }
   void know_reference(size_t key_frame) {
     const auto map = world.shared.read();
@@ -44,6 +62,8 @@ class FirstPoseTest : public testing::Test {
   const PointScene scene = PointScene::ring();
   SceneMap world{scene};
   const PointScene::View last_view = scene.view(turned(0));
+  const Panorama far{7};
+  bool show_images = false;
   TrackedFrame last, frame;
   TrackResult result;
   PoseSearch search{RecoveryOptions{}, Subject::stream};
@@ -64,6 +84,18 @@ TEST_F(FirstPoseTest, ASuddenTurnIsFoundByDescriptors) {
     EXPECT_EQ(result.method, TrackMethod::last_frame);
     EXPECT_GT(result.first_share, 0.5);
   }
+}
+
+// Where descriptors say nothing, the images lead to the search's place.
+TEST_F(FirstPoseTest, ASuddenTurnIsFoundByTheImages) {
+  show_images = true;
+  last = frame_of(with_image(last_view, turned(0)), turned(0), 1);
+  match_points(last, last_view, world);
+  const SE3 T_cl = turned(12) * turned(0).inverse();
+  ASSERT_TRUE(finds(turned(12), SE3()));
+  EXPECT_EQ(result.method, TrackMethod::image_rotation);
+  EXPECT_TRUE(first_pose.images_agree(T_cl));
+  EXPECT_FALSE(first_pose.images_agree(SE3())) << "12 degrees beside";
 }
 
 TEST_F(FirstPoseTest, WithoutAPredictionTheReferenceKeyFrameServes) {

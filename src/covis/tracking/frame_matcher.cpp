@@ -46,7 +46,7 @@ FrameMatcher::LastFrameMatches FrameMatcher::match_last_frame(const TrackedFrame
   seen_depth_.clear();
   for (size_t i = 0; i < last.source.size(); ++i) {
     if (last.source[i] == PointSource::none) continue;
-    seen_depth_.push_back((last.T_cw * last.positions[i]).z());
+    if (camera.depth_noise.known()) seen_depth_.push_back((last.T_cw * last.positions[i]).z());
     seen_.add_seen(last.points[i], last.positions[i], from.descriptor[i], from.level[i]);
     seen_by_.push_back(static_cast<uint32_t>(i));
     seen_angle_.push_back(from.angle[i]);

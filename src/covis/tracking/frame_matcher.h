@@ -21,7 +21,8 @@ struct PoseFit {
   Matrix6d information = Matrix6d::Zero();  // PoseResult::information
 };
 
-// Keeps its work space between frames: nothing but match_key_frame() allocates in a steady state.
+// Keeps its work space between frames: only the searches by descriptor alone, and
+// find_pose(), allocate in a steady state.
 class FrameMatcher {
  public:
   FrameMatcher();

@@ -195,7 +195,7 @@ class Aligner {
     pairs_.reserve(first.grey.size());
   }
 
-  // Improves R_21 in some steps. Returns the comparison of the images before the last of them.
+  // Improves R_21 in some steps. Returns the comparison of the images by it.
   Moments align(Eigen::Matrix3d& R_21) {
     constexpr int kSteps = 12;
     constexpr double kSmall = 0.01;  // small pixels
@@ -205,9 +205,9 @@ class Aligner {
       m = look(R_21, zoom);
       if (m.correlation() <= 0) return m;
       const Eigen::Vector4d step = solve(m, zoom);
+      if (step.norm() * camera_.fx < kSmall || k + 1 == kSteps) break;
       R_21 = so3_exp(step.head<3>()) * R_21;
       zoom = std::clamp(zoom * std::exp(step[3]), 1 / kMaxZoom, kMaxZoom);
-      if (step.norm() * camera_.fx < kSmall) break;
     }
     return m;
   }
@@ -276,19 +276,20 @@ class Aligner {
 
 }  // namespace
 
-std::optional<ImageRotation> image_rotation(const SmallImage& first, const SmallImage& second, const Pinhole& camera) {
+std::optional<Eigen::Matrix3d> image_rotation(const SmallImage& first, const SmallImage& second,
+                                              const Pinhole& camera) {
   if (first.width != second.width || first.height != second.height || first.block != second.block) return std::nullopt;
   if (std::min(first.width, first.height) < kMinSide) return std::nullopt;
   const Pinhole small = first.camera(camera);
   Aligner aligner(first, second, small);
-  std::optional<ImageRotation> best;
+  std::optional<Eigen::Matrix3d> best;
   double most = 0;
   for (const Shift& shift : best_shifts(halved(first), halved(second))) {
     Eigen::Matrix3d R_21 = rotation_of(shift, first, small);
     const Moments m = aligner.align(R_21);
     if (m.n == 0 || m.correlation() < kMinCorrelation || m.significance() <= most || !R_21.allFinite()) continue;
     most = m.significance();
-    best = {R_21, m.correlation()};
+    best = R_21;
   }
   return best;
 }

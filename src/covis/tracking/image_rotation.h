@@ -13,12 +13,8 @@
 
 namespace covis {
 
-struct ImageRotation {
-  Eigen::Matrix3d R_21;    // first camera to second
-  double correlation = 0;  // zero-mean normalised, of the pixels that both see: at most 1
-};
-
-// camera: of the full images. Nothing when the images are flat, too small, of different sizes, or do not correlate.
-std::optional<ImageRotation> image_rotation(const SmallImage& first, const SmallImage& second, const Pinhole& camera);
+// R_21: first camera to second. `camera` is that of the full images. Nothing when the images are flat, too small, of
+// different sizes, or do not correlate.
+std::optional<Eigen::Matrix3d> image_rotation(const SmallImage& first, const SmallImage& second, const Pinhole& camera);
 
 }  // namespace covis

@@ -21,7 +21,7 @@ class LocalMap {
   void clear();
 
   PointSet points;                     // the order depends on the map and the matches alone
-  std::vector<float> match_ratio;      // share of the frames with the point in view that matched it
+  std::vector<float> match_ratio;      // share of frames expected to match the point when it is in view
   std::vector<KeyFrameId> key_frames;  // K1 first
   KeyFrameView reference;
   int reference_all_points = 0;  // points of the reference key frame that another one observes too

@@ -98,6 +98,8 @@ TEST_F(LocalMapTest, CopiesAreThoseOfTheMapAndStayWhenItMoves) {
     EXPECT_EQ(local.points.d_max[i], point.d_max);
     EXPECT_EQ(local.points.nz[i], static_cast<float>(point.normal_w.z()));
     EXPECT_EQ(local.points.descriptor[i], point.descriptor);
+    EXPECT_FLOAT_EQ(local.match_ratio[i],
+                    std::min((static_cast<float>(point.found) + 2.4f) / (static_cast<float>(point.visible) + 4), 1.0f));
   }
   ASSERT_TRUE(map.set_position(local.points.id[7], {9, 9, 9}));
   EXPECT_EQ(Eigen::Vector3d(local.points.px[7], local.points.py[7], local.points.pz[7]), before);

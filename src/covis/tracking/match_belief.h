@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Judges whether a pose explains what the camera sees, by the share of the points in view that agree with it: of the
-// local map's points as many as usually match, of the last frame's points as many as lately. A pose around a wrong
+// local map's points nearly as many as usual must, or else of the last frame's points. A pose around a wrong
 // prediction has matches by chance, 3 to 13 % of what is expected. How many are usual depends on the images (0.2 in one
 // recording, 0.7 in another), so the shares of the frames before are what a frame is held against.
 // Measured: docs/notes/022-a-pose-explains-its-view.md.
@@ -31,7 +31,7 @@ class MatchBelief {
   static double local_share(const TrackFigures& figures) {
     return figures.inliers / std::max(1.0, figures.local_expected);
   }
-  // A frame counts for as much as the last 20; what is usual never falls to what chance gives.
+  // A running mean over some 20 frames; it never falls to the share that chance gives.
   static void learn(double& usual, double share) {
     constexpr double kGain = 0.05, kLeast = 0.2;
     usual = std::max(kLeast, usual + kGain * (std::min(share, 1.0) - usual));

@@ -65,7 +65,7 @@ void PlaceCheck::accept(const TrackedFrame& frame, uint32_t submap) {
   Place place{frame.T_cw, submap, frame.stamp};
   if (last_ && last_->submap == submap && frame.stamp > last_->stamp) {
     place.interval = frame.stamp - last_->stamp;
-    place.velocity = (frame.T_cw.centre() - last_->T_cw.centre()) / to_seconds(place.interval);
+    place.velocity = frame.T_cw.R() * (frame.T_cw.centre() - last_->T_cw.centre()) / to_seconds(place.interval);
   }
   last_ = place;
 }
@@ -80,9 +80,9 @@ void PlaceCheck::restart() {
   jump_.reset();
 }
 
-void PlaceCheck::follow(const SE3& T_cw, uint32_t submap) {
+void PlaceCheck::follow(const SE3& T_cw, uint32_t submap, double growth) {
   if (!last_) return;
-  if (submap != last_->submap) last_->velocity.setZero();
+  last_->velocity *= growth;
   last_->T_cw = T_cw;
   last_->submap = submap;
 }
@@ -107,7 +107,7 @@ bool PlaceCheck::jumped(const Found& found, Arrival arrival) const {
   const SE3 T_cl = found.frame.T_cw * last_->T_cw.inverse();
   double lost = last_->interval > 0 ? to_seconds(found.frame.stamp - last_->stamp - last_->interval) : 0;  // seconds
   if (lost < 0 || lost > kMoment) lost = 0;
-  const Eigen::Vector3d on_the_way = lost * last_->velocity;
+  const Eigen::Vector3d on_the_way = lost * (last_->T_cw.R().transpose() * last_->velocity);
   const Eigen::Vector3d off = found.frame.T_cw.centre() - last_->T_cw.centre() - on_the_way;
   const double frames = lost > 0 ? 1 + lost / to_seconds(last_->interval) : 1;
   const double turn = arrival == Arrival::recognised ? kMostTurn : std::min(kTurn * frames, kMostTurn);

@@ -49,8 +49,8 @@ class PlaceCheck {
   void restart_at(const TrackedFrame& frame, uint32_t submap) { last_ = {frame.T_cw, submap, frame.stamp}; }
   // The camera may be anywhere.
   void restart();
-  // The map moved, and the last place with it.
-  void follow(const SE3& T_cw, uint32_t submap);
+  // The map moved, and the last place with it; lengths there grew by the factor `growth`.
+  void follow(const SE3& T_cw, uint32_t submap, double growth);
 
   bool tentative() const { return jump_.has_value(); }
   // The frame from which on poses are to be taken back, reported once.
@@ -62,7 +62,7 @@ class PlaceCheck {
     uint32_t submap = 0;
     Timestamp stamp = 0;
     Timestamp interval = 0;                              // since the frame before; 0: unknown
-    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // velocity of the camera's centre, metres a second
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // that of the centre in the camera, metres a second
   };
   struct Jump {
     int64_t frame = 0;

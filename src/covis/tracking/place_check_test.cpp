@@ -73,6 +73,18 @@ TEST_F(TentativePlaceTest, WhereACameraLostForLongIsFoundItHasJumped) {
   EXPECT_TRUE(place.tentative()) << "seven tenths of a second at 5 m/s lead there, but it was not seen to go";
 }
 
+// Twice the lengths, and the world turned by a right angle: the way on turns and grows with it.
+TEST_F(TentativePlaceTest, TheWayOnMovesWithTheMap) {
+  settle();
+  find(1, 0.1, 0.5);
+  const Eigen::Matrix3d R_wc = so3_exp({0, 1.5707963, 0});  // the camera's right is the world's -z
+  place.follow(SE3(R_wc.transpose(), Eigen::Vector3d::Zero()), 0, 2);
+  TrackedFrame found = at(6, 0.6, 0);
+  found.T_cw = SE3(R_wc, Eigen::Vector3d(0, 0, -2 * 0.4 * 5)).inverse();  // 0.4 s of 5 m/s
+  EXPECT_TRUE(place.is_right({found, local_map, {}, nullptr}, Arrival::relocalised));
+  EXPECT_FALSE(place.tentative());
+}
+
 // Things that the last frame saw too show how far the camera turned; nothing confirms a place that only looks alike.
 TEST_F(TentativePlaceTest, AWideTurnIsNoJumpWhereTheLastFrameShowsIt) {
   const auto turned_by = [&](double degrees, Arrival arrival) {
@@ -93,7 +105,7 @@ TEST_F(TentativePlaceTest, AWideTurnIsNoJumpWhereTheLastFrameShowsIt) {
   EXPECT_TRUE(place.tentative()) << "a fifth of the depth";
 }
 
-TEST_F(TentativePlaceTest, ACameraThatStoodIsNotElsewhereAfterALoss) {
+TEST_F(TentativePlaceTest, ACameraThatStoodHasJumpedWhenItIsFoundElsewhere) {
   settle();
   find(1, 0.1, 0);
   find(6, 0.6, 1.1, Arrival::relocalised);
@@ -167,13 +179,13 @@ TEST_F(TentativePlaceTest, OfTwoJumpsTakenBackTheEarlierIsReported) {
 
 TEST_F(TentativePlaceTest, ThePlaceMovesWithTheMap) {
   settle();
-  place.follow(pose_at(30), 2);
+  place.follow(pose_at(30), 2, 1);
   find(1, 0.1, 30.1, Arrival::relocalised, 2);
   EXPECT_FALSE(place.tentative());
 }
 
 TEST_F(TentativePlaceTest, WithoutAPlaceThereIsNothingToMove) {
-  place.follow(pose_at(30), 0);
+  place.follow(pose_at(30), 0, 1);
   find(1, 0.1, 30.1, Arrival::relocalised);
   EXPECT_TRUE(place.tentative());
 }

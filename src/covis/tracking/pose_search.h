@@ -35,8 +35,8 @@ struct PoseSearch {
   PlaceCheck::Found found(const TrackedFrame& frame, const SharedMap* live) const {
     return {frame, local_map, view.points(), live};
   }
-  // Sees which points of the local map the frame should show at its pose.
-  void look(const TrackedFrame& frame) { view.look(local_map, matcher.in_view(), frame, camera); }
+  // Sees which points of the local map the frame should show at its pose, and returns how many usually match.
+  double look(const TrackedFrame& frame) { return view.look(local_map, matcher.in_view(), frame, camera); }
 };
 
 }  // namespace covis

@@ -72,9 +72,7 @@ std::vector<KeyFrameId> Relocaliser::candidates(const Map& map, const Words* wor
 }
 
 bool Relocaliser::find_first_pose(const KeyFrameView& view, TrackedFrame& frame, PoseSearch& search) const {
-  // Wider than for the next frame, as RANSAC sorts out what is wrong: 5 % more frames are found than with 0.75 and 50.
-  constexpr DescriptorMatchOptions kGate{.max_distance = 64, .ratio = 0.9f};
-  if (FrameMatcher::match_key_frame(view, frame, kGate) < options_.first_pose.reference_min_matches) return false;
+  if (FrameMatcher::match_key_frame(view, frame, kForRansac) < options_.first_pose.reference_min_matches) return false;
   if (!FrameMatcher::find_pose(frame, search.camera, seed_)) return false;
   return search.matcher.fit_pose(frame, search.camera).on_map >= kMinInliers;
 }
@@ -94,8 +92,7 @@ bool Relocaliser::find_at(const KeyFrameView& view, TrackedFrame& frame, PoseSea
     figures.inliers = search.matcher.fit_pose(frame, search.camera).on_map;
     if (figures.inliers >= options_.recovery.min_inliers_recovered &&
         figures.inliers >= options_.recovery.min_recovered_share * figures.local_in_view) {
-      search.look(frame);
-      figures.local_expected = search.view.matches();
+      figures.local_expected = search.look(frame);
       return search.place.is_right(search.found(frame, live), Arrival::relocalised);
     }
     if (figures.inliers < kMinInliers) return false;

@@ -58,7 +58,7 @@ struct TrackTimes {
 struct TrackFigures {
   TrackMethod method = TrackMethod::none;
   int features = 0;           // keypoints of the frame
-  int predicted_matches = 0;  // matches of the motion model or the reference key frame
+  int predicted_matches = 0;  // matches from which the first pose was made
   double first_share = 0;     // share of the last frame's points in view that agree with the first pose
   int local_points = 0;       // points of the local map
   int local_in_view = 0;      // points of it predicted in view

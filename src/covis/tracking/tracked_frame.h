@@ -29,7 +29,6 @@ struct TrackedFrame {
   KeyFrameRequest request() const;
 
   void start(FeaturesPtr f, int64_t frame, Timestamp t);
-  void swap(TrackedFrame& other) { std::swap(*this, other); }
   void clear_matches();
   void set_match(size_t feature, MapPointId point, const Eigen::Vector3d& position_w, PointSource from);
   void drop_match(size_t feature);

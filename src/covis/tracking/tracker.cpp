@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/tracking/tracker.h"
 
-#include <algorithm>
 #include <string>
 #include <utility>
 
 #include "covis/core/log.h"
 #include "covis/core/time.h"
 #include "covis/matching/point_geometry.h"
-#include "covis/tracking/image_rotation.h"
 
 namespace covis {
 namespace {
@@ -109,8 +107,7 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
   const PoseFit fit = search_.matcher.fit_pose(current_, search_.camera);
   result.inliers = fit.on_map;
   result.ms.pose += watch.ms();
-  search_.look(current_);
-  result.local_expected = search_.view.matches();
+  result.local_expected = search_.look(current_);
   if (result.inliers < (recovered_lately ? settings_.options.recovery.min_inliers_recovered : o.min_inliers)) {
     result.reason = "too few points of the map agree on a pose";
     return false;
@@ -136,9 +133,11 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
   return true;
 }
 
-// In localisation only: the last frame's depth carries the pose over a place with too few map points.
+// In localisation only: the last frame's depth carries the pose over a place with too few map points. Where there were
+// enough of them their pose was refused, and is not to come back this way.
 bool Tracker::dead_reckon(TrackResult& result) {
-  if (!settings_.dead_reckons() || current_.matches() < settings_.options.local_map.min_inliers) return false;
+  const int least = settings_.options.local_map.min_inliers;
+  if (!settings_.dead_reckons() || result.inliers >= least || current_.matches() < least) return false;
   ++health_.dead_reckoned_frames;
   result.method = TrackMethod::dead_reckoned;
   return true;
@@ -151,6 +150,7 @@ bool Tracker::relocalise(TrackResult& result, const SharedMap* live) {
   if (found) {
     health_.last_recovery = current_.stamp;
     result.method = TrackMethod::recovered;
+    result.first_share = 0;  // that of a hypothesis which was refused
   } else if (state_ == TrackState::lost) {
     result.reason = "lost: the view matches no key frame tried";
   }
@@ -251,11 +251,12 @@ void Tracker::follow_map(const Map& map) {
   last_.moves = map.moves();
   search_.refresh_camera(map);
   if (const auto resolved = last_.pose.resolved(map)) {
-    motion_.rescale(last_.pose.growth(map));
+    const double growth = last_.pose.growth(map);
+    motion_.rescale(growth);
     last_.pose = *resolved;
     last_.submap = map.at(resolved->key_frame).submap;
     last_.frame.T_cw = last_.pose.T_cw(map).normalized();
-    search_.place.follow(last_.frame.T_cw, last_.submap);
+    search_.place.follow(last_.frame.T_cw, last_.submap, growth);
   }
   // A new key frame becomes the reference unless the camera was meanwhile found in another submap.
   if (const KeyFrame* made = map.find(last_.new_reference); made && made->submap == last_.submap)

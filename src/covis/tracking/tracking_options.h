@@ -10,7 +10,7 @@
 
 namespace covis {
 
-// The first pose of a frame: from the motion model, or from the reference key frame.
+// The first pose of a frame, by one of several hypotheses (first_pose.h).
 struct FirstPoseOptions {
   double motion_window = 15;        // pixels x scale: search around the predicted place (monocular, RGB-D)
   double motion_window_stereo = 7;  // the same for stereo
