@@ -153,11 +153,6 @@ bool Map::correct_pose(KeyFrameId id, const SE3& T_cw, double growth) {
   return true;
 }
 
-void Map::set_camera(const Pinhole& camera) {
-  camera_ = camera;
-  count_move();
-}
-
 void Map::add_loop_edge(KeyFrameId a, KeyFrameId b) {
   assert(a != b && at(a).submap == at(b).submap);
   insert_sorted(key_frames_.at(a).loop_edges, b);

@@ -150,9 +150,9 @@ class Map {
   void count_move() { ++moves_; }
 
   // ---- The camera ----
-  // The camera that all undistorted keypoints are of; they stay as they are when it is refined. Counted by moves().
+  // The camera that all undistorted keypoints are of; they stay as they are when it is refined.
   const Pinhole& camera() const { return camera_; }
-  void set_camera(const Pinhole& camera);
+  void set_camera(const Pinhole& camera) { camera_ = camera; }
 
   // ---- Submaps ----
   const std::vector<Submap>& submaps() const { return submaps_; }  // by rising id: the oldest first

@@ -43,7 +43,9 @@ TEST(DepthNoiseTracker, TheMapsCameraGetsTheNoiseOfTheSensor) {
     Pinhole camera{500, 500, 320, 240, 40};
     camera.depth_noise = DepthNoise::kinect();
     SharedMap map(camera);
+    const uint64_t moves = map.read()->moves();
     learn_of(map, DepthNoise::kinect().scaled(factor));
+    EXPECT_EQ(map.read()->moves(), moves) << "no pose and no point moves";
     EXPECT_NEAR(map.read()->camera().depth_noise.b, factor * DepthNoise::kinect().b, 0.15 * factor * 0.0015);
     EXPECT_EQ(map.read()->camera().bf, 40);
   }

@@ -10,21 +10,15 @@ PointCounts::PointCounts() {
   constexpr size_t kPointSlots = 1 << 17, kPoints = 1 << 15;
   index_.reserve(kPointSlots);
   counts_.reserve(kPoints);
-  counted_.reserve(kPoints);
 }
 
 PointCount& PointCounts::at(MapPointId id) {
   uint32_t& index = at_slot(index_, id.slot);
-  if (index == 0) {
-    counts_.emplace_back();
+  if (index == 0 || counts_[index - 1].point != id) {
+    counts_.push_back({id, 0, 0});
     index = static_cast<uint32_t>(counts_.size());
   }
-  PointCount& count = counts_[index - 1];
-  if (count.point != id) {
-    count = {id, 0, 0};
-    counted_.push_back(index - 1);
-  }
-  return count;
+  return counts_[index - 1];
 }
 
 void PointCounts::add(std::span<const MapPointId> points, std::span<const uint8_t> in_view, const TrackedFrame& frame) {
@@ -37,9 +31,7 @@ void PointCounts::add(std::span<const MapPointId> points, std::span<const uint8_
 }
 
 std::vector<PointCount> PointCounts::take() {
-  std::vector<PointCount> counts;
-  counts.reserve(counted_.size());
-  for (const uint32_t index : counted_) counts.push_back(counts_[index]);
+  std::vector<PointCount> counts = counts_;
   clear();
   return counts;
 }
@@ -47,7 +39,6 @@ std::vector<PointCount> PointCounts::take() {
 void PointCounts::clear() {
   for (const PointCount& count : counts_) index_[count.point.slot] = 0;
   counts_.clear();
-  counted_.clear();
 }
 
 }  // namespace covis

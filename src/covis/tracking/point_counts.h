@@ -24,9 +24,8 @@ class PointCounts {
  private:
   PointCount& at(MapPointId id);
 
-  std::vector<uint32_t> index_;     // by point slot: 1 + index of its count, or 0
-  std::vector<PointCount> counts_;  // one for each slot that has any
-  std::vector<uint32_t> counted_;   // indices of counts, in the order in which points were first counted
+  std::vector<uint32_t> index_;     // by point slot: 1 + index of the count of its newest point, or 0
+  std::vector<PointCount> counts_;  // in the order in which points were first counted
 };
 
 }  // namespace covis

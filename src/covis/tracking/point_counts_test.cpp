@@ -56,6 +56,14 @@ TEST_F(PointCountsTest, TakingStartsAnew) {
   EXPECT_THAT(counts.take(), IsEmpty());
 }
 
+TEST_F(PointCountsTest, ASlotUsedAgainCountsItsPointsApart) {
+  const MapPointId next{a.slot, a.generation + 1};
+  count({a, b}, {a});
+  count({next}, {next});
+  count({next}, {});
+  EXPECT_THAT(counts.take(), ElementsAre(PointCount{a, 1, 1}, PointCount{b, 1, 0}, PointCount{next, 2, 1}));
+}
+
 TEST_F(PointCountsTest, APointOutOfViewMayBeMatched) {
   count({}, {a});
   EXPECT_THAT(counts.take(), ElementsAre(PointCount{a, 0, 1}));
