@@ -47,6 +47,8 @@ Fields fields(SynthOptions& o) {
       {"synth.noise", &o.noise, "standard deviation of image noise at middle grey, grey levels", 0, 50},
       {"synth.depth_noise", &o.depth_noise, "strength of the depth sensor's errors; 0: exact, 1: like a Kinect", 0, 10},
       {"synth.exposure", &o.exposure, "greatest relative change of brightness over time", 0, 0.9},
+      {"synth.right_gain", &o.right_gain, "brightness of the right image by that of the left one; stereo", 0.1, 10},
+      {"synth.right_offset", &o.right_offset, "what is added to the right image, grey levels; stereo", -200, 200},
       {"synth.blur", &o.blur, "time the shutter is open, milliseconds; motion blurs the image", 0, 100},
       {"synth.distortion", &o.distortion,
        "strength of the lens distortion; 0: none, 1: like a wide-angle lens; mono and rgbd only", 0, 1.5},
@@ -146,6 +148,18 @@ const Camera& Synth::camera() const { return state_->camera; }
 SE3 Synth::T_wc(int i) const { return state_->world.path.at(to_seconds(stamp(i))).T_wc(); }
 Timestamp Synth::stamp(int i) const { return 1000 * std::llround(1e6 * i / state_->options.fps); }
 
+namespace {
+
+void brighten(ImageF& tone, double gain, double offset) {
+  if (gain == 1 && offset == 0) return;
+  for (int y = 0; y < tone.height(); ++y) {
+    float* const row = tone.row(y);
+    for (int x = 0; x < tone.width(); ++x) row[x] = static_cast<float>(gain) * row[x] + static_cast<float>(offset);
+  }
+}
+
+}  // namespace
+
 void Synth::State::take(double seconds, const SE3& T_camera, Stage noise_stage, int frame, ImageU8& image) {
   const auto pose = [&](double t) { return world.path.at(t).T_wc() * T_camera; };
   const SE3 T_wc = pose(seconds);
@@ -155,6 +169,7 @@ void Synth::State::take(double seconds, const SE3& T_camera, Stage noise_stage, 
     const SE3 T_cw = T_wc.inverse();
     synth::blur_motion(renderer, depth, T_cw * pose(seconds - half), T_cw * pose(seconds + half), tone, scratch);
   }
+  if (noise_stage == kRightNoise) brighten(tone, options.right_gain, options.right_offset);
   const uint64_t seed = static_cast<uint64_t>(options.seed);
   const double gain =
       options.exposure > 0 ? synth::exposure_gain(options.exposure, hash_seed(seed, kExposure), seconds) : 1;

@@ -38,11 +38,13 @@ struct SynthOptions {
   // Baseline of the stereo cameras, or virtual one of RGB-D, metres; 0: the world's default (0.11 and 0.08; street
   // 0.54).
   double baseline = 0;
-  double noise = 0;        // standard deviation of image noise at middle grey, grey levels
-  double depth_noise = 0;  // strength of the depth sensor's errors: 0 exact, 1 Kinect-like
-  double exposure = 0;     // greatest relative change of brightness over time; 0.3 is strong
-  double blur = 0;         // time the shutter is open, milliseconds; motion blurs the image
-  double distortion = 0;   // strength of the lens distortion: 0 none, 1 wide-angle lens; not for stereo
+  double noise = 0;         // standard deviation of image noise at middle grey, grey levels
+  double depth_noise = 0;   // strength of the depth sensor's errors: 0 exact, 1 Kinect-like
+  double exposure = 0;      // greatest relative change of brightness over time; 0.3 is strong
+  double right_gain = 1;    // brightness of the stereo pair's right image by that of the left one
+  double right_offset = 0;  // and what is added to it, grey levels
+  double blur = 0;          // time the shutter is open, milliseconds; motion blurs the image
+  double distortion = 0;    // strength of the lens distortion: 0 none, 1 wide-angle lens; not for stereo
 };
 
 // Lists the options by name ("synth.world", …) with their ranges.

@@ -67,8 +67,16 @@ Moments patch_moments(const uint8_t* pixel, ptrdiff_t stride);
 // aligned).
 void turn_points(const float* x, const float* y, size_t count, float c, float s, int32_t stride, int32_t* offsets);
 
-// Sets sad[k], k in [0, 11), to the sum of absolute differences of the 11x11 patches with top left at `a` and at b + k.
-// 16 bytes are read from each row start.
+// The difference of the means of two 11x11 patches in quarters of a grey level, rounded; `difference`: that of their
+// sums.
+constexpr int quarters_of_mean(int difference) {
+  constexpr int kPixels = 121;
+  return (4 * difference + (difference < 0 ? -kPixels / 2 : kPixels / 2)) / kPixels;
+}
+
+// Sets sad[k], k in [0, 11), to the sum of absolute differences, in quarters of a grey level, of the 11x11 patches with
+// top left at `a` and at b + k, from each of which its mean was taken off: two eyes are rarely equally bright. From
+// each row start at `a` 16 bytes are read, at `b` 24.
 void slide_sad(const uint8_t* a, ptrdiff_t stride_a, const uint8_t* b, ptrdiff_t stride_b, int* sad);
 
 }  // namespace covis

@@ -28,9 +28,8 @@ struct MomentWeights {
   }
 };
 inline constexpr MomentWeights kMomentWeights;
-// Selects the 11 columns of a patch.
-alignas(16) inline constexpr std::array<uint8_t, 16> kPatchColumns = {255, 255, 255, 255, 255, 255,
-                                                                      255, 255, 255, 255, 255};
+// Selects the 11 columns of a patch out of 16.
+alignas(32) inline constexpr std::array<int16_t, 16> kPatchColumns = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
 }  // namespace covis
 #endif
 
@@ -72,23 +71,55 @@ void TurnPoints(const float* x, const float* y, size_t count, float c, float s, 
   }
 }
 
-void SlideSad(const uint8_t* a, ptrdiff_t stride_a, const uint8_t* b, ptrdiff_t stride_b, int* sad) {
-  const hn::FixedTag<uint8_t, 16> d;
-  const hn::FixedTag<uint64_t, 2> d64;
-  using Sum = hn::Vec<decltype(d64)>;
-  const auto columns = hn::Load(d, kPatchColumns.data());
-  Sum sums[11];
-  for (Sum& sum : sums) sum = hn::Zero(d64);
-  for (int y = 0; y < 11; ++y) {
-    const auto pa = hn::LoadU(d, a + y * stride_a);
-    const uint8_t* from = b + y * stride_b;
-    for (size_t s = 0; s < 11; ++s) {
-      const auto pb = hn::LoadU(d, from + s);
-      const auto difference = hn::And(hn::Sub(hn::Max(pa, pb), hn::Min(pa, pb)), columns);
-      sums[s] = hn::Add(sums[s], hn::SumsOf8(difference));
+// Eleven rows of an image in quarters of a grey level, and the sums of their columns in grey levels. `kRead` columns
+// are read, the others are 0.
+template <size_t kRead, size_t kColumns>
+struct PatchRows {
+  alignas(32) int16_t quarters[11][kColumns];
+  alignas(32) int16_t sums[kColumns];
+
+  PatchRows(const uint8_t* from, ptrdiff_t stride) {
+    const hn::FixedTag<int16_t, 8> d;
+    const hn::Rebind<uint8_t, decltype(d)> bytes;
+    for (size_t k = 0; k < kColumns; k += 8) {
+      auto sum = hn::Zero(d);
+      for (size_t y = 0; y < 11; ++y) {
+        auto grey = hn::Zero(d);
+        if (k < kRead) grey = hn::PromoteTo(d, hn::LoadU(bytes, from + static_cast<ptrdiff_t>(y) * stride + k));
+        sum = hn::Add(sum, grey);
+        hn::Store(hn::ShiftLeft<2>(grey), d, &quarters[y][k]);
+      }
+      hn::Store(sum, d, &sums[k]);
     }
   }
-  for (size_t s = 0; s < 11; ++s) sad[s] = static_cast<int>(hn::GetLane(hn::SumOfLanes(d64, sums[s])));
+  int sum_of_first() const {
+    int sum = 0;
+    for (size_t k = 0; k < 11; ++k) sum += sums[k];
+    return sum;
+  }
+};
+
+void SlideSad(const uint8_t* a, ptrdiff_t stride_a, const uint8_t* b, ptrdiff_t stride_b, int* sad) {
+  const hn::CappedTag<int16_t, 16> d;
+  const hn::RepartitionToWide<decltype(d)> d32;
+  const PatchRows<16, 16> patch(a, stride_a);
+  const PatchRows<24, 32> strip(b, stride_b);
+  const int sum_a = patch.sum_of_first();
+  int sum_b = strip.sum_of_first();
+  for (size_t s = 0; s < 11; ++s) {
+    const auto mean = hn::Set(d, static_cast<int16_t>(quarters_of_mean(sum_b - sum_a)));
+    auto sum = hn::Zero(d32);
+    for (size_t k = 0; k < 16; k += hn::Lanes(d)) {
+      auto columns = hn::Zero(d);  // up to 11 x 2040
+      for (size_t y = 0; y < 11; ++y) {
+        const auto difference = hn::Sub(hn::Load(d, &patch.quarters[y][k]), hn::LoadU(d, &strip.quarters[y][s + k]));
+        columns = hn::Add(columns, hn::Abs(hn::Add(difference, mean)));
+      }
+      sum = hn::Add(sum, pair_sums(d32, columns, hn::Load(d, &kPatchColumns[k])));
+    }
+    sad[s] = hn::GetLane(hn::SumOfLanes(d32, sum));
+    sum_b += strip.sums[s + 11] - strip.sums[s];
+  }
 }
 
 }  // namespace covis::HWY_NAMESPACE

@@ -22,12 +22,19 @@ using Sads = std::array<int, 2 * kSlide + 1>;
 // Compares the patch with top left `a` with those at b, b + 1, ...
 void slide(const uint8_t* a, ptrdiff_t stride_a, const uint8_t* b, ptrdiff_t stride_b, Sads& sad) {
   if (simd_enabled()) return slide_sad(a, stride_a, b, stride_b, sad.data());
-  sad.fill(0);
-  for (int s = 0; s <= 2 * kSlide; ++s) {
+  const auto sum_over_patch = [](auto&& value) {
+    int sum = 0;
     for (int y = 0; y <= 2 * kHalfPatch; ++y) {
-      for (int x = 0; x <= 2 * kHalfPatch; ++x)
-        sad[static_cast<size_t>(s)] += std::abs(a[y * stride_a + x] - b[y * stride_b + x + s]);
+      for (int x = 0; x <= 2 * kHalfPatch; ++x) sum += value(x, y);
     }
+    return sum;
+  };
+  const int sum_a = sum_over_patch([&](int x, int y) { return a[y * stride_a + x]; });
+  for (int s = 0; s <= 2 * kSlide; ++s) {
+    const int sum_b = sum_over_patch([&](int x, int y) { return b[y * stride_b + x + s]; });
+    const int mean = quarters_of_mean(sum_b - sum_a);
+    sad[static_cast<size_t>(s)] = sum_over_patch(
+        [&](int x, int y) { return std::abs(4 * (a[y * stride_a + x] - b[y * stride_b + x + s]) + mean); });
   }
 }
 
@@ -89,7 +96,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     const int xr = static_cast<int>(std::lround(right.to_level(level, r.x[best_j], r.y[best_j]).x()));
     if (xr - kSlide - kHalfPatch < 0 || xr + kSlide + kHalfPatch >= b.width) continue;
     Sads sad;
-    // 16 bytes are read for each row of 11, which is safe because keypoints stay clear of the last rows.
+    // 16 and 24 bytes are read for rows of 11 and 21, which is safe because keypoints stay clear of the last rows.
     slide(a.row(y - kHalfPatch) + xl - kHalfPatch, a.stride, b.row(y - kHalfPatch) + xr - kSlide - kHalfPatch, b.stride,
           sad);
     const int at = static_cast<int>(std::min_element(sad.begin(), sad.end()) - sad.begin()) - kSlide;

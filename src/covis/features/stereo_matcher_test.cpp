@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "covis/features/test_images.h"
+#include "covis/features/test_targets.h"
 
 namespace covis {
 namespace {
@@ -42,6 +44,39 @@ TEST(StereoMatcher, ColumnAndDepthBelongTogether) {
     right += std::abs(disparity - kShift) < 1;
   }
   EXPECT_GT(right, 0.95 * m.count);
+}
+
+// The eyes differ by gain and offset, as two cameras with an exposure of their own do.
+TEST(StereoMatcher, EyesNeedNotBeEquallyBright) {
+  constexpr int kShift = 11;
+  const KeyPoints* points = nullptr;
+  const ImageU8 left = texture(400, 300, 3);
+  ImageU8 right = texture(400, 300, 3, kShift);
+  const int alike = match(left, right, points).count;
+  for (int y = 0; y < right.height(); ++y) {
+    for (int x = 0; x < right.width(); ++x)
+      right.row(y)[x] = static_cast<uint8_t>(std::clamp(0.9 * right.row(y)[x] + 20, 0.0, 255.0));
+  }
+  const Matched m = match(left, right, points);
+  EXPECT_GT(m.count, 0.8 * alike);
+  int close = 0;
+  for (size_t i = 0; i < points->size(); ++i)
+    close += m.depth[i] > 0 && std::abs(points->x[i] - m.u_right[i] - kShift) < 0.5f;
+  EXPECT_GT(close, 0.95 * m.count);
+}
+
+// A right image of fewer or more grey levels makes differences great, up to the greatest there are.
+TEST(StereoMatcher, EveryInstructionSetFindsTheSame) {
+  const ImageU8 left = texture(400, 300, 3);
+  for (const double contrast : {0.3, 1.0, 20.0}) {
+    ImageU8 right = texture(400, 300, 3, 7);
+    for (int y = 0; y < right.height(); ++y) {
+      for (int x = 0; x < right.width(); ++x)
+        right.row(y)[x] = static_cast<uint8_t>(std::clamp(128 + contrast * (right.row(y)[x] - 128), 0.0, 255.0));
+    }
+    const KeyPoints* points = nullptr;
+    expect_scalar_twin([&] { return match(left, right, points).u_right; });
+  }
 }
 
 TEST(StereoMatcher, ImagesOfDifferentPlacesDoNotMatch) {
