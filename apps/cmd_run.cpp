@@ -165,6 +165,7 @@ int run(const RunArguments& arguments) {
   RunRecord record;
   record.source = (*sequence)->description();
   record.sensor = options.sensor;
+  record.given = (*sequence)->camera().pinhole;
   if (!arguments.quiet) log(LogLevel::info, record.source);
   System system((*sequence)->camera(), options, *vocabulary);
   if (map) {

@@ -189,6 +189,7 @@ json to_json(const RunSummary& s) {
   json all{{"source", s.source},
            {"sensor", name(s.sensor)},
            {"camera", pinhole_json(s.camera)},
+           {"camera_given", pinhole_json(s.given)},
            {"frames", s.frames.all},
            {"frames_tracked", s.frames.tracked},
            {"frames_tracked_online", s.frames.tracked_online},

@@ -30,6 +30,7 @@ TEST(RunJson, SummaryHasTheKeysThatScriptsRead) {
   EXPECT_EQ(s["frames_late"], 1);
   EXPECT_EQ(s["map_points"], 42);
   EXPECT_EQ(s["camera"]["fx"], 500);
+  EXPECT_EQ(s["camera_given"], json({{"fx", 500.0}, {"fy", 501.0}, {"cx", 320.0}, {"cy", 240.0}}));
   EXPECT_EQ(s["interrupted"], false);
   EXPECT_EQ(s["frame_ms"]["median"], 40);
   EXPECT_EQ(s["stage_ms"].size(), 8u);

@@ -58,6 +58,7 @@ inline constexpr std::array<Stage, 8> kStages{
 struct RunRecord {
   std::string source;  // description of the recording
   Sensor sensor = Sensor::monocular;
+  Pinhole given;  // the recording's camera, as it was before any refinement
   std::vector<FrameStats> frames;
   std::vector<MappingReport> mapping;
   bool interrupted = false;

@@ -82,7 +82,7 @@ struct Accuracy {
 struct RunSummary {
   std::string source;
   Sensor sensor = Sensor::monocular;
-  Pinhole camera;
+  Pinhole camera, given;  // in use at the end, and as the recording has it
   bool interrupted = false;
   FrameCounts frames;
   MapCounts map;
@@ -97,6 +97,8 @@ struct RunSummary {
 constexpr AlignMode alignment_of(Sensor sensor) {
   return sensor == Sensor::monocular ? AlignMode::sim3 : AlignMode::se3;
 }
+// True when the map moved the focal length.
+inline bool refined(const RunSummary& s) { return s.camera.fx != s.given.fx; }
 const char* name_of_alignment(AlignMode mode);  // "se3" or "sim3"
 
 // truth: of the camera; may be null.

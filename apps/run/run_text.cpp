@@ -12,6 +12,10 @@ std::string fixed(double value, int digits, const char* unit) {
   return text;
 }
 
+std::string focal_text(const RunSummary& s) {
+  return fixed(s.camera.fx, 1, " pixels instead of ") + fixed(s.given.fx, 1, "");
+}
+
 }  // namespace
 
 std::string summary_text(const RunSummary& s, const std::filesystem::path& out) {
@@ -21,6 +25,7 @@ std::string summary_text(const RunSummary& s, const std::filesystem::path& out) 
     text += std::to_string(s.map.submaps.size()) + " maps that could not be joined; trajectory.txt has the " +
             std::to_string(s.map.submaps.front().frames) + " frames of the first\n";
   }
+  if (refined(s)) text += "focal length refined: " + focal_text(s) + "\n";
   text += "tracking " + fixed(s.times.tracking.median, 2, " ms a frame (median), ") +
           fixed(s.times.tracking.p95, 2, " ms (95 %); ") + fixed(s.costs.frames_per_second, 1, " frames/s in all; ") +
           "peak memory " + fixed(s.costs.peak_rss_mb, 0, " MB\n");
@@ -42,6 +47,7 @@ std::vector<std::pair<std::string, std::string>> summary_rows(const RunSummary& 
       {"frames per second", fixed(s.costs.frames_per_second, 1, "")},
       {"peak memory", fixed(s.costs.peak_rss_mb, 0, " MB")}};
   if (s.map.submaps.size() > 1) rows.emplace_back("maps, not joined", std::to_string(s.map.submaps.size()));
+  if (refined(s)) rows.emplace_back("focal length, refined", focal_text(s));
   if (s.accuracy) {
     rows.emplace_back(std::string("error (ATE RMSE, ") + name_of_alignment(s.accuracy->alignment) + ")",
                       fixed(s.accuracy->ate, 4, " m"));

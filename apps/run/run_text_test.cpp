@@ -22,6 +22,17 @@ TEST(RunText, SaysTheMainFigures) {
   EXPECT_NE(text.find("error (ATE RMSE): 0.0000 m after se3 alignment, over 3."), std::string::npos) << text;
 }
 
+TEST(RunText, TellsTheFocalLengthWhereTheMapMovedIt) {
+  Snapshot snapshot = made_snapshot();
+  snapshot.camera.fx = 507.5;
+  const RunSummary summary = summarise(made_record(), snapshot, nullptr, 0);
+  EXPECT_NE(summary_text(summary, "out").find("focal length refined: 507.5 pixels instead of 500.0\n"),
+            std::string::npos);
+  const auto rows = summary_rows(summary);
+  ASSERT_EQ(rows.size(), 9u);
+  EXPECT_EQ(rows.back(), std::pair(std::string("focal length, refined"), std::string("507.5 pixels instead of 500.0")));
+}
+
 TEST(RunText, RowsOfTheReport) {
   const Snapshot snapshot = made_snapshot();
   const Trajectory truth = main_submap(snapshot).trajectory;

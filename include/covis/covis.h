@@ -19,8 +19,8 @@
 // 0; poses and points of different submaps can't be compared.
 //
 // Threads: one thread calls track_*(), locate_*() and finish(), and destroys the object. Any thread may call the const
-// members (trajectory(), key_frames(), points()) at any time until then. Two calls may give values of different
-// moments.
+// members (trajectory(), key_frames(), points(), camera()) at any time until then. Two calls may give values of
+// different moments.
 #pragma once
 
 #include <cstddef>
@@ -142,13 +142,17 @@ class COVIS_API Slam {
   // Waits until everything asked of mapping is done; frames may be tracked afterwards. From the thread that tracks.
   void finish();
 
-  // The three below: from any thread, at any time, while another tracks too.
+  // The four below: from any thread, at any time, while another tracks too.
   // Poses of all tracked frames with every correction so far, without those that were tentative and proved wrong.
   std::vector<StampedPoseResult> trajectory() const;
   // Poses of the map's key frames with every correction so far, in the order in which they were made.
   std::vector<StampedPoseResult> key_frames() const;
   // All points of the map.
   std::vector<Point> points() const;
+  // The camera in use: fx, fy and the noise of depth as they were estimated so far, the rest as given to create(). The
+  // focal length of a monocular or RGB-D camera is refined, by 5 % at most, where the map tells it surely;
+  // {"mapper.refine_focal", "false"} keeps the one given.
+  CameraParameters camera() const;
 
  private:
   struct Impl;

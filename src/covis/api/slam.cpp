@@ -105,8 +105,9 @@ std::optional<std::string> check(const CameraParameters& c, SensorType sensor) {
 }  // namespace
 
 struct Slam::Impl {
-  Impl(const Camera& c, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
-      : camera(c), sensor(options.sensor), system(c, options, std::move(vocabulary)) {}
+  Impl(const CameraParameters& parameters, const Camera& c, const SystemOptions& options,
+       std::shared_ptr<const Vocabulary> vocabulary)
+      : given(parameters), camera(c), sensor(options.sensor), system(c, options, std::move(vocabulary)) {}
 
   template <class Image>
   std::optional<std::string> check_image(const Image& image, const char* which) const {
@@ -165,6 +166,7 @@ struct Slam::Impl {
     return Location{to_pose(found->T_wc), static_cast<int>(found->submap)};
   }
 
+  CameraParameters given;
   Camera camera;
   Sensor sensor;
   System system;
@@ -196,7 +198,7 @@ tl::expected<std::unique_ptr<Slam>, std::string> Slam::create(const CameraParame
     words = std::move(*loaded);
   }
   return std::unique_ptr<Slam>(
-      new Slam(std::make_unique<Impl>(to_camera(parameters, sensor), options, std::move(words))));
+      new Slam(std::make_unique<Impl>(parameters, to_camera(parameters, sensor), options, std::move(words))));
 }
 
 tl::expected<FrameResult, std::string> Slam::track_monocular(int64_t stamp, const GreyImage& image) {
@@ -238,6 +240,16 @@ std::vector<Point> Slam::points() const {
   for (const auto& [id, position_w, submap] : snapshot->points)
     points.push_back({position_w.x(), position_w.y(), position_w.z(), static_cast<int>(submap)});
   return points;
+}
+
+CameraParameters Slam::camera() const {
+  CameraParameters camera = impl_->given;
+  const Pinhole now = impl_->system.map().read()->camera();
+  camera.fx = now.fx;
+  camera.fy = now.fy;
+  camera.depth_sigma_a = now.depth_noise.a;
+  camera.depth_sigma_b = now.depth_noise.b;
+  return camera;
 }
 
 const char* name(TrackingState state) {

@@ -107,6 +107,15 @@ TEST_F(SlamCalls, AFrameThatShowsNothingHasAStateAndAReason) {
   EXPECT_FALSE(*located);
 }
 
+TEST_F(SlamCalls, TheCameraIsTheOneGivenUntilItIsRefined) {
+  for (const SensorType sensor : {SensorType::monocular, SensorType::stereo, SensorType::rgbd}) {
+    const CameraParameters camera = create(sensor)->camera();
+    EXPECT_EQ(camera.width, kWidth);
+    EXPECT_GT(camera.fx, 0);
+    EXPECT_GT(camera.baseline, 0) << "as it was given, whatever the sensor";
+  }
+}
+
 TEST_F(SlamCalls, StampsMustRise) {
   const auto slam = create(SensorType::rgbd);
   const auto track = [&](int64_t stamp) { return error_of(slam->track_rgbd(stamp, image, depth)); };

@@ -25,12 +25,14 @@ namespace {
 bool step(BundleProblem& problem, BundleAdjuster& adjuster, double given_fx, const std::atomic<bool>* interrupt) {
   constexpr double kMaxSigma = 0.005;   // standard deviation of the factor: it is known well
   constexpr double kMinChange = 0.006;  // worth it …
-  constexpr double kSignificant = 6;    // … and so many sigmas: errors of neighbouring key frames are alike
+  constexpr double kSignificant = 6;    // … and so many sigmas, as if errors were independent …
+  constexpr double kScattered = 2.5;    // … and so many of those by which pieces of the map scatter
   constexpr double kMaxStep = 0.02;     // twice as far as the estimate looks: the next step goes on from there
   constexpr double kMaxChange = 0.05;   // as a share of the one given
   const FocalEstimate estimate = estimate_focal(problem, adjuster, interrupt);
   if (!estimate.ok || estimate.sigma > kMaxSigma) return false;
-  if (std::abs(estimate.factor - 1) < std::max(kMinChange, kSignificant * estimate.sigma)) return false;
+  const double least = std::max({kMinChange, kSignificant * estimate.sigma, kScattered * estimate.scatter});
+  if (std::abs(estimate.factor - 1) < least || !estimate.agreed) return false;
   const Pinhole camera = with_focal(problem.camera, std::clamp(estimate.factor, 1 - kMaxStep, 1 + kMaxStep));
   if (std::abs(camera.fx / given_fx - 1) > kMaxChange) return false;
 

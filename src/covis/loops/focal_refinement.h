@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The focal length of a monocular or RGB-D map: when the map is asked for it, and which answer is believed. A camera
 // that turns and moves tells its focal length; a wrong one makes a monocular scale drift at every turn, and motion by
-// depth too long or too short. Measured figures: docs/notes/002-focal-length.md.
+// depth too long or too short. Measured figures: docs/notes/002-focal-length.md
+// and 020-focal-length-only-where-it-is-sure.md.
 #pragma once
 
 #include <atomic>
@@ -33,8 +34,8 @@ class FocalSchedule {
 };
 
 // Moves an adjusted problem to its best focal length, in a few steps of at most 2 % as an estimate is good only near:
-// each when it is known well, surely another one, within bounds of the given one, and the cost really falls. False: the
-// problem stays as it was.
+// each when it is known well, surely another one whatever part of the map and axis of the image is asked, within bounds
+// of the given one, and the cost really falls. False: the problem stays as it was.
 bool refine_focal(BundleProblem& problem, BundleAdjuster& adjuster, double given_fx,
                   const std::atomic<bool>* interrupt = nullptr);
 

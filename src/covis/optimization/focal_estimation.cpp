@@ -4,32 +4,102 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
+
+#include "covis/geometry/measurement.h"
 
 namespace covis {
+namespace {
+
+constexpr double kStep = 0.01;  // difference of the factor between the three adjustments
+
+// The cost of a part of the problem as a parabola of the factor, given at the three of them.
+struct Parabola {
+  std::array<double, 3> cost{};
+
+  void add(const Parabola& other) {
+    for (size_t k = 0; k < cost.size(); ++k) cost[k] += other.cost[k];
+  }
+  double slope() const { return (cost[2] - cost[0]) / (2 * kStep); }
+  double curvature() const { return (cost[0] + cost[2] - 2 * cost[1]) / (kStep * kStep); }
+  double minimum() const { return -slope() / curvature(); }  // the factor less 1
+};
+
+// The cost of each pose's observations, in columns (and disparity) and in rows of the image.
+struct CostShares {
+  std::vector<Parabola> columns, rows;
+
+  explicit CostShares(size_t poses) : columns(poses), rows(poses) {}
+  void add(const BundleProblem& problem, size_t k) {
+    for (const BundleObservation& o : problem.observations) {
+      if (!o.active) continue;
+      const auto pose = static_cast<size_t>(o.pose);
+      const Eigen::Vector3d p_c = problem.poses[pose] * problem.points[static_cast<size_t>(o.point)];
+      const Eigen::Vector3d r = reprojection_residual(p_c, problem.camera, o.u, o.v, o.disparity);
+      const double row = r.y() * r.y() * static_cast<double>(o.inv_sigma2);
+      rows[pose].cost[k] += row;
+      columns[pose].cost[k] += Chi2(r, static_cast<double>(o.inv_sigma2), o.disparity).sum() - row;
+    }
+  }
+};
+
+// Standard deviation of the minimum when the errors of each of so many parts, poses that follow one another, are one.
+double scatter_of(const CostShares& shares, const Parabola& all, size_t parts) {
+  const size_t poses = shares.columns.size();
+  double sum = 0;
+  for (size_t part = 0; part < parts; ++part) {
+    Parabola mine;
+    for (size_t pose = part * poses / parts; pose < (part + 1) * poses / parts; ++pose) {
+      mine.add(shares.columns[pose]);
+      mine.add(shares.rows[pose]);
+    }
+    const double slope = mine.slope() + mine.curvature() * all.minimum();
+    sum += slope * slope;
+  }
+  const auto n = static_cast<double>(parts);
+  return std::sqrt(sum * n / (n - 1)) / all.curvature();
+}
+
+// Where both axes tell much by themselves, their minima must lie on the same side, neither twice as far as the other.
+bool axes_agree(const CostShares& shares, const Parabola& all) {
+  constexpr double kTells = 0.15;  // share of the curvature
+  constexpr double kFarther = 2;
+  Parabola columns, rows;
+  for (const Parabola& pose : shares.columns) columns.add(pose);
+  for (const Parabola& pose : shares.rows) rows.add(pose);
+  if (std::min(columns.curvature(), rows.curvature()) < kTells * all.curvature()) return true;
+  const double ratio = columns.minimum() / rows.minimum();
+  return ratio > 1 / kFarther && ratio < kFarther;
+}
+
+}  // namespace
 
 FocalEstimate estimate_focal(const BundleProblem& problem, BundleAdjuster& adjuster,
                              const std::atomic<bool>* interrupt) {
-  constexpr double kStep = 0.01;           // difference of the factor between the three adjustments
   constexpr double kLeastVariance = 1e-6;  // no keypoint is more precise than a thousandth of its sigma
   FocalEstimate estimate;
-  std::array<double, 3> costs{};
+  Parabola all;
+  CostShares shares(problem.poses.size());
   for (size_t k = 0; k < 3; ++k) {
     BundleProblem copy = problem;
     copy.camera = with_focal(problem.camera, 1 + kStep * (static_cast<double>(k) - 1));
     const std::optional<double> cost = adjusted_cost(copy, adjuster, interrupt);
     if (!cost) return estimate;
-    costs[k] = *cost;
+    all.cost[k] = *cost;
+    shares.add(copy, k);
   }
-  const double curvature = costs[0] + costs[2] - 2 * costs[1];
+  const double curvature = all.curvature();
   double freedom = -3.0 * static_cast<double>(problem.points.size());
   for (const BundleObservation& o : problem.observations) freedom += !o.active ? 0 : o.disparity.measured() ? 3 : 2;
   for (const uint8_t fixed : problem.fixed) freedom -= fixed ? 0 : 6;
   if (!(curvature > 0) || !(freedom > 0)) return estimate;
-  estimate.cost = costs[1];
-  estimate.variance = std::max(costs[1] / freedom, kLeastVariance);
-  estimate.factor = 1 + kStep * (costs[0] - costs[2]) / (2 * curvature);
-  estimate.sigma = kStep * std::sqrt(2 * estimate.variance / curvature);
-  estimate.ok = std::isfinite(estimate.factor) && std::isfinite(estimate.sigma);
+  estimate.cost = all.cost[1];
+  estimate.variance = std::max(estimate.cost / freedom, kLeastVariance);
+  estimate.factor = 1 + all.minimum();
+  estimate.sigma = std::sqrt(2 * estimate.variance / curvature);
+  for (const size_t parts : {4, 8, 16}) estimate.scatter = std::max(estimate.scatter, scatter_of(shares, all, parts));
+  estimate.agreed = axes_agree(shares, all);
+  estimate.ok = std::isfinite(estimate.factor) && std::isfinite(estimate.sigma) && std::isfinite(estimate.scatter);
   return estimate;
 }
 

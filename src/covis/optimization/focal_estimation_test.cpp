@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "covis/core/random.h"
+#include "covis/geometry/lie.h"
 
 namespace covis {
 namespace {
@@ -70,6 +71,35 @@ TEST(FocalEstimation, FindsTheFocalLengthOfACameraThatTurns) {
       EXPECT_NEAR(e.factor * claimed, 1, 4 * e.sigma + 0.001) << "claimed " << claimed << " seed " << seed;
     }
   }
+}
+
+// Errors that are one in each half of the drive, as of a scale that drifts: the parts contradict each other.
+TEST(FocalEstimation, ErrorsThatAreAlikeAreCounted) {
+  BundleProblem problem = drive(0.8, 1, 1);
+  const FocalEstimate independent = estimate(problem);
+  for (BundleObservation& o : problem.observations) {
+    const auto stretch = static_cast<float>(o.pose < kCameras / 2 ? 1.01 : 0.99);
+    o.u = 320 + stretch * (o.u - 320);
+    o.v = 240 + stretch * (o.v - 240);
+  }
+  const FocalEstimate alike = estimate(problem);
+  ASSERT_TRUE(independent.ok && alike.ok);
+  EXPECT_LT(independent.scatter, 2 * independent.sigma);
+  EXPECT_GT(alike.scatter, 2 * independent.scatter);
+}
+
+TEST(FocalEstimation, BothAxesAgreeWhereTheFocalLengthAloneIsWrong) {
+  // The camera is held askew by 45 degrees, so that its turns tell as much in rows as in columns.
+  BundleProblem problem = drive(0.8, 1.02, 1);
+  const double half = std::sqrt(0.5);
+  const SE3 askew(so3_exp({0, 0, std::asin(half)}), Eigen::Vector3d::Zero());
+  for (SE3& pose : problem.poses) pose = askew * pose;
+  for (BundleObservation& o : problem.observations) {
+    const double u = o.u - 320, v = o.v - 240;
+    o.u = static_cast<float>(320 + half * (u - v));
+    o.v = static_cast<float>(240 + half * (u + v));
+  }
+  EXPECT_TRUE(estimate(problem).agreed);
 }
 
 TEST(FocalEstimation, MoreTurningTellsMore) {
