@@ -28,6 +28,7 @@ function(covis_module name)
   endforeach()
   add_library(covis_${name} STATIC ${sources})
   target_link_libraries(covis_${name} PUBLIC covis_flags ${M_DEPS})
+  covis_use_headers(covis_${name} covis_library_headers)
   if(COVIS_TESTS AND tests AND NOT (M_ONE_THREAD AND COVIS_SANITIZE MATCHES thread))
     set(test ${name}_test)
     if(M_TEST_NAME)
@@ -38,6 +39,8 @@ function(covis_module name)
     target_compile_definitions(${test} PRIVATE COVIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     target_include_directories(${test} PRIVATE ${PROJECT_SOURCE_DIR})
     covis_compile_fast(${test})
+    covis_use_headers(${test} covis_test_headers)
+    set_target_properties(${test} PROPERTIES UNITY_BUILD_BATCH_SIZE 16)
     if(M_ONE_TEST)
       set(filter *)
       if(M_THREADED AND COVIS_SANITIZE MATCHES thread)
@@ -53,10 +56,26 @@ function(covis_module name)
   endif()
 endfunction()
 
-# covis_compile_fast(TEST): the sources of a test, not what it tests, with fewer optimisations: three quarters of the time to
-# compile, and what they do themselves takes next to none. So little inlined, GCC 12 takes matrices of Eigen for unset.
-function(covis_compile_fast test)
-  target_compile_options(${test} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1 -Wno-maybe-uninitialized>)
+# covis_compile_fast(TARGET): for programs of the preset `test` that leave all work to the library, with fewer optimisations:
+# three quarters of the time to compile. So little inlined, GCC 12 takes matrices of Eigen for unset.
+function(covis_compile_fast target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1 -Wno-maybe-uninitialized>)
+endfunction()
+
+# covis_precompile(NAME HEADER …): a library of precompiled headers. It must be compiled with the flags of what uses it.
+function(covis_precompile name)
+  file(WRITE ${PROJECT_BINARY_DIR}/${name}.cpp "")
+  add_library(${name} OBJECT ${PROJECT_BINARY_DIR}/${name}.cpp)
+  target_link_libraries(${name} PRIVATE covis_flags Threads::Threads Eigen3::Eigen)
+  target_precompile_headers(${name} PRIVATE ${ARGN})
+endfunction()
+
+# covis_use_headers(TARGET NAME): the target's sources find them parsed already.
+function(covis_use_headers target name)
+  if(COVIS_PRECOMPILE)
+    target_precompile_headers(${target} REUSE_FROM ${name})
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
+  endif()
 endfunction()
 
 # Debian's Ceres frees what the standard library gave it by operator new.

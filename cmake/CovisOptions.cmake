@@ -13,6 +13,7 @@ option(COVIS_TESTS "Build the tests" ON)
 option(COVIS_APPS "Build the covis command" ON)
 option(COVIS_BENCHMARKS "Build the benchmarks" OFF)
 option(COVIS_WERROR "Warnings are errors" OFF)
+option(COVIS_PRECOMPILE "Parse the headers that most sources include once" OFF)
 option(COVIS_COVERAGE "Instrument for coverage" OFF)
 set(COVIS_SANITIZE "" CACHE STRING "Sanitizers, for example address,undefined or thread")
 
@@ -31,7 +32,8 @@ endif()
 
 find_program(COVIS_CCACHE ccache)
 if(COVIS_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${COVIS_CCACHE})
+  # It keeps results of precompiled headers only when told so (its manual, "Precompiled headers").
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${COVIS_CCACHE})
 endif()
 
 add_library(covis_flags INTERFACE)
