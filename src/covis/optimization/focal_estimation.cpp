@@ -25,20 +25,21 @@ struct Parabola {
   double minimum() const { return -slope() / curvature(); }  // the factor less 1
 };
 
-// The cost of each pose's observations, in columns (and disparity) and in rows of the image.
+// The cost of each pose's observations, in columns and in rows of the image and by their depths.
 struct CostShares {
-  std::vector<Parabola> columns, rows;
+  std::vector<Parabola> columns, rows, depths;
 
-  explicit CostShares(size_t poses) : columns(poses), rows(poses) {}
+  explicit CostShares(size_t poses) : columns(poses), rows(poses), depths(poses) {}
   void add(const BundleProblem& problem, size_t k) {
     for (const BundleObservation& o : problem.observations) {
       if (!o.active) continue;
       const auto pose = static_cast<size_t>(o.pose);
       const Eigen::Vector3d p_c = problem.poses[pose] * problem.points[static_cast<size_t>(o.point)];
       const Eigen::Vector3d r = reprojection_residual(p_c, problem.camera, o.u, o.v, o.disparity);
-      const double row = r.y() * r.y() * static_cast<double>(o.inv_sigma2);
-      rows[pose].cost[k] += row;
-      columns[pose].cost[k] += Chi2(r, static_cast<double>(o.inv_sigma2), o.disparity).sum() - row;
+      const auto inv_sigma2 = static_cast<double>(o.inv_sigma2);
+      columns[pose].cost[k] += r.x() * r.x() * inv_sigma2;
+      rows[pose].cost[k] += r.y() * r.y() * inv_sigma2;
+      depths[pose].cost[k] += Chi2(r, inv_sigma2, o.disparity).disparity;
     }
   }
 };
@@ -52,6 +53,7 @@ double scatter_of(const CostShares& shares, const Parabola& all, size_t parts) {
     for (size_t pose = part * poses / parts; pose < (part + 1) * poses / parts; ++pose) {
       mine.add(shares.columns[pose]);
       mine.add(shares.rows[pose]);
+      mine.add(shares.depths[pose]);
     }
     const double slope = mine.slope() + mine.curvature() * all.minimum();
     sum += slope * slope;
