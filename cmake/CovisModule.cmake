@@ -46,10 +46,7 @@ function(covis_module name)
       if(M_THREADED AND COVIS_SANITIZE MATCHES thread)
         set(filter ${M_THREADED})
       endif()
-      add_test(NAME ${test} COMMAND ${test} --gtest_filter=${filter})
-      # Long as it is, it starts first, beside the others.
-      set_tests_properties(${test} PROPERTIES LABELS ${name} TIMEOUT 900 COST 1000
-        ENVIRONMENT "${covis_test_environment}")
+      covis_one_test(${test} ${test} ${name} ${filter})
     else()
       covis_discover_tests(${test} ${name})
     endif()
@@ -83,6 +80,14 @@ set(covis_test_environment
   "ASAN_OPTIONS=alloc_dealloc_mismatch=0"
   "UBSAN_OPTIONS=print_stacktrace=1"
   "TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tools/tsan.supp")
+
+# covis_one_test(NAME TARGET LABELS FILTER): one ctest entry for all cases that the GoogleTest filter names.
+function(covis_one_test name target labels filter)
+  add_test(NAME ${name} COMMAND ${target} --gtest_filter=${filter})
+  # Long as it is, it starts first, beside the others.
+  set_tests_properties(${name} PROPERTIES LABELS "${labels}" TIMEOUT 900 COST 1000
+    ENVIRONMENT "${covis_test_environment}")
+endfunction()
 
 # covis_discover_tests(TARGET LABEL): one ctest entry for each GoogleTest case, labelled LABEL. Cases with "Long" in their
 # name are labelled long as well: the sanitizer runs leave them out.
