@@ -22,6 +22,7 @@ namespace {
 struct LocalizeArguments {
   std::string path, map, out = "localized.txt", vocabulary;
   Reading reading;
+  std::vector<std::string> settings;
   int features = 0;
   bool json = false;
 };
@@ -80,6 +81,7 @@ int localize(const LocalizeArguments& arguments) {
   if (!sequence) return fail_with(sequence.error());
   SystemOptions options;
   options.sensor = (*sequence)->sensor();
+  if (const auto set = set_all(arguments.settings, fields(options)); !set) return fail_with(set.error());
   options.localize = true;
   if (arguments.features > 0) options.orb.features = arguments.features;
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
@@ -112,6 +114,7 @@ void add_localize_command(CLI::App& app, int& exit_code) {
   add_reading_options(*command, arguments->reading);
   command->add_option("--vocabulary", arguments->vocabulary, "vocabulary (default: the one that ships)");
   command->add_option("--features", arguments->features, "keypoints an image")->check(CLI::Range(50, 30000));
+  command->add_option("--set", arguments->settings, "one setting, NAME=VALUE; may be repeated");
   command->add_flag("--json", arguments->json, "the summary as JSON on stdout");
   command->footer("Examples:\n  covis localize office2 --map office.m --out found.txt");
   command->callback([arguments, &exit_code] { exit_code = localize(*arguments); });

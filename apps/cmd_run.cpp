@@ -49,11 +49,7 @@ Result<void> apply_settings(const RunArguments& arguments, const Fields& known, 
   if (!arguments.config.empty()) {
     if (auto loaded = io::load_settings(arguments.config, known); !loaded) return loaded;
   }
-  for (const std::string& setting : arguments.settings) {
-    const size_t equals = setting.find('=');
-    if (equals == std::string::npos) return fail("--set " + setting + ": it must be NAME=VALUE");
-    if (auto set = set_field(known, setting.substr(0, equals), setting.substr(equals + 1)); !set) return set;
-  }
+  if (auto set = set_all(arguments.settings, known); !set) return set;
   if (arguments.features > 0) options.orb.features = arguments.features;
   options.realtime = options.realtime || arguments.realtime;
   options.localize = options.localize || arguments.localize;

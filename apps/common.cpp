@@ -59,6 +59,15 @@ nlohmann::json camera_json(const Camera& camera) {
   return json;
 }
 
+Result<void> set_all(const std::vector<std::string>& settings, const Fields& known) {
+  for (const std::string& setting : settings) {
+    const size_t equals = setting.find('=');
+    if (equals == std::string::npos) return fail("--set " + setting + ": it must be NAME=VALUE");
+    if (auto set = set_field(known, setting.substr(0, equals), setting.substr(equals + 1)); !set) return set;
+  }
+  return {};
+}
+
 int fail_with(const std::string& message) {
   log(LogLevel::error, message);
   return 1;

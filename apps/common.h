@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "covis/core/error.h"
+#include "covis/core/fields.h"
 #include "covis/geometry/camera.h"
 #include "covis/io/sequence.h"
 
@@ -47,6 +48,9 @@ struct Reading {
 };
 // Adds --sensor, --kind, --camera, --first, --count and --stride.
 void add_reading_options(CLI::App& command, Reading& reading);
+
+// Sets the fields that --set names, each as NAME=VALUE.
+Result<void> set_all(const std::vector<std::string>& settings, const Fields& known);
 
 nlohmann::json camera_json(const Camera& camera);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "covis/core/random.h"
+#include "synth/render/lighting.h"
 #include "synth/render/renderer.h"
 #include "synth/render/sensor_effects.h"
 #include "synth/worlds/world.h"
@@ -13,7 +14,7 @@ namespace covis {
 
 namespace {
 // Stages for hash_seed.
-enum Stage : uint64_t { kLens = 11, kExposure, kNoise, kRightNoise, kDepthNoise };
+enum Stage : uint64_t { kLens = 11, kExposure, kNoise, kRightNoise, kDepthNoise, kLight };
 }  // namespace
 
 struct Synth::State {
@@ -33,6 +34,8 @@ Fields fields(SynthOptions& o) {
       {"synth.world", &o.world, "world to render: room, corridor, street, desk, twins, posters"},
       {"synth.sensor", &o.sensor, "camera to imitate: mono, stereo, rgbd"},
       {"synth.seed", &o.seed, "seed of the world, the path and all noise", 0, 2147483647},
+      {"synth.light", &o.light, "light over the world; 0: as painted, 1 and more: others (sun, lamps, shadows)", 0,
+       2147483647},
       {"synth.frames", &o.frames, "number of frames; 0: as many as the world's path takes", 0, 1000000},
       {"synth.way", &o.way, "approximate length of the street's loop, metres; 0: the default, some 310", 0, 20000},
       {"synth.fps", &o.fps, "frames per second; 0: the world's default (30; street 10)", 0, 1000},
@@ -119,6 +122,10 @@ Result<Synth> Synth::create(const SynthOptions& given) {
   const auto sensor = check(options);
   if (!sensor) return tl::unexpected(sensor.error());
   synth::World world = make_world(options);
+  if (options.light > 0) {
+    const uint64_t seed = static_cast<uint64_t>(options.seed), light = static_cast<uint64_t>(options.light);
+    synth::relight(world.scene, world.path, hash_seed(seed, kLight, light));
+  }
   if (options.fps <= 0) options.fps = world.fps;
   if (options.frames <= 0) options.frames = static_cast<int>(std::lround(world.frames * options.fps / world.fps));
   if (options.focal <= 0) options.focal = 0.625 * std::hypot(options.width, options.height);

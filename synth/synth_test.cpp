@@ -60,6 +60,32 @@ TEST(Synth, TheStreetsWayCanBeLonger) {
   EXPECT_FALSE(Synth::create(options).has_value());
 }
 
+TEST(Synth, AnotherLightIsOverTheSamePlace) {
+  SynthOptions options = small("desk");
+  options.light = 1;
+  Synth lit = make(options);
+  Synth& painted = world("desk");
+  ImageU8 image, lit_image;
+  ImageF depth, lit_depth;
+  painted.render(20, image, nullptr, &depth);
+  lit.render(20, lit_image, nullptr, &lit_depth);
+  std::vector<double> ratios;
+  for (int y = 0; y < depth.height(); ++y) {
+    for (int x = 0; x < depth.width(); ++x) {
+      ASSERT_EQ(depth(x, y), lit_depth(x, y));
+      if (depth(x, y) > 0) ratios.push_back((lit_image(x, y) + 1.0) / (image(x, y) + 1.0));
+    }
+  }
+  EXPECT_NEAR(quantile(ratios, 0.5), 1, 0.35) << "the exposure is right";
+  EXPECT_GT(quantile(ratios, 0.95), 1.25 * quantile(ratios, 0.05)) << "not all is lit alike";
+  const uint64_t first = hash(lit_image);
+  make(options).render(20, lit_image, nullptr, nullptr);
+  EXPECT_EQ(hash(lit_image), first);
+  options.light = 2;
+  make(options).render(20, lit_image, nullptr, nullptr);
+  EXPECT_NE(hash(lit_image), first);
+}
+
 TEST(Synth, StampsAndDefaults) {
   const Synth room = make(SynthOptions{});
   EXPECT_EQ(room.camera().width, 640);
@@ -91,6 +117,7 @@ TEST(Synth, SaysWhatIsWrongWithTheOptions) {
   EXPECT_THAT(message([](auto& o) { o.width = 10; }), HasSubstr("synth.width"));
   EXPECT_THAT(message([](auto& o) { o.noise = -1; }), HasSubstr("synth.noise"));
   EXPECT_THAT(message([](auto& o) { o.noise = std::nan(""); }), HasSubstr("synth.noise"));
+  EXPECT_THAT(message([](auto& o) { o.light = -1; }), HasSubstr("synth.light"));
   EXPECT_THAT(message([](auto& o) { o.frames = -5; }), HasSubstr("synth.frames"));
   EXPECT_THAT(message([](auto& o) {
                 o.sensor = "stereo";

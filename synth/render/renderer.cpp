@@ -202,6 +202,15 @@ bool Renderer::add_visible(const Scene& scene, const Polygon& polygon, const SE3
   v.surface.detail_strength = polygon.detail / 128;
   v.surface.detail_u = polygon.detail_u;
   v.surface.detail_v = polygon.detail_v;
+  v.surface.light.texels = nullptr;
+  if (polygon.light_map >= 0) {
+    const LightMap& map = scene.light_maps[static_cast<size_t>(polygon.light_map)];
+    v.surface.light = map.texture.view();
+    v.surface.light_u_scale = map.u_scale;
+    v.surface.light_v_scale = map.v_scale;
+    v.surface.light_u_0 = map.u_0;
+    v.surface.light_v_0 = map.v_0;
+  }
   v.sky = polygon.sky;
   visible_.push_back(v);
   return true;

@@ -36,7 +36,16 @@ struct Polygon {
   float detail = 0;                  // relative amplitude
   float detail_u = 1, detail_v = 1;  // number of detail repeats per texture repeat
   bool two_sided = false;
-  bool sky = false;  // depth is infinite
+  bool sky = false;     // depth is infinite
+  bool window = false;  // indoors: daylight comes through it
+  int light_map = -1;   // index in Scene::light_maps; -1: the light is as painted
+};
+
+// Light on a polygon: a texture that its tones are multiplied by, kLightAsPainted for 1. It is stretched over the
+// polygon: its coordinates are u_scale * u + u_0 and v_scale * v + v_0.
+struct LightMap {
+  Texture texture;
+  float u_scale, v_scale, u_0, v_0;
 };
 
 // A place on the floor: origin and heading of an object. Local x points to the object's front, y to its left, z up.
@@ -76,6 +85,7 @@ class Scene {
   std::vector<Polygon> polygons;
   std::vector<Vector3d> vertices;
   std::vector<Texture> textures;
+  std::vector<LightMap> light_maps;
   Random random;                // random numbers for the builders
   double detail_metres = 0.45;  // extent of a whole detail texture (texture 0) on a surface
 };

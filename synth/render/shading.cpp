@@ -163,6 +163,14 @@ HWY_INLINE void Shade(F f, const Surface& s, float pixel_x, float pixel_y, const
       const VF change = hn::Mul(hn::Mul(set(s.detail_strength), seen), hn::Sub(grain, set(128)));
       tone = hn::Mul(tone, hn::Add(set(1), change));
     }
+    if (s.light.texels) {
+      const VF light_lod = hn::Add(lod, Log2(f, set(s.light.columns[0] * s.light_u_scale / s.texture.columns[0])));
+      const VF light_u = hn::Add(hn::Mul(u, set(s.light_u_scale)), set(s.light_u_0));
+      const VF light_v = hn::Add(hn::Mul(v, set(s.light_v_scale)), set(s.light_v_0));
+      const VF light =
+          Sample(f, s.light, light_u, light_v, hn::Zero(f), hn::Zero(f), set(1), 1, hn::Max(light_lod, hn::Zero(f)));
+      tone = hn::Mul(tone, hn::Mul(light, set(1 / kLightAsPainted)));
+    }
     hn::StoreU(tone, f, tone_out + first);
   }
 }

@@ -18,9 +18,14 @@ struct Surface {
   float w_min, w_max;  // range of 1 / z over the surface
   TextureView texture, detail;
   float gain;
-  float detail_strength;     // relative change of tone per tone step of the detail
-  float detail_u, detail_v;  // number of detail repeats in one repeat of the texture
+  float detail_strength;                                     // relative change of tone per tone step of the detail
+  float detail_u, detail_v;                                  // number of detail repeats in one repeat of the texture
+  TextureView light;                                         // texels are null: the light is as painted
+  float light_u_scale, light_v_scale, light_u_0, light_v_0;  // from the texture's coordinates to those of the light
 };
+
+// The tone of a light map that leaves a surface as it is painted; twice that makes it twice as bright.
+inline constexpr float kLightAsPainted = 110;
 
 // Shading and means read up to this many elements past the end, and write as many meaningless output values.
 inline constexpr int kShadeOverrun = 15;

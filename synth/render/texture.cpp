@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace covis::synth {
 namespace {
@@ -37,13 +38,13 @@ std::vector<float> halve(const std::vector<float>& in, int size, int lines, Alon
 
 }  // namespace
 
-Texture::Texture(const Canvas& canvas) {
-  int columns = canvas.columns(), rows = canvas.rows();
-  append_level(canvas.pixels(), columns, rows);
-  std::vector<float> values;
+Texture::Texture(const Canvas& canvas) : Texture(canvas.pixels(), canvas.columns(), canvas.rows()) {}
+
+Texture::Texture(std::vector<float> tones, int columns, int rows) {
+  append_level(tones, columns, rows);
+  std::vector<float> values = std::move(tones);
   while (columns > 1 || rows > 1) {
-    const std::vector<float>& from = values.empty() ? canvas.pixels() : values;
-    std::vector<float> narrow = halve(from, columns, rows, Along::rows);
+    std::vector<float> narrow = halve(values, columns, rows, Along::rows);
     columns = (columns + 1) / 2;
     values = halve(narrow, rows, columns, Along::columns);
     rows = (rows + 1) / 2;

@@ -23,6 +23,8 @@ struct TextureView {
 class Texture {
  public:
   explicit Texture(const Canvas& canvas);
+  // Takes columns times rows tones, row by row.
+  Texture(std::vector<float> tones, int columns, int rows);
 
   TextureView view() const {
     return {texels_.data(), columns_.data(), rows_.data(),

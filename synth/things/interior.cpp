@@ -88,7 +88,7 @@ void add_window(Scene& scene, const Place& wall, double width, double height, do
   }
   Skin view = painted(scene, view_outside(random, width, height, 240));
   view.gain = 1.1;
-  scene.add_rect(wall(0.004, -0.5 * width, sill + height), wall.turn(0, width, 0), {0, 0, -height}, view);
+  scene.add_rect(wall(0.004, -0.5 * width, sill + height), wall.turn(0, width, 0), {0, 0, -height}, view).window = true;
   const Skin cloth = material(scene, fabric(random, 0.7, 1.5, 150, random.uniform(90, 200)));
   for (const double side : {-1.0, 1.0}) {  // curtains, in folds
     for (int k = 0; k < 4; ++k) {
