@@ -77,11 +77,11 @@ void print(const Found& found, const LocalizeArguments& arguments) {
 }
 
 int localize(const LocalizeArguments& arguments) {
+  SystemOptions options;
+  if (const auto set = set_all(arguments.settings, fields(options)); !set) return fail_with(set.error());
   const auto sequence = io::open_sequence(arguments.path, arguments.reading.options());
   if (!sequence) return fail_with(sequence.error());
-  SystemOptions options;
   options.sensor = (*sequence)->sensor();
-  if (const auto set = set_all(arguments.settings, fields(options)); !set) return fail_with(set.error());
   options.localize = true;
   if (arguments.features > 0) options.orb.features = arguments.features;
   const auto vocabulary = open_vocabulary(arguments.vocabulary);

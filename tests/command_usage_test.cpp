@@ -107,6 +107,7 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
                {{"run", gone, "--config", gone}, gone},
                {{"run", gone, "--simd", "abacus"}, "no such instruction set here; there are best, "},
                {{"localize", gone, "--map", gone}, gone + ": it does not exist"},
+               {{"localize", gone, "--map", gone, "--set", "orb.features"}, "NAME=VALUE"},
                {{"map", "info", gone}, gone},
                {{"eval", gone, gone}, gone},
                {{"eval", file, file}, "file.txt"},
