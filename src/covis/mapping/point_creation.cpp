@@ -73,6 +73,11 @@ bool too_near(const Pinhole& camera, Sensor sensor, const View& a, const View& b
   return baseline < camera.baseline();
 }
 
+// What looks alike at several places of its epipolar line, as tiles do, has no certain depth. Where a sensor
+// gives most depths the few other points, mostly far ones, are needed, and wrong ones harm less: there the ratio makes
+// paths worse (docs/notes/025-one-place-on-the-line.md).
+constexpr double kRatioMono = 0.7;
+
 }  // namespace
 
 PointTriangulation::PointTriangulation(const Pinhole& camera, Sensor sensor, KeyFrameView current)
@@ -86,7 +91,9 @@ void PointTriangulation::add(const KeyFrameView& neighbour) {
   if (too_near(camera_, sensor_, a, b, neighbour)) return;
   const std::vector<uint8_t> is_free_b = features_without_point(neighbour.points);
   const SE3 T_ba = b.T_cw * a.T_wc;
-  for (const FeatureMatch& m : match_epipolar(camera_, *a.features, is_free_, *b.features, is_free_b, T_ba, {})) {
+  EpipolarMatchOptions options;
+  if (sensor_ == Sensor::monocular) options.max_ratio = kRatioMono;
+  for (const FeatureMatch& m : match_epipolar(camera_, *a.features, is_free_, *b.features, is_free_b, T_ba, options)) {
     const auto ia = static_cast<uint32_t>(m.a), ib = static_cast<uint32_t>(m.b);
     const auto p_w = place(camera_, a, ia, b, ib);
     if (!p_w || !holds(*p_w, camera_, a, ia, b, ib)) continue;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/matching/epipolar_match.h"
 
+#include <cmath>
 #include <optional>
 
 #include "covis/matching/near_line.h"
@@ -47,6 +48,7 @@ std::vector<FeatureMatch> match_epipolar(const Pinhole& camera, const Features& 
   };
   std::vector<Owner> owner(n);
   std::vector<uint32_t> on_line(points.padded() + LinePoints::kStep);
+  std::vector<int> distance(points.padded() + LinePoints::kStep);  // of the features on the line
   for (int32_t i = 0; i < a.size(); ++i) {
     const auto ia = static_cast<size_t>(i);
     if (!use_a.empty() && !use_a[ia]) continue;
@@ -60,12 +62,21 @@ std::vector<FeatureMatch> match_epipolar(const Pinhole& camera, const Features& 
     for (size_t k = 0; k < near; ++k) {
       const size_t j = on_line[k];
       const auto jb = static_cast<size_t>(to[j]);
-      const int distance = hamming(a.descriptor[ia], b.descriptor[jb]);
-      if (distance >= best || near_epipole(ia, jb)) continue;
-      best = distance;
+      distance[k] = hamming(a.descriptor[ia], b.descriptor[jb]);
+      if (distance[k] >= best || near_epipole(ia, jb)) continue;
+      best = distance[k];
       best_j = j;
     }
-    if (best <= options.max_distance && best < owner[best_j].distance) owner[best_j] = {i, best};
+    if (best > options.max_distance || best >= owner[best_j].distance) continue;
+    const auto jb = static_cast<size_t>(to[best_j]);
+    const float margin = static_cast<float>(options.rival_margin) * b.pyramid->scale[b.level[jb]];
+    const auto is_rival = [&](size_t k) {
+      const auto other = static_cast<size_t>(to[on_line[k]]);
+      return best >= options.max_ratio * distance[k] && std::hypot(b.x[other] - b.x[jb], b.y[other] - b.y[jb]) > margin;
+    };
+    bool unique = true;
+    for (size_t k = 0; options.max_ratio < 1 && unique && k < near; ++k) unique = !is_rival(k);
+    if (unique) owner[best_j] = {i, best};
   }
 
   std::vector<int32_t> match_of(static_cast<size_t>(a.size()), -1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Matching two key frames of known pose along epipolar lines, to triangulate new points.
 // Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VI-C; epipolar geometry: Hartley and Zisserman,
-// "Multiple View Geometry", 2004, section 9.6.
+// "Multiple View Geometry", 2004, section 9.6; ratio test: Lowe, "Distinctive image features", IJCV 2004, section 7.1.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,11 @@ namespace covis {
 
 struct EpipolarMatchOptions {
   int max_distance = kHammingLow;  // greatest Hamming distance of a match
-  double max_chi2 = 3.84;          // squared distance to the line over sigma^2 (1 degree of freedom, 95 %)
+  // Greatest distance relative to that of any other feature on the line that is farther away than the margin below; 1:
+  // any.
+  double max_ratio = 1;
+  double rival_margin = 8;  // pixels x scale around the best within which another one is no rival
+  double max_chi2 = 3.84;   // squared distance to the line over sigma^2 (1 degree of freedom, 95 %)
   // Pixels x scale around the epipole within which nothing is matched, unless one of the two features has depth.
   double epipole_margin = 10;
 };

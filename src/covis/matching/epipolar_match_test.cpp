@@ -32,6 +32,24 @@ TEST(EpipolarMatch, TakesTheOneNearTheLine) {
   }
 }
 
+TEST(EpipolarMatch, TakesNoneOfSeveralThatLookAlikeAlongTheLine) {
+  Random random(9);
+  const SE3 T_ba(Eigen::Matrix3d::Identity(), Eigen::Vector3d(-0.4, 0, 0));  // lines are rows
+  const Descriptor tile = random_descriptor(random), once = random_descriptor(random);
+  Features a = no_features(), b = no_features();
+  add(a, 300, 200, 0, tile);
+  add(a, 300, 260, 0, once);
+  add(b, 260, 200, 0, turned(tile, 20, random));
+  add(b, 220, 200, 0, turned(tile, 22, random));  // the next joint
+  add(b, 260, 260, 0, turned(once, 20, random));
+  add(b, 262, 260, 0, turned(once, 22, random));  // the same corner found twice
+  const auto unique = match_epipolar(kCamera, a, {}, b, {}, T_ba, {.max_ratio = 0.7});
+  ASSERT_EQ(unique.size(), 1u);
+  EXPECT_EQ(unique[0].a, 1);
+  EXPECT_EQ(unique[0].b, 2);
+  EXPECT_EQ(match_epipolar(kCamera, a, {}, b, {}, T_ba, {}).size(), 2u) << "without a ratio";
+}
+
 TEST(EpipolarMatch, StaysAwayFromTheEpipole) {
   Random random(8);
   const SE3 T_ba(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, 0, 1));  // straight ahead: the epipole is the centre
