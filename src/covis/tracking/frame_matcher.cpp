@@ -35,6 +35,7 @@ FrameMatcher::FrameMatcher() {
   seen_depth_.reserve(kFeatures);
   observations_.reserve(kFeatures);
   observed_by_.reserve(kFeatures);
+  inlier_.reserve(kFeatures);
 }
 
 FrameMatcher::LastFrameMatches FrameMatcher::match_last_frame(const TrackedFrame& last, TrackedFrame& frame,
