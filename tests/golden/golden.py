@@ -33,7 +33,7 @@ RECORDINGS = {
     'desk_rgbd': ['desk', '--sensor', 'rgbd', '--frames', '60', '--noise', '3', '--depth-noise', '1', '--exposure', '0.2',
                   '--blur', '8', '--distortion', '1'],
     'desk_mono': ['desk', '--sensor', 'mono', '--frames', '60'],
-    'corridor_mono': ['corridor', '--sensor', 'mono'],
+    'corridor_mono': ['corridor', '--sensor', 'mono', '--frames', '150'],
     'street_stereo': ['street', '--sensor', 'stereo', '--frames', '80'],
     'posters_rgbd': ['posters', '--sensor', 'rgbd', '--frames', '120'],
 }
@@ -55,7 +55,7 @@ RUNS = {
     'desk_rgbd': ('desk_rgbd', []),
     'desk_mono': ('desk_mono', []),
     'corridor_mono': ('corridor_mono', []),
-    'corridor_mono_plain': ('corridor_mono', ['--vocabulary', 'none', '--count', '150', '--set', 'mapper.refine_focal=false']),
+    'corridor_mono_plain': ('corridor_mono', ['--vocabulary', 'none', '--set', 'mapper.refine_focal=false']),
     'street_stereo': ('street_stereo', []),
     'room_stereo_stride': ('room_stereo', ['--count', '20', '--stride', '3']),
     'posters_cut': ('posters_cut', []),

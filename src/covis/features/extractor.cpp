@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "covis/features/gradients.h"
 #include "covis/features/orb.h"
 
 namespace covis {
@@ -69,8 +70,9 @@ void KeyPoints::append(const KeyPoints& more) {
   add(descriptor, more.descriptor);
 }
 
-OrbExtractor::OrbExtractor(const OrbOptions& options)
+OrbExtractor::OrbExtractor(const OrbOptions& options, double edge_ratio)
     : options_(options),
+      edge_ratio_(edge_ratio),
       pyramid_(std::make_shared<ScalePyramid>(options.levels, static_cast<float>(options.scale_factor))),
       levels_(static_cast<size_t>(options.levels)),
       available_(levels_.size()) {}
@@ -103,6 +105,10 @@ void OrbExtractor::detect(int l) {
   Level& level = levels_[static_cast<size_t>(l)];
   level.detector.detect(level.view, kEdgeBorder, kCellSize, options_.fast_threshold, options_.fast_threshold_low,
                         level.corners);
+  if (edge_ratio_ == 0) return;
+  std::erase_if(level.corners, [&](const Corner& c) {
+    return lies_on_edge(gradient_sums(level.view.row(c.y) + c.x, level.view.stride), edge_ratio_);
+  });
 }
 
 void OrbExtractor::share_budget() {

@@ -25,7 +25,8 @@ struct KeyPoints {
 
 class OrbExtractor {
  public:
-  explicit OrbExtractor(const OrbOptions& options);
+  // edge_ratio: corners on edges (gradients.h) are left out; 0: none are.
+  explicit OrbExtractor(const OrbOptions& options, double edge_ratio = 0);
 
   // Upper bound on the keypoints of an image: each level may exceed its share by three.
   size_t most_keypoints() const { return static_cast<size_t>(options_.features + 3 * options_.levels); }
@@ -74,6 +75,7 @@ class OrbExtractor {
   };
 
   OrbOptions options_;
+  const double edge_ratio_;
   std::shared_ptr<const ScalePyramid> pyramid_;
   std::vector<Level> levels_;
   std::vector<int> available_, share_;  // numbers of corners found and wanted, per level

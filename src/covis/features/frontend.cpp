@@ -90,11 +90,16 @@ Fields fields(OrbOptions& o) {
           {"orb.fast_threshold", &o.fast_threshold, "FAST contrast, first try in a cell, grey levels", 1, 255},
           {"orb.fast_threshold_low", &o.fast_threshold_low,
            "FAST contrast where the first try found no corner, grey levels", 1, 255},
+          {"orb.edge_ratio_mono", &o.edge_ratio_mono,
+           "monocular: corners whose structure tensor has a greater ratio of eigenvalues lie on edges and are left "
+           "out; 0: none",
+           0, 1000},
           {"orb.subpixel", &o.subpixel, "place keypoints at the top of the corner score's parabola, not at the pixel"}};
 }
 
 struct Frontend::Impl {
-  Impl(const Camera& c, const OrbOptions& options, Sensor sensor) : camera(c), bounds(find_bounds(c)), left(options) {
+  Impl(const Camera& c, const OrbOptions& options, Sensor sensor)
+      : camera(c), bounds(find_bounds(c)), left(options, sensor == Sensor::monocular ? options.edge_ratio_mono : 0) {
     if (sensor == Sensor::stereo) {
       right.emplace(options);
       pair.emplace(left, *right);

@@ -19,7 +19,10 @@ struct OrbOptions {
   double scale_factor = 1.2;   // scale between levels
   int fast_threshold = 20;     // FAST contrast of the first attempt in a cell
   int fast_threshold_low = 7;  // FAST contrast of the second attempt, where the first found no corner
-  bool subpixel = true;        // place keypoints at the maximum of the corner score's parabola, not at the pixel
+  // Monocular: greatest ratio of the eigenvalues of a corner's structure tensor; what exceeds it lies on an edge and is
+  // left out (gradients.h). 0: any ratio.
+  double edge_ratio_mono = 18;
+  bool subpixel = true;  // place keypoints at the maximum of the corner score's parabola, not at the pixel
 };
 Fields fields(OrbOptions& options);
 

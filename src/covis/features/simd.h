@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "covis/features/features.h"
+#include "covis/features/gradients.h"
 
 namespace covis {
 
@@ -52,7 +53,7 @@ void resize_rows(const uint32_t* above, const uint32_t* below, uint32_t weight, 
 // Blurs one row from the seven rows around it. line: scratch with room for 3 elements before it and width + 40 after.
 void blur_row(const uint8_t* const* rows, int width, int16_t* line, uint8_t* out);
 
-// --- Patches (orb.cpp and stereo_matcher.cpp have the scalar twins and select the implementation) ---
+// --- Patches (orb.cpp, gradients.cpp and stereo_matcher.cpp have the scalar twins and select the implementation) ---
 
 // Half widths of the rows 0 ... 15 of the disc whose centroid gives the orientation, symmetric about the diagonal.
 inline constexpr std::array<int, 16> kDiscHalfWidth = {15, 15, 15, 15, 14, 14, 14, 13, 13, 12, 11, 10, 9, 8, 6, 3};
@@ -62,6 +63,9 @@ struct Moments {
 };
 // The image must extend 15 rows above and below the pixel, 15 pixels to its left and 16 to its right.
 Moments patch_moments(const uint8_t* pixel, ptrdiff_t stride);
+
+// gradient_sums() in gradients.h.
+GradientSums patch_gradients(const uint8_t* pixel, ptrdiff_t stride);
 
 // Sets offsets[i] = round(x s + y c) * stride + round(x c - y s), for count points (a multiple of 16; arrays 64-byte
 // aligned).

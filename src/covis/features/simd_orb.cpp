@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Patches: the moments for the orientation, the rotated pattern of the descriptor, sums of differences for stereo.
+// Patches: the moments for the orientation, the rotated pattern of the descriptor, the structure tensor, sums of
+// differences for stereo.
 #include <array>
 
 #include "covis/features/simd.h"
@@ -30,6 +31,8 @@ struct MomentWeights {
 inline constexpr MomentWeights kMomentWeights;
 // Selects the 11 columns of a patch out of 16.
 alignas(32) inline constexpr std::array<int16_t, 16> kPatchColumns = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+// Selects the 7 columns of a structure tensor out of 8.
+alignas(16) inline constexpr std::array<int16_t, 8> kTensorColumns = {1, 1, 1, 1, 1, 1, 1};
 }  // namespace covis
 #endif
 
@@ -55,6 +58,26 @@ Moments PatchMoments(const uint8_t* pixel, ptrdiff_t stride) {
     }
   }
   return {hn::GetLane(hn::SumOfLanes(d32, mx)), hn::GetLane(hn::SumOfLanes(d32, my))};
+}
+
+GradientSums PatchGradients(const uint8_t* pixel, ptrdiff_t stride) {
+  const hn::FixedTag<int16_t, 8> d;
+  const hn::RepartitionToWide<decltype(d)> d32;
+  const hn::Rebind<uint8_t, decltype(d)> bytes;
+  const auto columns = hn::Load(d, kTensorColumns.data());
+  auto xx = hn::Zero(d32), yy = hn::Zero(d32), xy = hn::Zero(d32);
+  const auto row = [&](ptrdiff_t x, ptrdiff_t y) {
+    return hn::PromoteTo(d, hn::LoadU(bytes, pixel + y * stride + x - 3));
+  };
+  for (ptrdiff_t y = -3; y <= 3; ++y) {
+    const auto gx = hn::Mul(hn::Sub(row(1, y), row(-1, y)), columns);
+    const auto gy = hn::Mul(hn::Sub(row(0, y + 1), row(0, y - 1)), columns);
+    xx = hn::Add(xx, pair_sums(d32, gx, gx));
+    yy = hn::Add(yy, pair_sums(d32, gy, gy));
+    xy = hn::Add(xy, pair_sums(d32, gx, gy));
+  }
+  return {hn::GetLane(hn::SumOfLanes(d32, xx)), hn::GetLane(hn::SumOfLanes(d32, yy)),
+          hn::GetLane(hn::SumOfLanes(d32, xy))};
 }
 
 void TurnPoints(const float* x, const float* y, size_t count, float c, float s, int32_t stride, int32_t* offsets) {
@@ -130,6 +153,7 @@ namespace covis {
 namespace {
 
 HWY_EXPORT(PatchMoments);
+HWY_EXPORT(PatchGradients);
 HWY_EXPORT(TurnPoints);
 HWY_EXPORT(SlideSad);
 
@@ -137,6 +161,10 @@ HWY_EXPORT(SlideSad);
 
 Moments patch_moments(const uint8_t* pixel, ptrdiff_t stride) {
   return HWY_DYNAMIC_DISPATCH(PatchMoments)(pixel, stride);
+}
+
+GradientSums patch_gradients(const uint8_t* pixel, ptrdiff_t stride) {
+  return HWY_DYNAMIC_DISPATCH(PatchGradients)(pixel, stride);
 }
 
 void turn_points(const float* x, const float* y, size_t count, float c, float s, int32_t stride, int32_t* offsets) {

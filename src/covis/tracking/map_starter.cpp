@@ -66,11 +66,15 @@ MapStarter::Loss MapStarter::lose(Timestamp stamp, KeyFrameId reference, const S
   if (young && lost_frames_ > kYoungPatience) {
     log(LogLevel::warning, "the initial map was lost at once and is given up; initialising again");
     beginning_ = has_others;
-    initializer_.reset();
     lost_frames_ = 0;
     return {Step::give_up_submap, *young};
   }
-  if (!beginning_ && (young || !new_map_due(stamp))) return {};
+  if (young) {
+    if (lost_frames_ == 1) initializer_.reset();
+    beginning_ = has_others;
+    return {Step::replace_submap, *young};
+  }
+  if (!beginning_ && !new_map_due(stamp)) return {};
   if (!beginning_) {
     log(LogLevel::warning, reference.valid() ? "lost for long: a new map is begun beside the old one"
                                              : "the loaded map is not found: a new one is begun beside it");

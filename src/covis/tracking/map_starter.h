@@ -41,11 +41,11 @@ class MapStarter {
   // A submap was begun.
   void begun();
 
-  // The step to take when a frame is lost.
-  enum class Step { search, give_up_submap, begin_submap };
+  // The step to take when a frame is lost. Replace: the submap is given up if another can begin with this frame.
+  enum class Step { search, give_up_submap, replace_submap, begin_submap };
   struct Loss {
     Step step = Step::search;
-    uint32_t submap = 0;  // id of the submap to be given up
+    uint32_t submap = 0;  // id of the submap to be given up or replaced
   };
   // `reference`: the last key frame the camera was at; `live`: null while the map may not be read.
   Loss lose(Timestamp stamp, KeyFrameId reference, const SharedMap* live);

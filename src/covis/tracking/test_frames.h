@@ -32,6 +32,14 @@ class TestFrames {
         depth.empty() ? frontend_.monocular(image.view()) : frontend_.rgbd(image.view(), depth.view());
     return features_[i] = made;
   }
+  // The same frame in another place: seen from the same poses, and like none of the desk's.
+  FeaturesPtr elsewhere(int i) {
+    auto other = std::make_shared<Features>(*features(i));
+    for (Descriptor& d : other->descriptor) {
+      for (uint64_t& bits : d.bits) bits ^= 0x5a3c96e1d2b4870fu;
+    }
+    return other;
+  }
   // A frame without anything to see.
   FeaturesPtr blank() {
     ImageU8 image(synth_.camera().width, synth_.camera().height);

@@ -44,11 +44,11 @@ class TrackerTest : public testing::Test {
     return tracker.track(std::move(features), i, frames.stamp(i), {});
   }
   void do_mapping(const Tracker::Outcome& outcome) {
+    if (outcome.discard_submap) shared.write()->erase_submap(*outcome.discard_submap);
     if (const KeyFrameRequest* key_frame = key_frame_of(outcome))
       tracker.key_frame_made(mapper.process(*key_frame, nullptr));
     if (const auto* initial_map = std::get_if<InitialMapRequest>(&outcome.request))
       tracker.key_frame_made(mapper.initialise(*initial_map));
-    if (outcome.discard_submap) shared.write()->erase_submap(*outcome.discard_submap);
   }
   TrackResult track(FeaturesPtr features, int i) {
     const Tracker::Outcome outcome = track_alone(std::move(features), i);

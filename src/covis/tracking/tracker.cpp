@@ -196,8 +196,10 @@ void Tracker::lose(Outcome& outcome, const SharedMap* live) {
     if (!starter_.is_beginning()) state_ = TrackState::not_initialised;
     search_.local_map.clear();
     key_frames_.clear_counts();
-  } else if (loss.step == MapStarter::Step::begin_submap) {
+  } else if (loss.step != MapStarter::Step::search) {
     begin_submap(outcome);
+    if (loss.step == MapStarter::Step::replace_submap && state_ == TrackState::tracking)
+      outcome.discard_submap = loss.submap;
   }
 }
 

@@ -20,14 +20,6 @@ class SeveralMapsTest : public TrackerTest {
     return settings;
   }
 
-  // The same frame in another place: seen from the same poses, and like none of the desk's.
-  FeaturesPtr elsewhere(int i) {
-    auto features = std::make_shared<Features>(*frames.features(i));
-    for (Descriptor& d : features->descriptor) {
-      for (uint64_t& bits : d.bits) bits ^= 0x5a3c96e1d2b4870fu;
-    }
-    return features;
-  }
   // Tracks until the camera has been lost for long; returns the next frame.
   int lose_for_long(int i) {
     const Timestamp since = frames.stamp(i);
@@ -74,7 +66,7 @@ TEST_F(NoMotionModelTest, TheReferenceKeyFrameIsWhereTheMapMovedIt) {
 TEST_F(SeveralMapsTest, ANewMapThatDoesNotHoldLeavesTheOldOneInUse) {
   for (int i = 0; i < 4; ++i) track(i);
   int i = lose_for_long(4);
-  const Tracker::Outcome begun = track_alone(elsewhere(0), i);
+  const Tracker::Outcome begun = track_alone(frames.elsewhere(0), i);
   ASSERT_TRUE(key_frame_of(begun));
   KeyFrameMade older;  // may come first
   older.key_frame = shared.read()->root();
@@ -107,12 +99,12 @@ TEST_F(SeveralMapsTest, AReportOfTheOldMapDoesNotPassForTheNewOnes) {
   }
   ASSERT_GE(late_frame, 0);
   i = lose_for_long(i);
-  const Tracker::Outcome begun = track_alone(elsewhere(0), i);
+  const Tracker::Outcome begun = track_alone(frames.elsewhere(0), i);
   ASSERT_TRUE(key_frame_of(begun));
   const KeyFrameMade report = mapper.process(*key_frame_of(begun), nullptr);
   tracker.key_frame_made(late);
   tracker.key_frame_made(report);
-  const TrackResult result = track(elsewhere(1), i + 1);
+  const TrackResult result = track(frames.elsewhere(1), i + 1);
   ASSERT_EQ(result.state, TrackState::tracking) << result.reason;
   EXPECT_EQ(result.submap, shared.read()->at(report.key_frame).submap);
   EXPECT_EQ(result.pose.key_frame, report.key_frame);
@@ -124,7 +116,7 @@ TEST_F(SeveralMapsTest, AKeyFrameOfAnotherSubmapDoesNotBecomeTheReference) {
   int i = lose_for_long(4);
   std::optional<KeyFrameRequest> withheld;
   for (int k = 0; !withheld && k < frames.count(); ++k, ++i) {
-    const Tracker::Outcome outcome = track_alone(elsewhere(k), i);
+    const Tracker::Outcome outcome = track_alone(frames.elsewhere(k), i);
     if (!key_frame_of(outcome)) continue;
     if (outcome.result.method == TrackMethod::initialised) {
       tracker.key_frame_made(mapper.process(*key_frame_of(outcome), nullptr));

@@ -199,5 +199,18 @@ TEST_F(MonocularTrackerTest, AYoungMapThatIsLostIsGivenUp) {
   EXPECT_EQ(shared.read()->key_frame_count(), 0u);
 }
 
+TEST_F(MonocularTrackerTest, AYoungMapThatIsLostIsReplacedAsSoonAsAnotherCanBegin) {
+  int begun = 0;
+  while (begun < frames.count() / 2 && track(begun).state != TrackState::tracking) ++begun;
+  ASSERT_EQ(tracker.state(), TrackState::tracking);
+  const uint32_t first = shared.read()->submaps().front().id;
+  TrackResult last;
+  for (int i = 0; i <= begun; ++i) last = track(frames.elsewhere(i), begun + 1 + i);
+  EXPECT_EQ(last.state, TrackState::tracking) << last.reason;
+  ASSERT_EQ(shared.read()->submaps().size(), 1u);
+  EXPECT_NE(shared.read()->submaps().front().id, first);
+  EXPECT_EQ(shared.read()->check(), "");
+}
+
 }  // namespace
 }  // namespace covis

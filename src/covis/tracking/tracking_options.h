@@ -71,7 +71,7 @@ struct StartOptions {
   int init_levels = 3;             // greatest pyramid level of the keypoints matched there
   double init_min_parallax = 1.0;  // degrees
   int init_min_points = 50;        // triangulated points of an initial map before adjustment
-  double new_map_after = 2;        // seconds after a loss at which a new submap is begun beside the old one; 0: never
+  double new_map_after = 0.5;      // seconds after a loss at which a new submap is begun beside the old one; 0: never
 };
 
 struct TrackerOptions {
