@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of bench/suite and bench/recordings.py: what is found in folders, and whole suites of a command that only pretends."""
 import json
+import os
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
@@ -190,13 +192,21 @@ class SuiteTest(InFolder):
         self.assertIn('FAILED (first) rec mono all, start 0: exit code 1: no mono today', done.stdout)
         self.assertEqual(found['rows'][0]['versions'][0]['failed'], 1)
 
-    def test_interrupted(self):
-        suite = subprocess.Popen(self.command('--set', 'slow=1'), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.assertIn('rec rgbd all, start 0: 100 % tracked', suite.stderr.readline())
-        suite.terminate()
-        said, _ = suite.communicate(timeout=60)
+    def interrupted(self, interrupt):
+        with subprocess.Popen(self.command('--set', 'slow=1'), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                              start_new_session=True) as suite:
+            self.assertIn('rec rgbd all, start 0: 100 % tracked', suite.stderr.readline())
+            interrupt(suite)
+            said, _ = suite.communicate(timeout=60)
         self.assertEqual(suite.returncode, 130)
         self.assertRegex(said, r'rec +rgbd +all +1 +100')
+        self.assertNotIn('FAILED', said)
+
+    def test_interrupted(self):
+        self.interrupted(lambda suite: suite.terminate())
+
+    def test_interrupted_from_the_keyboard(self):
+        self.interrupted(lambda suite: os.killpg(suite.pid, signal.SIGINT))  # the runs are interrupted as well
 
     def test_bad_arguments(self):
         for options in (['--jobs', '0'], ['--starts', ''], ['--camera', 'x'], ['--against', 'nowhere'], ['--only', '(']):

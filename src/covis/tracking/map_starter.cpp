@@ -46,6 +46,7 @@ void MapStarter::begun() {
 }
 
 void MapStarter::accept(Place place) {
+  if (lost_frames_ > 0) initializer_.reset();  // the next submap has a first view of its own
   lost_frames_ = 0;
   beginning_ = false;
   if (place == Place::settled) lost_since_.reset();
@@ -63,22 +64,16 @@ MapStarter::Loss MapStarter::lose(Timestamp stamp, KeyFrameId reference, const S
     young = young_submap(*map, reference);
     has_others = map->submaps().size() > 1;
   }
-  if (young && lost_frames_ > kYoungPatience) {
-    log(LogLevel::warning, "the initial map was lost at once and is given up; initialising again");
+  if (young) {
     beginning_ = has_others;
+    if (lost_frames_ <= kYoungPatience) return {Step::replace_submap, *young};
     lost_frames_ = 0;
     return {Step::give_up_submap, *young};
-  }
-  if (young) {
-    if (lost_frames_ == 1) initializer_.reset();
-    beginning_ = has_others;
-    return {Step::replace_submap, *young};
   }
   if (!beginning_ && !new_map_due(stamp)) return {};
   if (!beginning_) {
     log(LogLevel::warning, reference.valid() ? "lost for long: a new map is begun beside the old one"
                                              : "the loaded map is not found: a new one is begun beside it");
-    initializer_.reset();
   }
   beginning_ = true;
   return {Step::begin_submap};

@@ -191,16 +191,15 @@ void Tracker::lose(Outcome& outcome, const SharedMap* live) {
   motion_.reset();
   search_.place.lose();
   const MapStarter::Loss loss = starter_.lose(current_.stamp, last_.pose.key_frame, live);
-  if (loss.step == MapStarter::Step::give_up_submap) {
-    outcome.discard_submap = loss.submap;
-    if (!starter_.is_beginning()) state_ = TrackState::not_initialised;
-    search_.local_map.clear();
-    key_frames_.clear_counts();
-  } else if (loss.step != MapStarter::Step::search) {
-    begin_submap(outcome);
-    if (loss.step == MapStarter::Step::replace_submap && state_ == TrackState::tracking)
-      outcome.discard_submap = loss.submap;
-  }
+  using Step = MapStarter::Step;
+  if (loss.step == Step::begin_submap || loss.step == Step::replace_submap) begin_submap(outcome);
+  const bool replaced = loss.step == Step::replace_submap && state_ == TrackState::tracking;
+  if (loss.step != Step::give_up_submap && !replaced) return;
+  log(LogLevel::warning, "the initial map was lost at once and is given up; initialising again");
+  outcome.discard_submap = loss.submap;
+  if (!replaced && !starter_.is_beginning()) state_ = TrackState::not_initialised;
+  search_.local_map.clear();
+  key_frames_.clear_counts();
 }
 
 // Asks for a submap that begins with this frame, if it is good for one; key_frame_made() says whether it holds.

@@ -202,14 +202,40 @@ TEST_F(MonocularTrackerTest, AYoungMapThatIsLostIsGivenUp) {
 TEST_F(MonocularTrackerTest, AYoungMapThatIsLostIsReplacedAsSoonAsAnotherCanBegin) {
   int begun = 0;
   while (begun < frames.count() / 2 && track(begun).state != TrackState::tracking) ++begun;
-  ASSERT_EQ(tracker.state(), TrackState::tracking);
+  int away = begun + 1;  // the first frame in another place
+  TrackResult last = track(away++);
+  while (last.key_frame) last = track(away++);
+  ASSERT_EQ(last.state, TrackState::tracking) << "its points are counted, and no key frame took the counts";
   const uint32_t first = shared.read()->submaps().front().id;
-  TrackResult last;
-  for (int i = 0; i <= begun; ++i) last = track(frames.elsewhere(i), begun + 1 + i);
+  for (int i = 0; i <= begun; ++i) last = track(frames.elsewhere(i), away + i);
   EXPECT_EQ(last.state, TrackState::tracking) << last.reason;
   ASSERT_EQ(shared.read()->submaps().size(), 1u);
   EXPECT_NE(shared.read()->submaps().front().id, first);
   EXPECT_EQ(shared.read()->check(), "");
+  bool asked = false;
+  for (int i = begun + 1; !asked && away + i < frames.count(); ++i) {
+    const Tracker::Outcome outcome = track_alone(frames.elsewhere(i), away + i);
+    const KeyFrameRequest* request = key_frame_of(outcome);
+    if (!request) continue;
+    asked = true;
+    for (const PointCount& count : request->counts)
+      EXPECT_TRUE(shared.read()->find(count.point)) << "of the map that is gone";
+  }
+  EXPECT_TRUE(asked);
+}
+
+TEST_F(MonocularTrackerTest, AllBeginsAnewWhereWhatReplacesAYoungMapDoesNotHold) {
+  int begun = 0;
+  while (begun < frames.count() / 2 && track(begun).state != TrackState::tracking) ++begun;
+  ASSERT_EQ(tracker.state(), TrackState::tracking);
+  for (int i = 0; i <= begun; ++i) {
+    const Tracker::Outcome outcome = track_alone(frames.elsewhere(i), begun + 1 + i);
+    if (!outcome.discard_submap) continue;
+    shared.write()->erase_submap(*outcome.discard_submap);
+    tracker.key_frame_made({.frame = begun + 1 + i});
+  }
+  EXPECT_EQ(tracker.state(), TrackState::not_initialised);
+  EXPECT_EQ(track(frames.elsewhere(begun + 1), 2 * begun + 2).reason, "waiting for parallax");
 }
 
 }  // namespace
