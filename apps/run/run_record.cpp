@@ -62,14 +62,20 @@ FrameStats skipped_frame(int64_t frame, Timestamp stamp, FrameState state, std::
   return stats;
 }
 
-void mark_retracted(const std::vector<PoseOfFrame>& trajectory, RunMode mode, std::vector<FrameStats>& frames) {
+void settle_states(const std::vector<PoseOfFrame>& trajectory, RunMode mode, std::vector<FrameStats>& frames) {
   auto pose = trajectory.begin();  // both come in the order of their frames
   for (FrameStats& frame : frames) {
     while (pose != trajectory.end() && pose->frame < frame.frame) ++pose;
     const bool has_pose = pose != trajectory.end() && pose->frame == frame.frame;
-    if (has_pose || frame.state != FrameState::tracking) continue;
-    frame.state = lost_state(mode);
-    frame.reason = "its pose was taken back: the place or the map proved wrong";
+    if (has_pose == (frame.state == FrameState::tracking)) continue;
+    if (has_pose) {
+      frame.state = FrameState::tracking;
+      frame.track.method = TrackMethod::backtracked;
+      frame.reason.clear();
+    } else {
+      frame.state = lost_state(mode);
+      frame.reason = "its pose was taken back: the place or the map proved wrong";
+    }
   }
 }
 

@@ -70,7 +70,8 @@ struct RunRecord {
 FrameStats tracked_frame(const io::Frame& frame, const FrameReport& report, RunMode mode);
 // Makes the row of a frame that it did not receive: late or unreadable.
 FrameStats skipped_frame(int64_t frame, Timestamp stamp, FrameState state, std::string reason);
-// At the end of a run: frames whose poses were retracted after they were tracked lose their state `tracking`.
-void mark_retracted(const std::vector<PoseOfFrame>& trajectory, RunMode mode, std::vector<FrameStats>& frames);
+// At the end of a run: frames whose poses were retracted after they were tracked lose their state `tracking`, and those
+// that got their pose afterwards have it.
+void settle_states(const std::vector<PoseOfFrame>& trajectory, RunMode mode, std::vector<FrameStats>& frames);
 
 }  // namespace covis::app

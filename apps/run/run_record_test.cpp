@@ -44,19 +44,24 @@ TEST(RunRecord, SkippedFramesWereNotProcessed) {
   }
 }
 
-TEST(RunRecord, RetractedPosesAreMarkedByTheirFrames) {
+TEST(RunRecord, PosesTakenBackOrFoundAfterwardsShowInTheirRows) {
   std::vector<FrameStats> frames;
   for (const int64_t index : {10, 20, 30, 40}) frames.push_back(skipped_frame(index, 0, FrameState::tracking, ""));
   frames[2].state = FrameState::not_initialised;
+  frames[1].state = FrameState::lost;
+  frames[1].reason = "why";
   std::vector<PoseOfFrame> trajectory(3);  // neither frame 30 nor frame 40 is among them
   for (size_t k = 0; k < trajectory.size(); ++k) trajectory[k].frame = std::array{10, 15, 20}[k];
-  mark_retracted(trajectory, RunMode::mapping, frames);
+  settle_states(trajectory, RunMode::mapping, frames);
   EXPECT_EQ(frames[0].state, FrameState::tracking);
-  EXPECT_EQ(frames[1].state, FrameState::tracking);
+  EXPECT_EQ(frames[0].track.method, TrackMethod::none) << "as it was";
+  EXPECT_EQ(frames[1].state, FrameState::tracking) << "it got its pose afterwards";
+  EXPECT_EQ(frames[1].track.method, TrackMethod::backtracked);
+  EXPECT_EQ(frames[1].reason, "");
   EXPECT_EQ(frames[2].state, FrameState::not_initialised) << "it had no pose to lose";
   EXPECT_EQ(frames[3].state, FrameState::lost);
   EXPECT_NE(frames[3].reason, "");
-  mark_retracted({}, RunMode::localization, frames);
+  settle_states({}, RunMode::localization, frames);
   EXPECT_EQ(frames[0].state, FrameState::not_localised);
 }
 

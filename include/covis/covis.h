@@ -143,7 +143,9 @@ class COVIS_API Slam {
   void finish();
 
   // The four below: from any thread, at any time, while another tracks too.
-  // Poses of all tracked frames with every correction so far, without those that were tentative and proved wrong.
+  // Poses of all tracked frames with every correction so far, without those that were tentative and proved wrong. A
+  // frame that got no pose when it was tracked may have one now: it is located from later ones where the map reaches
+  // it.
   std::vector<StampedPoseResult> trajectory() const;
   // Poses of the map's key frames with every correction so far, in the order in which they were made.
   std::vector<StampedPoseResult> key_frames() const;

@@ -15,6 +15,20 @@ struct PointCount {
   uint32_t visible = 0, found = 0;
 };
 
+// A frame without a pose, to be located now that the map around it is there.
+struct UnlocatedFrame {
+  int64_t frame = 0;
+  Timestamp stamp = 0;
+  FeaturesPtr features;
+  KeyFrameId near;  // the reference of the first frame after it that had a pose; invalid: there was none yet
+};
+
+// Its pose.
+struct LocatedFrame {
+  int64_t frame = 0;
+  RelativePose pose;
+};
+
 // Make a key frame of this frame.
 struct KeyFrameRequest {
   int64_t frame = 0;
@@ -24,6 +38,7 @@ struct KeyFrameRequest {
   std::vector<MapPointId> points;    // for each feature the point it was matched to, or an invalid handle
   std::vector<uint32_t> new_points;  // features whose depth makes a new point
   std::vector<PointCount> counts;
+  std::vector<UnlocatedFrame> unlocated;  // earlier frames, newest first
 };
 
 // Make the first two key frames and points of a monocular submap, beside what is there. World = camera of the first.

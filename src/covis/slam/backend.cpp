@@ -7,6 +7,7 @@
 #include "covis/core/log.h"
 #include "covis/core/time.h"
 #include "covis/loops/submap_adjustment.h"
+#include "covis/tracking/backtrack.h"
 
 namespace covis {
 
@@ -14,20 +15,20 @@ BackendOptions::BackendOptions(const SystemOptions& options)
     : sensor(options.sensor),
       mapper(options.mapper),
       loop(options.loop),
-      close_depth(options.tracker.key_frame.close_depth),
+      tracker(options.tracker),
       seed(options.seed),
       schedule(options.schedule()) {}
 
 Backend::Backend(SharedMap& map, const BackendOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
     : map_(map),
       options_(options),
-      mapper_(map, options.sensor, options.mapper, options.close_depth, std::move(vocabulary)),
+      mapper_(map, options.sensor, options.mapper, options.tracker.key_frame.close_depth, std::move(vocabulary)),
       closer_(map, options.sensor, options.loop, options.seed),
       given_fx_(map.read()->camera().fx) {}
 
 MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic<bool>* interrupt) {
   const Stopwatch total;
-  MappingReport report{mapper_.process(request, interrupt), {}};
+  MappingReport report{mapper_.process(request, interrupt), {}, {}};
   if (!report.key_frame.valid()) return report;
   const Stopwatch watch;
   apply_adjustment(report);
@@ -35,11 +36,12 @@ MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic
   refine_focal(report.key_frame);
   forget_replaced_points(report.key_frame);
   report.loop_ms = watch.ms();
+  report.located = backtrack(map_, {options_.sensor, options_.tracker, options_.seed}, request.unlocated);
   report.total_ms = total.ms();
   return report;
 }
 
-MappingReport Backend::initialise(const InitialMapRequest& request) { return {mapper_.initialise(request), {}}; }
+MappingReport Backend::initialise(const InitialMapRequest& request) { return {mapper_.initialise(request), {}, {}}; }
 
 // A fixed number of key frames after its start, so that the result does not depend on how fast the machine is; in real
 // time as soon as it is there.

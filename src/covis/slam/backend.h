@@ -23,7 +23,7 @@ struct BackendOptions {
   Sensor sensor = Sensor::monocular;
   MapperOptions mapper;
   LoopOptions loop;
-  CloseDepth close_depth;  // TrackerOptions::key_frame.close_depth
+  TrackerOptions tracker;  // for points close enough, and for frames located afterwards
   int seed = 0;            // seed of the random choices
   Schedule schedule = Schedule::deterministic;
 
@@ -35,8 +35,9 @@ class Backend {
   // The map has the camera it was given. Without a vocabulary (null) places are not recognised.
   Backend(SharedMap& map, const BackendOptions& options, std::shared_ptr<const Vocabulary> vocabulary = nullptr);
 
-  // Maps the key frame, applies the background's result when it is due, looks for a loop, and asks for the focal length
-  // when it is time. `interrupt` (may be null) becomes true when another waits.
+  // Maps the key frame, applies the background's result when it is due, looks for a loop, asks for the focal length
+  // when it is time, and locates earlier frames that the request brings. `interrupt` (may be null) becomes true when
+  // another waits.
   MappingReport process(const KeyFrameRequest& request, const std::atomic<bool>* interrupt);
   MappingReport initialise(const InitialMapRequest& request);
   void discard(uint32_t submap);

@@ -44,7 +44,7 @@ TEST_F(BackendTest, ReadsItsSlicesOfTheSettings) {
   EXPECT_EQ(slices.schedule, Schedule::realtime);
   EXPECT_EQ(slices.loop.min_found, 44);
   EXPECT_EQ(slices.mapper.ba_key_frames, 12);
-  EXPECT_EQ(slices.close_depth.baselines, 33);
+  EXPECT_EQ(slices.tracker.key_frame.close_depth.baselines, 33);
 }
 
 TEST_F(BackendTest, ASubmapThatIsDiscardedIsForgotten) {
@@ -54,6 +54,18 @@ TEST_F(BackendTest, ASubmapThatIsDiscardedIsForgotten) {
   EXPECT_EQ(shared.read()->key_frame_count(), 0u);
   EXPECT_EQ(shared.read()->point_count(), 0u);
   EXPECT_FALSE(process(request(4)).key_frame == first);
+}
+
+TEST_F(BackendTest, EarlierFramesAreLocatedWithTheKeyFrameThatBringsThem) {
+  const KeyFrameId first = process(request(4)).key_frame;
+  KeyFrameRequest r = request(5, first);
+  const auto view = [&](size_t i) { return scene.view(scene.T_cw(i), Sensor::rgbd, i).features; };
+  r.unlocated = {{3, 3, view(3), first}, {2, 2, view(2), first}};
+  const MappingReport report = process(r);
+  ASSERT_EQ(report.located.size(), 2u);
+  EXPECT_EQ(report.located[0].frame, 3);
+  const SE3 T_cw = report.located[1].pose.T_cw(*shared.read());
+  EXPECT_LT((T_cw.centre() - scene.T_wc_of(2).t()).norm(), 0.01);
 }
 
 TEST_F(BackendTest, OnlyTheSubmapThatIsDiscardedGoes) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <variant>
+#include <vector>
 
 #include "covis/loops/loop_report.h"
 #include "covis/mapping/mapping_report.h"
@@ -26,8 +27,9 @@ using BackendRequest = std::variant<KeyFrameRequest, InitialMapRequest, DiscardS
 // The answer to a KeyFrameRequest or an InitialMapRequest.
 struct MappingReport : MapperReport {
   LoopReport loop;
-  double loop_ms = 0;             // loop closing, and applying and starting jobs in the background
-  double full_adjustment_ms = 0;  // the full bundle adjustment whose result was applied with this key frame
+  std::vector<LocatedFrame> located;  // earlier frames that got their pose now
+  double loop_ms = 0;                 // loop closing, and applying and starting jobs in the background
+  double full_adjustment_ms = 0;      // the full bundle adjustment whose result was applied with this key frame
   double total_ms = 0;
 };
 

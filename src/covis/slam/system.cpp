@@ -6,6 +6,7 @@
 
 #include "covis/core/log.h"
 #include "covis/core/time.h"
+#include "covis/tracking/backtrack.h"
 
 namespace covis {
 namespace {
@@ -122,6 +123,9 @@ std::vector<MappingReport> System::finish() {
   if (tracker_.state() != TrackState::not_initialised) {
     mapping_.finish();
     tracker_.map_moved();
+    const BacktrackSettings settings{options_.sensor, options_.tracker, options_.seed};
+    for (const LocatedFrame& located : backtrack(map_, settings, tracker_.take_unlocated(), tracker_.own_camera()))
+      log_.locate(located);
   }
   return std::move(report.mapping);
 }
@@ -178,6 +182,7 @@ void System::apply_finished_mapping(FrameReport& report) {
 void System::apply(MappingReport made, FrameReport& report) {
   tracker_.key_frame_made(made);
   if (made.key_frame.valid()) anchor(made);
+  for (const LocatedFrame& located : made.located) log_.locate(located);
   report.mapping.push_back(std::move(made));
 }
 

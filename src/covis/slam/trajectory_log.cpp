@@ -29,11 +29,24 @@ void TrajectoryLog::make_room() {
   if (2 * records_.size() > records_.capacity()) records_.reserve(2 * records_.capacity());
 }
 
-void TrajectoryLog::anchor(int64_t frame, const RelativePose& pose, const std::optional<SubmapPose>& online) {
-  const std::lock_guard lock(mutex_);
+FrameRecord* TrajectoryLog::find(int64_t frame) {
   const auto record = std::lower_bound(records_.begin(), records_.end(), frame,
                                        [](const FrameRecord& r, int64_t wanted) { return r.frame < wanted; });
-  if (record == records_.end() || record->frame != frame) return;
+  return record == records_.end() || record->frame != frame ? nullptr : &*record;
+}
+
+void TrajectoryLog::locate(const LocatedFrame& located) {
+  const std::lock_guard lock(mutex_);
+  FrameRecord* record = find(located.frame);
+  if (!record || record->pose) return;
+  ++revision_;
+  record->pose = located.pose;
+}
+
+void TrajectoryLog::anchor(int64_t frame, const RelativePose& pose, const std::optional<SubmapPose>& online) {
+  const std::lock_guard lock(mutex_);
+  FrameRecord* record = find(frame);
+  if (!record) return;
   ++revision_;
   if (!record->pose && online) record->online = online;
   record->pose = pose;

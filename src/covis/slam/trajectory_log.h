@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "covis/core/time.h"
-#include "covis/map/relative_pose.h"
+#include "covis/map/map_requests.h"
 
 namespace covis {
 
@@ -43,6 +43,8 @@ class TrajectoryLog {
   // A frame that became a key frame is its own reference from now on: `pose` is relative to itself. A frame that had no
   // pose until then gets `online` as the one it was tracked with.
   void anchor(int64_t frame, const RelativePose& pose, const std::optional<SubmapPose>& online = {});
+  // A frame without a pose was located afterwards; one that has a pose keeps it.
+  void locate(const LocatedFrame& located);
   // Takes back the poses of this frame and all later ones: the place proved wrong.
   void retract(int64_t from);
   // Takes back the poses of all frames that are in this submap. Call before the submap is erased.
@@ -59,6 +61,8 @@ class TrajectoryLog {
   uint64_t revision() const;
 
  private:
+  FrameRecord* find(int64_t frame);
+
   mutable std::mutex mutex_;  // guards what follows
   std::vector<FrameRecord> records_;
   uint64_t revision_ = 0;

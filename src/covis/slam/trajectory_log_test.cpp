@@ -72,6 +72,16 @@ TEST_F(TrajectoryLogTest, AFrameWithoutAPoseGetsOneWhenItBecomesAKeyFrame) {
   EXPECT_NEAR(record(1).online->T_wc.t().x(), 3, 1e-12);
 }
 
+TEST_F(TrajectoryLogTest, AFrameLocatedAfterwardsHasNoPoseOfWhenItWasTracked) {
+  append(1);
+  append_tracked(2, b);
+  for (const int64_t frame : {1, 2, 3}) log.locate({frame, {a, 1, pose_at(0.25)}});
+  EXPECT_NEAR(x_of(record(0)), 0.25, 1e-12);
+  EXPECT_FALSE(record(0).online);
+  EXPECT_NEAR(x_of(record(1)), 1.5, 1e-12) << "one that has a pose keeps it";
+  EXPECT_EQ(log.records().size(), 2u) << "a frame that is not known stays so";
+}
+
 TEST_F(TrajectoryLogTest, AKeyFrameOfAnEarlierRecordingIsNoFrameOfThisOne) {
   append(2);
   append(4);

@@ -52,6 +52,8 @@ class MapStarter {
   // A frame has its pose. Settled: its place is not tentative.
   enum class Place { settled, tentative };
   void accept(Place place);
+  // True when the submap of this key frame is so young that it would be given up if the camera were lost now.
+  bool may_give_up(const Map& map, KeyFrameId reference) const { return young_submap(map, reference).has_value(); }
   // A map was put in place: its submaps are never given up.
   void keep_submaps(const Map& map);
 

@@ -6,11 +6,13 @@
 #include <optional>
 #include <vector>
 
+#include "covis/core/time.h"
 #include "covis/map/shared_map.h"
 #include "covis/tracking/expected_view.h"
 #include "covis/tracking/frame_matcher.h"
 #include "covis/tracking/local_map.h"
 #include "covis/tracking/place_check.h"
+#include "covis/tracking/track_result.h"
 
 namespace covis {
 
@@ -31,6 +33,21 @@ struct PoseSearch {
   void update_local_map(const SharedMap& map, const TrackedFrame& frame, KeyFrameId fallback, int max_key_frames) {
     frame.map_points(matched);
     local_map.update(*map.read(), matched, fallback, max_key_frames);
+  }
+  // Searches the local map from the frame's pose so far, in windows wider by `factor`, and fits the pose to all
+  // matches.
+  PoseFit fit_local_map(const LocalMapOptions& o, double factor, TrackedFrame& frame, TrackFigures& figures) {
+    Stopwatch watch;
+    const MatchGate gate =
+        MatchGate::local_map(o.local_window * factor, o.local_window_frontal * factor, o.local_ratio);
+    figures.local_in_view = matcher.match_local_map(local_map, frame, camera, gate);
+    figures.local_points = local_map.size();
+    figures.ms.local_search += watch.lap();
+    const PoseFit fit = matcher.fit_pose(frame, camera);
+    figures.inliers = fit.on_map;
+    figures.ms.pose += watch.ms();
+    figures.local_expected = look(frame);
+    return fit;
   }
   PlaceCheck::Found found(const TrackedFrame& frame, const SharedMap* live) const {
     return {frame, local_map, view.points(), live};

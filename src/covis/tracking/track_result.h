@@ -12,7 +12,7 @@ namespace covis {
 enum class TrackState { not_initialised, tracking, lost };
 
 // The source of a tracked frame's first pose. `dead_reckoned`: in localisation only, from the last frame's own depth
-// where the map has too few points.
+// where the map has too few points. `backtracked`: afterwards, from a later frame (backtrack.h).
 enum class TrackMethod {
   none,
   initialised,
@@ -21,7 +21,8 @@ enum class TrackMethod {
   last_frame,
   reference_key_frame,
   recovered,
-  dead_reckoned
+  dead_reckoned,
+  backtracked
 };
 
 constexpr std::string_view name(TrackMethod method) {
@@ -42,6 +43,8 @@ constexpr std::string_view name(TrackMethod method) {
       return "recovered";
     case TrackMethod::dead_reckoned:
       return "dead_reckoned";
+    case TrackMethod::backtracked:
+      return "backtracked";
   }
   return "";
 }

@@ -59,11 +59,14 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       accept(result);
       if (may_make_key_frame(result) &&
           key_frames_.is_due(current_, result.inliers, search_.local_map, search_.camera, mapping.load)) {
-        outcome.request = key_frames_.request(current_, last_.pose, search_.camera);
+        KeyFrameRequest request = key_frames_.request(current_, last_.pose, search_.camera);
+        if (live && !starter_.may_give_up(*live->read(), last_.pose.key_frame)) request.unlocated = backlog_.take();
+        outcome.request = std::move(request);
         result.key_frame = true;
       }
     }
   }
+  if (state_ != TrackState::tracking || result.method == TrackMethod::initialised) backlog_.keep(current_);
   result.state = state_;
   constexpr int kNearLoss = 2;  // times the inliers that a pose needs
   health_.near_loss = result.inliers < kNearLoss * settings_.options.local_map.min_inliers;
@@ -95,19 +98,12 @@ bool Tracker::find_first_pose(TrackResult& result) {
 bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
   constexpr double kFactorRecovered = 5;  // factor on the windows: the pose of a camera just found again is less sure
   const LocalMapOptions& o = settings_.options.local_map;
-  Stopwatch watch;
+  const Stopwatch watch;
   if (live) search_.update_local_map(*live, current_, last_.pose.key_frame, o.local_key_frames);
-  result.ms.local_update += watch.lap();
+  result.ms.local_update += watch.ms();
   const bool recovered_lately = health_.recovered_lately(current_.stamp);
   const double factor = recovered_lately ? kFactorRecovered : o.window_factor(settings_.sensor);
-  const MatchGate gate = MatchGate::local_map(o.local_window * factor, o.local_window_frontal * factor, o.local_ratio);
-  result.local_in_view = search_.matcher.match_local_map(search_.local_map, current_, search_.camera, gate);
-  result.local_points = search_.local_map.size();
-  result.ms.local_search += watch.lap();
-  const PoseFit fit = search_.matcher.fit_pose(current_, search_.camera);
-  result.inliers = fit.on_map;
-  result.ms.pose += watch.ms();
-  result.local_expected = search_.look(current_);
+  const PoseFit fit = search_.fit_local_map(o, factor, current_, result);
   if (result.inliers < (recovered_lately ? settings_.options.recovery.min_inliers_recovered : o.min_inliers)) {
     result.reason = "too few points of the map agree on a pose";
     return false;
@@ -177,6 +173,7 @@ void Tracker::accept(TrackResult& result) {
   health_.weak = health_.weak ? 2 * result.inliers < 5 * weak : result.inliers < weak;
   last_.pose = {reference.id, reference.scale, current_.T_cw * reference.T_cw.inverse()};
   last_.submap = reference.submap;
+  backlog_.found_at(reference.id);
   result.tentative = tentative;
   result.T_cw = current_.T_cw;
   result.pose = last_.pose;
@@ -190,6 +187,7 @@ void Tracker::lose(Outcome& outcome, const SharedMap* live) {
   health_.weak = settings_.options.local_map.weak_inliers > 0;
   motion_.reset();
   search_.place.lose();
+  backlog_.lost();
   const MapStarter::Loss loss = starter_.lose(current_.stamp, last_.pose.key_frame, live);
   using Step = MapStarter::Step;
   if (loss.step == Step::begin_submap || loss.step == Step::replace_submap) begin_submap(outcome);
@@ -237,6 +235,7 @@ void Tracker::key_frame_made(const KeyFrameMade& made) {
   const auto map = map_.read();
   if (begun) {
     starter_.begun();
+    backlog_.found_at(made.key_frame);
     last_.become(*map, made.key_frame);
     search_.place.restart_at(last_.frame, last_.submap);
     last_.map_changed = false;  // the frame is as new as the submap

@@ -11,6 +11,7 @@
 //   KeyFramePolicy  decides when a frame becomes a key frame
 //   Relocaliser     finds a lost camera
 //   MapStarter      begins submaps, and gives young ones up
+//   Backlog         keeps frames without a pose, to be located afterwards
 //
 // Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section V; Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017,
 // III.
@@ -21,6 +22,7 @@
 #include <optional>
 
 #include "covis/core/schedule.h"
+#include "covis/tracking/backlog.h"
 #include "covis/tracking/first_pose.h"
 #include "covis/tracking/key_frame_policy.h"
 #include "covis/tracking/map_starter.h"
@@ -86,6 +88,8 @@ class Tracker {
   // True when the last frame had so few points that the next should have all that mapping can give.
   bool near_loss() const { return health_.near_loss; }
   TrackState state() const { return state_; }
+  // Frames without a pose before places where the camera was found, newest first, for backtrack().
+  std::vector<UnlocatedFrame> take_unlocated() { return backlog_.take(); }
 
  private:
   bool find_pose(TrackResult& result, const SharedMap* live);
@@ -138,6 +142,7 @@ class Tracker {
   KeyFramePolicy key_frames_;
   MapStarter starter_;
   Relocaliser relocaliser_;
+  Backlog backlog_;
 };
 
 }  // namespace covis

@@ -187,11 +187,36 @@ TEST_F(MonocularTrackerTest, SaysWhatItWaitsFor) {
   EXPECT_EQ(shared.read()->key_frame_count(), 0u);
 }
 
+TEST_F(MonocularTrackerTest, FramesBeforeTheMapWaitUntilItWillStay) {
+  int begun = 0;
+  while (begun < frames.count() && track(begun).state != TrackState::tracking) ++begun;
+  ASSERT_GT(begun, 0);
+  for (int i = begun + 1; i < frames.count(); ++i) {
+    const size_t key_frames = shared.read()->key_frame_count();
+    const Tracker::Outcome outcome = track_alone(frames.features(i), i);
+    do_mapping(outcome);
+    const KeyFrameRequest* request = key_frame_of(outcome);
+    if (!request) continue;
+    ASSERT_EQ(request->unlocated.empty(), key_frames <= 5) << "a map of five may be given up";
+    if (key_frames <= 5) continue;
+    ASSERT_EQ(request->unlocated.size(), static_cast<size_t>(begun) + 1);
+    EXPECT_EQ(request->unlocated.front().frame, begun);
+    EXPECT_EQ(request->unlocated.back().frame, 0);
+    EXPECT_TRUE(shared.read()->find(request->unlocated.back().near));
+    return;
+  }
+  FAIL() << "no key frame was asked for";
+}
+
 TEST_F(MonocularTrackerTest, AYoungMapThatIsLostIsGivenUp) {
   int i = 0;
   while (i < frames.count() - 1 && track(i).state != TrackState::tracking) ++i;
   ASSERT_EQ(tracker.state(), TrackState::tracking);
   ASSERT_GE(shared.read()->key_frame_count(), 2u);
+  EXPECT_FALSE(tracker.take_unlocated().empty());
+  track_blank(i + 1);
+  EXPECT_TRUE(tracker.take_unlocated().empty()) << "where the camera was found may not hold";
+  ++i;
   const int first_lost = ++i;
   TrackResult last;
   for (; i < first_lost + 16; ++i) last = track(frames.blank(), i);

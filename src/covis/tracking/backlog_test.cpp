@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/backlog.h"
+
+#include <gmock/gmock.h>
+
+#include "covis/features/test_features.h"
+
+namespace covis {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+class BacklogTest : public testing::Test {
+ protected:
+  void keep(int64_t frame) {
+    TrackedFrame tracked;
+    tracked.start(features, frame, 10 * frame);
+    backlog.keep(tracked);
+  }
+  std::vector<int64_t> taken() {
+    std::vector<int64_t> indices;
+    for (const UnlocatedFrame& frame : backlog.take()) indices.push_back(frame.frame);
+    return indices;
+  }
+
+  const FeaturesPtr features = std::make_shared<const Features>(no_features());
+  const KeyFrameId here{1, 1}, there{2, 1};
+  Backlog backlog;
+};
+
+TEST_F(BacklogTest, GivesFramesNewestFirstOnceTheCameraWasFound) {
+  for (const int64_t frame : {3, 4, 6}) keep(frame);
+  EXPECT_THAT(taken(), IsEmpty()) << "nobody knows where they are";
+  backlog.found_at(here);
+  const std::vector<UnlocatedFrame> frames = backlog.take();
+  ASSERT_EQ(frames.size(), 3u);
+  EXPECT_EQ(frames[0].frame, 6);
+  EXPECT_EQ(frames[2].frame, 3);
+  EXPECT_EQ(frames[2].stamp, 30);
+  EXPECT_EQ(frames[2].features, features);
+  EXPECT_EQ(frames[2].near, here);
+  EXPECT_THAT(taken(), IsEmpty()) << "each is given once";
+}
+
+TEST_F(BacklogTest, FramesOfAnEarlierGapKeepTheirPlace) {
+  keep(1);
+  backlog.found_at(here);
+  keep(5);
+  backlog.found_at(there);
+  keep(9);
+  const std::vector<UnlocatedFrame> frames = backlog.take();
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_EQ(frames[0].near, there);
+  EXPECT_EQ(frames[1].near, here);
+  backlog.found_at(there);
+  EXPECT_THAT(taken(), ElementsAre(9)) << "it waited";
+}
+
+TEST_F(BacklogTest, APlaceThatDoesNotHoldIsNoPlace) {
+  keep(1);
+  backlog.found_at(here);
+  backlog.lost();
+  EXPECT_THAT(taken(), IsEmpty());
+  backlog.found_at(there);
+  EXPECT_THAT(taken(), ElementsAre(1));
+}
+
+TEST_F(BacklogTest, TheOldestGoes) {
+  constexpr int64_t kMany = 1000;
+  for (int64_t frame = 0; frame < kMany; ++frame) keep(frame);
+  EXPECT_LT(features.use_count(), 100);
+  backlog.found_at(here);
+  const std::vector<int64_t> indices = taken();
+  ASSERT_FALSE(indices.empty());
+  EXPECT_EQ(indices.front(), kMany - 1);
+  EXPECT_EQ(indices.back(), kMany - static_cast<int64_t>(indices.size()));
+}
+
+}  // namespace
+}  // namespace covis
