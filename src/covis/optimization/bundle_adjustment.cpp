@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "covis/optimization/bundle_workspace.h"
 #include "covis/optimization/reprojection.h"
@@ -12,6 +13,34 @@ namespace {
 
 bool stopped(const BundleOptions& options) {
   return options.interrupt && options.interrupt->load(std::memory_order_relaxed);
+}
+
+// The pose that alone holds a problem in which no depth tells the scale; nothing where the scale is told.
+std::optional<size_t> only_hold(const BundleProblem& problem) {
+  if (std::count(problem.fixed.begin(), problem.fixed.end(), 1) != 1) return std::nullopt;
+  const auto has_depth = [](const BundleObservation& o) { return o.active && o.disparity.measured(); };
+  if (std::any_of(problem.observations.begin(), problem.observations.end(), has_depth)) return std::nullopt;
+  return static_cast<size_t>(std::find(problem.fixed.begin(), problem.fixed.end(), 1) - problem.fixed.begin());
+}
+
+// The sum of the squared distances of all poses from one of them.
+double spread_around(const BundleProblem& problem, size_t pose) {
+  const Eigen::Vector3d centre = problem.poses[pose].centre();
+  double sum = 0;
+  for (const SE3& T_cw : problem.poses) sum += (T_cw.centre() - centre).squaredNorm();
+  return sum;
+}
+
+// Scales all about the centre of one pose.
+void scale_about(size_t pose, double factor, BundleProblem& problem) {
+  const Eigen::Vector3d centre = problem.poses[pose].centre();
+  for (size_t k = 0; k < problem.poses.size(); ++k) {
+    if (problem.fixed[k]) continue;
+    const SE3& T_cw = problem.poses[k];
+    const Eigen::Vector3d scaled = centre + factor * (T_cw.centre() - centre);
+    problem.poses[k] = SE3(T_cw.R(), Eigen::Vector3d(-(T_cw.R() * scaled)));
+  }
+  for (Eigen::Vector3d& point : problem.points) point = centre + factor * (point - centre);
 }
 
 }  // namespace
@@ -27,6 +56,8 @@ BundleSummary BundleAdjuster::solve(BundleProblem& problem, const BundleOptions&
     summary.ok = false;
     return summary;
   }
+  const std::optional<size_t> hold = only_hold(problem);
+  const double spread = hold ? spread_around(problem, *hold) : 0;
   double lambda = 1e-4, growth = 2;
   const Loss loss = options.robust ? Loss::huber : Loss::squared;
   double cost = w.linearise(problem, loss);
@@ -81,6 +112,9 @@ BundleSummary BundleAdjuster::solve(BundleProblem& problem, const BundleOptions&
     SE3& T = problem.poses[static_cast<size_t>(pose)];
     T = T.normalized();
   }
+  // The steps change the scale where nothing holds it, by as much as a tenth at once.
+  if (const double now = hold && stepped ? spread_around(problem, *hold) : 0; spread > 0 && now > 0)
+    scale_about(*hold, std::sqrt(spread / now), problem);
   summary.ok = stepped || summary.initial_cost < 1e-12 || summary.iterations > 0;
   return summary;
 }
