@@ -128,8 +128,8 @@ void OrbExtractor::describe(int l) {
   level.blur.apply(from, level.blurred);
   for (const Corner& c : level.kept) {
     const float angle = orientation(from.row(c.y) + c.x, from.stride);
-    const Eigen::Vector2f place = to_image(l, static_cast<float>(c.x) + (options_.subpixel ? c.dx : 0),
-                                           static_cast<float>(c.y) + (options_.subpixel ? c.dy : 0));
+    const Eigen::Vector2f place = to_image(l, static_cast<float>(c.x) + (options_.subpixel ? c.dx() : 0),
+                                           static_cast<float>(c.y) + (options_.subpixel ? c.dy() : 0));
     points.x.push_back(place.x());
     points.y.push_back(place.y());
     points.angle.push_back(angle);

@@ -27,11 +27,6 @@ constexpr std::array<std::array<int, 2>, 16> kCircle = {{{0, 3},
                                                          {-2, 2},
                                                          {-1, 3}}};
 
-// Returns the maximum's offset from the middle of the parabola through three scores; the middle score is the greatest.
-float peak(int before, int at, int after) {
-  return 0.5f * static_cast<float>(after - before) / static_cast<float>(2 * at - before - after);
-}
-
 }  // namespace
 
 int fast_score(const uint8_t* pixel, ptrdiff_t stride, int threshold) {
@@ -60,11 +55,10 @@ int fast_score(const uint8_t* pixel, ptrdiff_t stride, int threshold) {
 void FastDetector::detect(ImageView<const uint8_t> image, int border, int cell_size, int threshold, int low_threshold,
                           std::vector<Corner>& corners) {
   corners.clear();
-  all_.clear();
   const int x0 = border, y0 = border, x1 = image.width - border, y1 = image.height - border;
   if (x1 <= x0 || y1 <= y0) return;
   // Reserves room for a corner at every sixteenth pixel; memory pages are used only when filled.
-  for (auto* list : {&all_, &corners}) list->reserve(static_cast<size_t>((x1 - x0) * (y1 - y0) / 16));
+  for (auto* list : {&in_row_, &corners}) list->reserve(static_cast<size_t>((x1 - x0) * (y1 - y0) / 16));
   // Neighbouring scores outside [x0, x1) x [y0, y1) count too. A ring of three rows is kept.
   scores_.resize(image.width, 3);
   std::memset(scores_.row(0), 0, static_cast<size_t>(3 * scores_.stride()));
@@ -78,33 +72,48 @@ void FastDetector::detect(ImageView<const uint8_t> image, int border, int cell_s
     }
   };
   const int columns = std::max(1, (x1 - x0) / cell_size), rows = std::max(1, (y1 - y0) / cell_size);
-  cell_column_.resize(static_cast<size_t>(image.width));
-  for (int x = x0; x < x1; ++x)
-    cell_column_[static_cast<size_t>(x)] = static_cast<uint16_t>((x - x0) * columns / (x1 - x0));
-  const auto cell_row = [&](int y) { return static_cast<size_t>((y - y0) * rows / (y1 - y0) * columns); };
-  cell_has_.assign(static_cast<size_t>(columns * rows), 0);
+  // The first pixel of a cell, and, of the last one, the pixel after it.
+  const auto first_of = [](int cell, int cells, int pixels) { return (cell * pixels + cells - 1) / cells; };
+  column_of_.resize(static_cast<size_t>(x1 - x0));
+  for (int c = 0; c < columns; ++c) {
+    const auto from = column_of_.begin();
+    std::fill(from + first_of(c, columns, x1 - x0), from + first_of(c + 1, columns, x1 - x0), static_cast<uint16_t>(c));
+  }
   maxima_.resize(static_cast<size_t>(x1 - x0));
   score(y0 - 1);
   score(y0);
-  for (int y = y0; y < y1; ++y) {
-    score(y + 1);
-    const uint8_t* up = scores_.row((y - 1) % 3);
-    const uint8_t* row = scores_.row(y % 3);
-    const uint8_t* down = scores_.row((y + 1) % 3);
-    const size_t cells = cell_row(y);
-    const int found = local_maxima_row(up + x0, row + x0, down + x0, x1 - x0, maxima_.data());
-    for (int k = 0; k < found; ++k) {
-      const int x = x0 + maxima_[static_cast<size_t>(k)];
-      const uint8_t s = row[x];
-      all_.push_back({static_cast<int16_t>(x), static_cast<int16_t>(y), s, peak(row[x - 1], s, row[x + 1]),
-                      peak(up[x], s, down[x])});
-      if (s >= threshold) cell_has_[cells + cell_column_[static_cast<size_t>(x)]] = 1;
+  for (int cell_row = 0; cell_row < rows; ++cell_row) {
+    in_row_.clear();
+    has_strong_.assign(static_cast<size_t>(columns), 0);
+    const int last = y0 + first_of(cell_row + 1, rows, y1 - y0);
+    for (int y = y0 + first_of(cell_row, rows, y1 - y0); y < last; ++y) {
+      score(y + 1);
+      const uint8_t* up = scores_.row((y - 1) % 3) + x0;
+      const uint8_t* row = scores_.row(y % 3) + x0;
+      const uint8_t* down = scores_.row((y + 1) % 3) + x0;
+      const int found = local_maxima_row(up, row, down, x1 - x0, maxima_.data());
+      for (int k = 0; k < found; ++k) {
+        const int x = maxima_[static_cast<size_t>(k)];
+        const uint8_t s = row[x];
+        in_row_.push_back(
+            {static_cast<int16_t>(x0 + x), static_cast<int16_t>(y), s, row[x - 1], row[x + 1], up[x], down[x]});
+        has_strong_[column_of_[static_cast<size_t>(x)]] |= s >= threshold;
+      }
     }
+    keep_of_row(x0, threshold, corners);
   }
-  for (const Corner& c : all_) {
-    if (c.score >= threshold || !cell_has_[cell_row(c.y) + cell_column_[static_cast<size_t>(c.x)]])
-      corners.push_back(c);
+}
+
+// Without a branch that depends on the image, which would be mispredicted often.
+void FastDetector::keep_of_row(int x0, int threshold, std::vector<Corner>& corners) {
+  size_t count = corners.size();
+  corners.resize(count + in_row_.size());
+  for (const Corner& c : in_row_) {
+    corners[count] = c;
+    const bool alone = has_strong_[column_of_[static_cast<size_t>(c.x - x0)]] == 0;
+    count += static_cast<size_t>((c.score >= threshold) | alone);
   }
+  corners.resize(count);
 }
 
 }  // namespace covis

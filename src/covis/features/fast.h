@@ -12,8 +12,18 @@ namespace covis {
 struct Corner {
   int16_t x = 0, y = 0;
   uint8_t score = 0;
-  // Sub-pixel offset from (x, y) to the maximum of the parabola through the neighbours' scores, at most 0.5.
-  float dx = 0, dy = 0;
+  uint8_t left = 0, right = 0, above = 0, below = 0;  // the neighbours' scores, all less
+
+  // Sub-pixel offset from (x, y) to the maximum of the parabola through the neighbours' scores, at most 0.5. It is
+  // asked only of the corners that the quadtree keeps.
+  float dx() const { return peak(left, score, right); }
+  float dy() const { return peak(above, score, below); }
+
+ private:
+  // Returns the maximum's offset from the middle of the parabola through three scores.
+  static float peak(int before, int at, int after) {
+    return 0.5f * static_cast<float>(after - before) / static_cast<float>(2 * at - before - after);
+  }
 };
 
 // Finds corners at least `border` pixels from the image edge (border >= 3), with 3x3 non-maximum suppression, in row
@@ -25,10 +35,14 @@ class FastDetector {
               std::vector<Corner>& corners);
 
  private:
+  // Appends the corners of a row of cells that are to be kept.
+  void keep_of_row(int x0, int threshold, std::vector<Corner>& corners);
+
   ImageU8 scores_;  // scores of the rows above, at and below the current one
-  std::vector<uint16_t> maxima_, cell_column_;
-  std::vector<Corner> all_;
-  std::vector<uint8_t> cell_has_;
+  std::vector<uint16_t> maxima_, column_of_;
+  // Of the current row of cells: the corners, and whether a column's cell has one above the threshold.
+  std::vector<Corner> in_row_;
+  std::vector<uint8_t> has_strong_;
 };
 
 // Score of one pixel at least 3 pixels from the edge; 0 when it is no corner at `threshold`.
