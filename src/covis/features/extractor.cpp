@@ -105,10 +105,7 @@ void OrbExtractor::detect(int l) {
   Level& level = levels_[static_cast<size_t>(l)];
   level.detector.detect(level.view, kEdgeBorder, kCellSize, options_.fast_threshold, options_.fast_threshold_low,
                         level.corners);
-  if (edge_ratio_ == 0) return;
-  std::erase_if(level.corners, [&](const Corner& c) {
-    return lies_on_edge(gradient_sums(level.view.row(c.y) + c.x, level.view.stride), edge_ratio_);
-  });
+  if (edge_ratio_ > 0) leave_out_edges(level.view, edge_ratio_, level.corners);
 }
 
 void OrbExtractor::share_budget() {

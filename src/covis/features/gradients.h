@@ -8,6 +8,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
+
+#include "covis/features/fast.h"
 
 namespace covis {
 
@@ -17,10 +20,13 @@ struct GradientSums {
   int xx = 0, yy = 0, xy = 0;
   bool operator==(const GradientSums&) const = default;
 };
-// The image must extend at least 5 pixels beyond the pixel on every side.
-GradientSums gradient_sums(const uint8_t* pixel, ptrdiff_t stride);
+// Sets the sums of `count` corners. The image must extend at least 5 pixels beyond each of them on every side.
+void gradient_sums(ImageView<const uint8_t> image, const Corner* corners, size_t count, GradientSums* sums);
 
 // True where the greater eigenvalue of the tensor is more than `ratio` times the smaller one.
 bool lies_on_edge(const GradientSums& sums, double ratio);
+
+// Erases the corners that lie on an edge.
+void leave_out_edges(ImageView<const uint8_t> image, double ratio, std::vector<Corner>& corners);
 
 }  // namespace covis

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "covis/core/random.h"
 #include "covis/features/extractor.h"
@@ -30,7 +31,14 @@ ImageU8 wedge(double opening, double turn) {
   return image;
 }
 
-GradientSums middle_of(const ImageU8& image) { return gradient_sums(image.row(32) + 32, image.stride()); }
+GradientSums sums_at(const ImageU8& image, int16_t x, int16_t y) {
+  const Corner corner{x, y};
+  GradientSums sums;
+  gradient_sums(image.view(), &corner, 1, &sums);
+  return sums;
+}
+
+GradientSums middle_of(const ImageU8& image) { return sums_at(image, 32, 32); }
 
 TEST(Gradients, AnEdgeIsToldFromACornerHoweverItIsTurned) {
   for (int degrees = 0; degrees < 360; degrees += 7) {
@@ -45,7 +53,7 @@ TEST(Gradients, SumsAndRatio) {
   for (int y = 0; y < 32; ++y) {
     for (int x = 0; x < 32; ++x) image(x, y) = static_cast<uint8_t>(3 * x + 2 * y);
   }
-  const GradientSums sums = gradient_sums(image.row(15) + 15, image.stride());
+  const GradientSums sums = sums_at(image, 15, 15);
   EXPECT_EQ(sums, (GradientSums{49 * 36, 49 * 16, 49 * 24}));
   EXPECT_TRUE(lies_on_edge(sums, 1000));
   EXPECT_FALSE(lies_on_edge({500, 100, 0}, 5.01));
@@ -54,10 +62,38 @@ TEST(Gradients, SumsAndRatio) {
 
 TEST(Gradients, SimdIsTheScalarTwin) {
   Random random(5);
-  const ImageU8 image = texture(200, 100, 6);
-  for (int trial = 0; trial < 300; ++trial) {
-    const int x = 5 + static_cast<int>(random.below(190)), y = 5 + static_cast<int>(random.below(90));
-    expect_scalar_twin([&] { return gradient_sums(image.row(y) + x, image.stride()); });
+  ImageU8 image = texture(200, 100, 6);
+  for (int y = 0; y < 50; ++y) {
+    for (int x = 0; x < 200; ++x) image(x, y) = (x / 3 + y / 2) % 2 ? 255 : 0;  // the greatest differences
+  }
+  for (size_t count = 0; count < 70; ++count) {
+    std::vector<Corner> corners(count);
+    for (Corner& c : corners) {
+      c.x = static_cast<int16_t>(5 + random.below(190));
+      c.y = static_cast<int16_t>(5 + random.below(90));
+    }
+    expect_scalar_twin([&] {
+      std::vector<GradientSums> sums(count);
+      gradient_sums(image.view(), corners.data(), count, sums.data());
+      return sums;
+    });
+  }
+}
+
+TEST(Gradients, CornersOnEdgesAreErasedAndTheOthersKeepTheirOrder) {
+  const ImageU8 image = texture(320, 240, 7);
+  std::vector<Corner> corners, expected;
+  FastDetector().detect(image.view(), 5, 30, 20, 7, corners);
+  for (const Corner& c : corners) {
+    if (!lies_on_edge(sums_at(image, c.x, c.y), 4)) expected.push_back(c);
+  }
+  ASSERT_GT(expected.size(), 100u);
+  ASSERT_GT(corners.size() - expected.size(), 100u);
+  leave_out_edges(image.view(), 4, corners);
+  ASSERT_EQ(corners.size(), expected.size());
+  for (size_t k = 0; k < corners.size(); ++k) {
+    EXPECT_EQ(corners[k].x, expected[k].x);
+    EXPECT_EQ(corners[k].y, expected[k].y);
   }
 }
 

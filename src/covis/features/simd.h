@@ -65,7 +65,7 @@ struct Moments {
 Moments patch_moments(const uint8_t* pixel, ptrdiff_t stride);
 
 // gradient_sums() in gradients.h.
-GradientSums patch_gradients(const uint8_t* pixel, ptrdiff_t stride);
+void patch_gradients(const uint8_t* image, ptrdiff_t stride, const Corner* corners, size_t count, GradientSums* sums);
 
 // Sets offsets[i] = round(x s + y c) * stride + round(x c - y s), for count points (a multiple of 16; arrays 64-byte
 // aligned).

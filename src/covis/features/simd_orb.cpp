@@ -32,7 +32,7 @@ inline constexpr MomentWeights kMomentWeights;
 // Selects the 11 columns of a patch out of 16.
 alignas(32) inline constexpr std::array<int16_t, 16> kPatchColumns = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
 // Selects the 7 columns of a structure tensor out of 8.
-alignas(16) inline constexpr std::array<int16_t, 8> kTensorColumns = {1, 1, 1, 1, 1, 1, 1};
+alignas(16) inline constexpr std::array<int16_t, 8> kTensorColumns = {-1, -1, -1, -1, -1, -1, -1};
 }  // namespace covis
 #endif
 
@@ -60,37 +60,66 @@ Moments PatchMoments(const uint8_t* pixel, ptrdiff_t stride) {
   return {hn::GetLane(hn::SumOfLanes(d32, mx)), hn::GetLane(hn::SumOfLanes(d32, my))};
 }
 
-GradientSums PatchGradients(const uint8_t* pixel, ptrdiff_t stride) {
-  const hn::FixedTag<int16_t, 8> d;
-  const hn::RepartitionToWide<decltype(d)> d32;
-  const hn::Rebind<uint8_t, decltype(d)> bytes;
-  const auto columns = hn::Load(d, kTensorColumns.data());
-  auto xx = hn::Zero(d32), yy = hn::Zero(d32), xy = hn::Zero(d32);
-  const auto row = [&](ptrdiff_t x, ptrdiff_t y) {
-    return hn::PromoteTo(d, hn::LoadU(bytes, pixel + y * stride + x - 3));
-  };
-  for (ptrdiff_t y = -3; y <= 3; ++y) {
-    const auto gx = hn::Mul(hn::Sub(row(1, y), row(-1, y)), columns);
-    const auto gy = hn::Mul(hn::Sub(row(0, y + 1), row(0, y - 1)), columns);
-    xx = hn::Add(xx, pair_sums(d32, gx, gx));
-    yy = hn::Add(yy, pair_sums(d32, gy, gy));
-    xy = hn::Add(xy, pair_sums(d32, gx, gy));
+// Eight pixels at `p` and, where a vector holds two corners, eight at `q`, as 16-bit numbers.
+template <class D>
+HWY_INLINE hn::Vec<D> load_eights(D d, const uint8_t* p, const uint8_t* q) {
+  const hn::FixedTag<uint8_t, 8> eight;
+  if constexpr (hn::MaxLanes(d) == 16) {
+    return hn::PromoteTo(d, hn::Combine(hn::FixedTag<uint8_t, 16>(), hn::LoadU(eight, q), hn::LoadU(eight, p)));
+  } else {
+    return hn::PromoteTo(d, hn::LoadU(eight, p));
   }
-  return {hn::GetLane(hn::SumOfLanes(d32, xx)), hn::GetLane(hn::SumOfLanes(d32, yy)),
-          hn::GetLane(hn::SumOfLanes(d32, xy))};
+}
+
+void PatchGradients(const uint8_t* image, ptrdiff_t stride, const Corner* corners, size_t count, GradientSums* sums) {
+  const hn::CappedTag<int16_t, 16> d;  // eight lanes for a corner
+  const hn::RepartitionToWide<decltype(d)> d32;
+  const hn::Repartition<int64_t, decltype(d)> d64;
+  constexpr size_t kAtOnce = hn::MaxLanes(d) / 8;
+  const auto columns = hn::LoadDup128(d, kTensorColumns.data());
+  const auto pixel = [&](size_t k) { return image + corners[k].y * stride + corners[k].x - 3; };
+  for (size_t k = 0; k < count; k += kAtOnce) {
+    const uint8_t* p = pixel(k);
+    const uint8_t* q = pixel(k + kAtOnce <= count ? k + kAtOnce - 1 : k);
+    const auto row = [&](ptrdiff_t x, ptrdiff_t y) { return load_eights(d, p + y * stride + x, q + y * stride + x); };
+    auto xx = hn::Zero(d32), yy = hn::Zero(d32), xy = hn::Zero(d32);
+    auto above = row(0, -4), at = row(0, -3);
+    for (ptrdiff_t y = -3; y <= 3; ++y) {
+      const auto below = row(0, y + 1);
+      const auto gx = hn::And(hn::Sub(row(1, y), row(-1, y)), columns);
+      const auto gy = hn::And(hn::Sub(below, above), columns);
+      xx = hn::Add(xx, pair_sums(d32, gx, gx));
+      yy = hn::Add(yy, pair_sums(d32, gy, gy));
+      xy = hn::Add(xy, pair_sums(d32, gx, gy));
+      above = at;
+      at = below;
+    }
+    // Of each corner's four lanes the sums xx, yy, xy.
+    const auto halves = [&](auto a, auto b) {
+      return hn::BitCast(d64, hn::Add(hn::InterleaveLower(d32, a, b), hn::InterleaveUpper(d32, a, b)));
+    };
+    const auto squares = halves(xx, yy), products = halves(xy, xy);
+    HWY_ALIGN int32_t total[8];
+    hn::Store(hn::Add(hn::BitCast(d32, hn::InterleaveLower(d64, squares, products)),
+                      hn::BitCast(d32, hn::InterleaveUpper(d64, squares, products))),
+              d32, total);
+    for (size_t i = 0; i < kAtOnce && k + i < count; ++i)
+      sums[k + i] = {total[4 * i], total[4 * i + 1], total[4 * i + 2]};
+  }
 }
 
 void TurnPoints(const float* x, const float* y, size_t count, float c, float s, int32_t stride, int32_t* offsets) {
   const hn::CappedTag<float, 16> d;
   const hn::RebindToSigned<decltype(d)> di;
   const auto cosine = hn::Set(d, c), sine = hn::Set(d, s);
-  const auto pitch = hn::Set(di, stride);
+  const auto pitch = hn::Set(d, static_cast<float>(stride));
   for (size_t i = 0; i < count; i += hn::Lanes(d)) {
     const auto px = hn::Load(d, x + i), py = hn::Load(d, y + i);
-    // Each product is rounded on its own, as in the scalar twin: no fused operations.
-    const auto column = hn::ConvertTo(di, hn::Round(hn::Sub(hn::Mul(px, cosine), hn::Mul(py, sine))));
-    const auto row = hn::ConvertTo(di, hn::Round(hn::Add(hn::Mul(px, sine), hn::Mul(py, cosine))));
-    hn::Store(hn::Add(hn::Mul(row, pitch), column), di, offsets + i);
+    // Each product is rounded on its own, as in the scalar twin: no fused operations. The numbers after that are whole
+    // and exact.
+    const auto column = hn::Round(hn::Sub(hn::Mul(px, cosine), hn::Mul(py, sine)));
+    const auto row = hn::Round(hn::Add(hn::Mul(px, sine), hn::Mul(py, cosine)));
+    hn::Store(hn::NearestInt(hn::MulAdd(row, pitch, column)), di, offsets + i);
   }
 }
 
@@ -163,8 +192,8 @@ Moments patch_moments(const uint8_t* pixel, ptrdiff_t stride) {
   return HWY_DYNAMIC_DISPATCH(PatchMoments)(pixel, stride);
 }
 
-GradientSums patch_gradients(const uint8_t* pixel, ptrdiff_t stride) {
-  return HWY_DYNAMIC_DISPATCH(PatchGradients)(pixel, stride);
+void patch_gradients(const uint8_t* image, ptrdiff_t stride, const Corner* corners, size_t count, GradientSums* sums) {
+  HWY_DYNAMIC_DISPATCH(PatchGradients)(image, stride, corners, count, sums);
 }
 
 void turn_points(const float* x, const float* y, size_t count, float c, float s, int32_t stride, int32_t* offsets) {
