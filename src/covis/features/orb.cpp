@@ -68,13 +68,14 @@ Descriptor describe(const uint8_t* pixel, ptrdiff_t stride, float angle) {
     }
   }
   Descriptor d;
-  for (size_t word = 0; word < 4; ++word) {
+  for (size_t byte = 0; byte < 32; ++byte) {
+    // The last bit first: each is shifted in by one place, and the compiler unrolls eight of them.
     uint64_t bits = 0;
-    for (size_t i = 0; i < 64; ++i) {
-      const size_t k = 2 * (64 * word + i);
-      bits |= static_cast<uint64_t>(pixel[offset[k]] < pixel[offset[k + 1]]) << i;
+    for (size_t k = 16; k > 0; k -= 2) {
+      const int32_t* pair = &offset[16 * byte + k - 2];
+      bits = 2 * bits + static_cast<uint64_t>(pixel[pair[0]] < pixel[pair[1]]);
     }
-    d.bits[word] = bits;
+    d.bits[byte / 8] |= bits << byte % 8 * 8;
   }
   return d;
 }
