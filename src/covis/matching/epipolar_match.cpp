@@ -47,8 +47,8 @@ std::vector<FeatureMatch> match_epipolar(const Pinhole& camera, const Features& 
     int distance = kHammingBeyond;
   };
   std::vector<Owner> owner(n);
-  std::vector<uint32_t> on_line(points.padded() + LinePoints::kStep);
-  std::vector<int> distance(points.padded() + LinePoints::kStep);  // of the features on the line
+  std::vector<uint32_t> on_line(n);
+  std::vector<int> distance(n);  // of the features on the line
   for (int32_t i = 0; i < a.size(); ++i) {
     const auto ia = static_cast<size_t>(i);
     if (!use_a.empty() && !use_a[ia]) continue;

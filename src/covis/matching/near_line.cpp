@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/matching/near_line.h"
 
+#include <type_traits>
+
 #include "covis/features/simd.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -15,17 +17,25 @@ namespace covis::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 size_t NearLine(const float* line, const LinePoints& points, uint32_t* index) {
-  const hn::CappedTag<float, LinePoints::kStep> d;
-  const hn::RebindToUnsigned<decltype(d)> du;
-  const size_t lanes = hn::Lanes(d), n = points.padded();
+  const hn::CappedTag<float, 16> d;
+  constexpr size_t kLanes = hn::MaxLanes(d);
+  using MaskBits = std::conditional_t<kLanes == 16, uint16_t, uint8_t>;
   const auto a = hn::Set(d, line[0]), b = hn::Set(d, line[1]), c = hn::Set(d, line[2]);
   size_t found = 0;
-  for (size_t k = 0; k < n; k += lanes) {
-    const auto residual =
-        hn::Add(hn::Add(hn::Mul(a, hn::Load(d, points.x() + k)), hn::Mul(b, hn::Load(d, points.y() + k))), c);
-    const auto near = hn::Le(hn::Mul(residual, residual), hn::Load(d, points.bound() + k));
-    if (hn::AllFalse(d, near)) continue;
-    found += hn::CompressStore(hn::Iota(du, static_cast<uint32_t>(k)), hn::RebindMask(du, near), du, index + found);
+  for (size_t step = 0; step < points.padded(); step += LinePoints::kStep) {
+    // One bit for each point, and a loop over the few that are set: it is left by one branch in 64 points.
+    uint64_t bits = 0;
+    for (size_t i = 0; i < LinePoints::kStep; i += kLanes) {
+      const size_t k = step + i;
+      const auto residual =
+          hn::Add(hn::Add(hn::Mul(a, hn::Load(d, points.x() + k)), hn::Mul(b, hn::Load(d, points.y() + k))), c);
+      MaskBits near = 0;
+      hn::StoreMaskBits(d, hn::Le(hn::Mul(residual, residual), hn::Load(d, points.bound() + k)),
+                        reinterpret_cast<uint8_t*>(&near));
+      bits |= static_cast<uint64_t>(near) << i;
+    }
+    for (; bits != 0; bits &= bits - 1)
+      index[found++] = static_cast<uint32_t>(step) + static_cast<uint32_t>(__builtin_ctzll(bits));
   }
   return found;
 }

@@ -13,7 +13,7 @@ namespace covis {
 // Image points with the squared distance at which each counts as near, padded for SIMD.
 class LinePoints {
  public:
-  static constexpr size_t kStep = 16;  // the lanes of the widest vectors
+  static constexpr size_t kStep = 64;  // points that are looked at together
 
   explicit LinePoints(size_t n) : size_(n), x_(padded()), y_(padded()), bound_(padded(), -1.0f) {}
   void set(size_t k, float x, float y, float bound) {
@@ -33,7 +33,7 @@ class LinePoints {
 };
 
 // The points with (a x + b y + c)^2 <= bound, rising; line = {a, b, c} with a^2 + b^2 = 1. `index` has room for
-// points.padded() + LinePoints::kStep; returns how many there are.
+// points.size(); returns how many there are.
 size_t near_line(const std::array<float, 3>& line, const LinePoints& points, uint32_t* index);
 
 }  // namespace covis

@@ -28,7 +28,7 @@ TEST(NearLine, FindsByEveryInstructionSetWhatAPlainSearchFinds) {
       if (residual * residual <= points.bound()[k]) expected.push_back(k);
     }
     for_each_target([&] {
-      std::vector<uint32_t> found(points.padded() + LinePoints::kStep);
+      std::vector<uint32_t> found(points.size());
       found.resize(near_line(line, points, found.data()));
       EXPECT_EQ(found, expected);
     });
