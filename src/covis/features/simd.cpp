@@ -19,15 +19,19 @@ namespace covis::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Takes the sixteen differences to the circle, all with the same sign, and returns the greatest minimum of nine
-// contiguous ones, by doubling: runs of 2, 4, 8, then 9. Uses plain arrays because std::array's functions are not
-// compiled for this section's instruction set, and vectors cannot be created in them.
+// contiguous ones, by doubling: runs of 2, 4 and 8. Each run of 8 serves two of 9, with the one before it and with the
+// one after it. Uses plain arrays because std::array's functions are not compiled for this section's instruction set,
+// and vectors cannot be created in them.
 template <class V>
 HWY_INLINE V best_run(const V* d) {
-  V two[16], four[16];
-  for (size_t k = 0; k < 16; ++k) two[k] = hn::Min(d[k], d[(k + 1) % 16]);
-  for (size_t k = 0; k < 16; ++k) four[k] = hn::Min(two[k], two[(k + 2) % 16]);
-  V best = hn::Min(hn::Min(four[0], four[4]), d[8]);
-  for (size_t k = 1; k < 16; ++k) best = hn::Max(best, hn::Min(hn::Min(four[k], four[(k + 4) % 16]), d[(k + 8) % 16]));
+  V two[8], four[8];  // the minima of the runs that begin at 2 k + 1
+  for (size_t k = 0; k < 8; ++k) two[k] = hn::Min(d[2 * k + 1], d[(2 * k + 2) % 16]);
+  for (size_t k = 0; k < 8; ++k) four[k] = hn::Min(two[k], two[(k + 1) % 8]);
+  const auto nine = [&](size_t k) {
+    return hn::Min(hn::Min(four[k], four[(k + 2) % 8]), hn::Max(d[2 * k], d[(2 * k + 9) % 16]));
+  };
+  V best = nine(0);
+  for (size_t k = 1; k < 8; ++k) best = hn::Max(best, nine(k));
   return best;
 }
 
