@@ -68,7 +68,7 @@ Moments patch_moments(const uint8_t* pixel, ptrdiff_t stride);
 void patch_gradients(const uint8_t* image, ptrdiff_t stride, const Corner* corners, size_t count, GradientSums* sums);
 
 // Sets offsets[i] = round(x s + y c) * stride + round(x c - y s), for count points (a multiple of 16; arrays 64-byte
-// aligned).
+// aligned). Offsets have to be less than 2^24, as floats hold them.
 void turn_points(const float* x, const float* y, size_t count, float c, float s, int32_t stride, int32_t* offsets);
 
 // The difference of the means of two 11x11 patches in quarters of a grey level, rounded; `difference`: that of their
