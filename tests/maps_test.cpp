@@ -302,14 +302,14 @@ TEST(Jump, IsNotToAnotherPosterInRealTimeEitherLong) {
 }
 
 // Another gap in that walk leads to a place from which the camera is lost within a second: those poses are tentative
-// and retracted.
+// and retracted. What these frames show is located afterwards, from the right place.
 TEST(Jump, ThatProvesWrongIsTakenBack) {
   Recording recording(Sensor::rgbd, 150, 10, "posters");
   Walk walk = cut(recording, 10, 80, 120, 150);
   Walked run(walk, options_for(Sensor::rgbd));
   EXPECT_GT(run.tentative.size(), 0u);
   EXPECT_EQ(run.system.snapshot()->online.size(), run.reported - run.tentative.size());
-  for (const PoseOfFrame& pose : run.system.trajectory())
+  for (const PoseOfFrame& pose : run.system.snapshot()->online)
     EXPECT_FALSE(std::binary_search(run.tentative.begin(), run.tentative.end(), pose.frame)) << pose.frame;
   EXPECT_LT(run.error_of(0, false), 0.1);
 }
@@ -338,11 +338,18 @@ TEST(Jump, LostInDoubtIsInDoubtAgain) {
       input.stamp = from_seconds(step++ / 8.0);
       return system.process(input).track;
     };
-    for (int i = 0; i <= 60; ++i) ASSERT_EQ(show(recording.frame(i)).state, TrackState::tracking) << i;
+    std::vector<int> features;  // of each frame, as many as usual
+    for (int i = 0; i <= 60; ++i) {
+      const TrackResult result = show(recording.frame(i));
+      ASSERT_EQ(result.state, TrackState::tracking) << i;
+      features.push_back(result.features);
+    }
     // Shows frames from another place until the first pose.
+    int there = 0;
     const auto jump = [&] {
       TrackResult result;
-      for (int i = 20; i < 30 && result.state != TrackState::tracking; ++i) result = show(recording.frame(i));
+      for (there = 20; there < 30 && result.state != TrackState::tracking; ++there)
+        result = show(recording.frame(there));
       return result;
     };
     EXPECT_TRUE(jump().tentative);
@@ -351,8 +358,10 @@ TEST(Jump, LostInDoubtIsInDoubtAgain) {
     const TrackResult again = jump();
     EXPECT_EQ(again.state, TrackState::tracking);
     EXPECT_TRUE(again.tentative);
+    EXPECT_GT(show(recording.frame(there)).features, features[static_cast<size_t>(there)])
+        << "it was found with twice as many, and is judged with as many";
     system.finish();
-    for (const PoseOfFrame& pose : system.trajectory()) EXPECT_NE(pose.frame, believed_for_now);
+    for (const PoseOfFrame& pose : system.snapshot()->online) EXPECT_NE(pose.frame, believed_for_now);
   }
 }
 

@@ -15,7 +15,7 @@ bool stopped(const BundleOptions& options) {
   return options.interrupt && options.interrupt->load(std::memory_order_relaxed);
 }
 
-// The pose that alone holds a problem in which no depth tells the scale; nothing where the scale is told.
+// The pose that alone holds a problem in which no depth tells the scale; nothing where something tells it.
 std::optional<size_t> only_hold(const BundleProblem& problem) {
   if (std::count(problem.fixed.begin(), problem.fixed.end(), 1) != 1) return std::nullopt;
   const auto has_depth = [](const BundleObservation& o) { return o.active && o.disparity.measured(); };

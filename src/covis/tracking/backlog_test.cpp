@@ -13,11 +13,12 @@ using testing::IsEmpty;
 
 class BacklogTest : public testing::Test {
  protected:
-  void keep(int64_t frame) {
+  TrackedFrame tracked(int64_t frame) const {
     TrackedFrame tracked;
     tracked.start(features, frame, 10 * frame);
-    backlog.keep(tracked);
+    return tracked;
   }
+  void keep(int64_t frame) { backlog.keep(tracked(frame)); }
   std::vector<int64_t> taken() {
     std::vector<int64_t> indices;
     for (const UnlocatedFrame& frame : backlog.take()) indices.push_back(frame.frame);
@@ -64,6 +65,24 @@ TEST_F(BacklogTest, APlaceThatDoesNotHoldIsNoPlace) {
   EXPECT_THAT(taken(), IsEmpty());
   backlog.found_at(there);
   EXPECT_THAT(taken(), ElementsAre(1));
+}
+
+TEST_F(BacklogTest, FramesWhosePosesMayBeTakenBackWaitOnlyIfTheCameraIsLost) {
+  keep(1);
+  backlog.keep_for_now(tracked(2));
+  backlog.settle();
+  backlog.found_at(here);
+  EXPECT_THAT(taken(), ElementsAre(1));
+  keep(4);
+  for (const int64_t frame : {5, 6}) {
+    backlog.found_at(here);
+    backlog.keep_for_now(tracked(frame));
+  }
+  backlog.lost();
+  keep(7);
+  EXPECT_THAT(taken(), IsEmpty());
+  backlog.found_at(there);
+  EXPECT_THAT(taken(), ElementsAre(7, 6, 5, 4));
 }
 
 TEST_F(BacklogTest, TheOldestGoes) {

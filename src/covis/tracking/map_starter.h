@@ -52,8 +52,11 @@ class MapStarter {
   // A frame has its pose. Settled: its place is not tentative.
   enum class Place { settled, tentative };
   void accept(Place place);
-  // True when the submap of this key frame is so young that it would be given up if the camera were lost now.
-  bool may_give_up(const Map& map, KeyFrameId reference) const { return young_submap(map, reference).has_value(); }
+  // True when the submap of this key frame may be so young that it is given up if the camera is lost. `live`: null
+  // while the map may not be read.
+  bool may_give_up(const SharedMap* live, KeyFrameId reference) const {
+    return settings_.sensor == Sensor::monocular && (!live || young_submap(*live->read(), reference));
+  }
   // A map was put in place: its submaps are never given up.
   void keep_submaps(const Map& map);
 

@@ -222,5 +222,16 @@ TEST_F(LostForLongTest, ACameraThatWasNeverInTheMapBeginsBesideItToo) {
   EXPECT_EQ(starter.lose(from_seconds(2), {}, &world->shared).step, Step::begin_submap);
 }
 
+TEST_F(MapStarterTest, OnlyAYoungMonocularSubmapMayBeGivenUp) {
+  for (const Sensor sensor : {Sensor::monocular, Sensor::rgbd}) {
+    const MapStarter starter(settings_of(sensor));
+    const auto young = map_of(sensor, 5), old = map_of(sensor, 6);
+    const bool monocular = sensor == Sensor::monocular;
+    EXPECT_EQ(starter.may_give_up(&young->shared, young->frames.front()), monocular);
+    EXPECT_FALSE(starter.may_give_up(&old->shared, old->frames.front()));
+    EXPECT_EQ(starter.may_give_up(nullptr, old->frames.front()), monocular) << "the map may not be read";
+  }
+}
+
 }  // namespace
 }  // namespace covis

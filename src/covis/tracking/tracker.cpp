@@ -57,10 +57,16 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       lose(outcome, live);
     } else {
       accept(result);
+      const bool stays = !search_.place.tentative() && !starter_.may_give_up(live, last_.pose.key_frame);
+      if (stays) {
+        backlog_.settle();
+      } else {
+        backlog_.keep_for_now(current_);
+      }
       if (may_make_key_frame(result) &&
           key_frames_.is_due(current_, result.inliers, search_.local_map, search_.camera, mapping.load)) {
         KeyFrameRequest request = key_frames_.request(current_, last_.pose, search_.camera);
-        if (live && !starter_.may_give_up(*live->read(), last_.pose.key_frame)) request.unlocated = backlog_.take();
+        if (stays) request.unlocated = backlog_.take();
         outcome.request = std::move(request);
         result.key_frame = true;
       }
@@ -282,7 +288,8 @@ void Tracker::start_lost() {
 bool Tracker::wants_more_features() const {
   const bool monocular = settings_.sensor == Sensor::monocular;
   if (state_ == TrackState::not_initialised) return monocular;
-  return health_.weak || (starter_.is_beginning() && monocular);
+  // A tentative place was found with twice the features, and is held against what that showed.
+  return health_.weak || search_.place.tentative() || (starter_.is_beginning() && monocular);
 }
 
 // The last frame is this key frame.
