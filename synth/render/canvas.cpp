@@ -48,8 +48,23 @@ Canvas::Canvas(double width, double height, double pixels_per_metre, double tone
 
 void Canvas::rect(double x0, double y0, double x1, double y1, double tone, double alpha) {
   const double cx = 0.5 * (x0 + x1), cy = 0.5 * (y0 + y1), hx = 0.5 * (x1 - x0), hy = 0.5 * (y1 - y0);
-  paint(x0, y0, x1, y1, tone, alpha,
-        [=](double x, double y) { return std::max(std::abs(x - cx) - hx, std::abs(y - cy) - hy); });
+  // The cover by the distance is the smaller of those by the distance across and down, each the same for a whole column
+  // or row.
+  const auto cover = [&](double at, double centre, double half) {
+    return static_cast<float>(std::clamp(0.5 - (std::abs(at - centre) - half) * scale_, 0.0, 1.0) * alpha);
+  };
+  const Span columns = columns_over(x0, x1), rows = rows_over(y0, y1);
+  std::vector<float> across;
+  for (int c = columns.begin; c < columns.end; ++c) across.push_back(cover((c + 0.5) / x_scale_, cx, hx));
+  const float to = static_cast<float>(tone);
+  for (int r = rows.begin; r < rows.end; ++r) {
+    const float down = cover((r + 0.5) / y_scale_, cy, hy);
+    float* v = pixels_.data() + static_cast<ptrdiff_t>(r) * columns_ + columns.begin;
+    for (const float share : across) {
+      *v += std::min(share, down) * (to - *v);
+      ++v;
+    }
+  }
 }
 
 void Canvas::frame(double x0, double y0, double x1, double y1, double line, double tone, double alpha) {
@@ -120,14 +135,15 @@ double Canvas::text(double x, double y, double height, std::string_view letters,
 
 void Canvas::noise(double cell_x, double cell_y, double amplitude, uint64_t seed) {
   const size_t columns = static_cast<size_t>(columns_);
-  std::vector<int> cell(columns);
+  std::vector<size_t> cell_end;  // the column after each cell's last
   std::vector<float> weight(columns);
   for (size_t c = 0; c < columns; ++c) {
     const double t = (static_cast<double>(c) + 0.5) / x_scale_ / cell_x;
-    cell[c] = static_cast<int>(t);
+    cell_end.resize(static_cast<size_t>(t) + 1, c);
+    cell_end.back() = c + 1;
     weight[c] = static_cast<float>(smooth_step(t - std::floor(t)));
   }
-  const size_t lattice_columns = static_cast<size_t>(cell.back()) + 2;
+  const size_t lattice_columns = cell_end.size() + 1;
   std::vector<float> mixed(lattice_columns), above(lattice_columns), below(lattice_columns);
   const auto fill = [&](std::vector<float>& values, int y) {
     for (size_t i = 0; i < lattice_columns; ++i) values[i] = lattice(seed, static_cast<int64_t>(i), y);
@@ -148,9 +164,10 @@ void Canvas::noise(double cell_x, double cell_y, double amplitude, uint64_t seed
     const float wy = static_cast<float>(smooth_step(t - row)), a = static_cast<float>(amplitude);
     for (size_t i = 0; i < lattice_columns; ++i) mixed[i] = a * (above[i] + wy * (below[i] - above[i]));
     float* out = pixels_.data() + static_cast<size_t>(r) * columns;
-    for (size_t c = 0; c < columns; ++c) {
-      const size_t i = static_cast<size_t>(cell[c]);
-      out[c] += mixed[i] + weight[c] * (mixed[i + 1] - mixed[i]);
+    size_t c = 0;
+    for (size_t i = 0; i < cell_end.size(); ++i) {
+      const float left = mixed[i], step = mixed[i + 1] - left;
+      for (const size_t end = cell_end[i]; c < end; ++c) out[c] += left + weight[c] * step;
     }
   }
 }

@@ -35,12 +35,9 @@ class Canvas {
   // Calls edit(x, y, value&) for each pixel of a box.
   template <class Edit>
   void each_pixel(double x0, double y0, double x1, double y1, Edit&& edit) {
-    const int c0 = std::max(0, static_cast<int>(std::floor(x0 * x_scale_ - 1))),
-              c1 = std::min(columns_, static_cast<int>(std::ceil(x1 * x_scale_ + 1)));
-    const int r0 = std::max(0, static_cast<int>(std::floor(y0 * y_scale_ - 1))),
-              r1 = std::min(rows_, static_cast<int>(std::ceil(y1 * y_scale_ + 1)));
-    for (int r = r0; r < r1; ++r) {
-      for (int c = c0; c < c1; ++c) {
+    const Span columns = columns_over(x0, x1), rows = rows_over(y0, y1);
+    for (int r = rows.begin; r < rows.end; ++r) {
+      for (int c = columns.begin; c < columns.end; ++c) {
         edit((c + 0.5) / x_scale_, (r + 0.5) / y_scale_,
              pixels_[static_cast<size_t>(r) * static_cast<size_t>(columns_) + static_cast<size_t>(c)]);
       }
@@ -72,6 +69,17 @@ class Canvas {
   void clamp_tones(double low, double high);
 
  private:
+  struct Span {
+    int begin, end;
+  };
+  // The columns and rows of pixels that may see something of a box.
+  Span columns_over(double x0, double x1) const { return pixels_over(x0, x1, x_scale_, columns_); }
+  Span rows_over(double y0, double y1) const { return pixels_over(y0, y1, y_scale_, rows_); }
+  static Span pixels_over(double low, double high, double scale, int count) {
+    return {std::max(0, static_cast<int>(std::floor(low * scale - 1))),
+            std::min(count, static_cast<int>(std::ceil(high * scale + 1)))};
+  }
+
   double width_, height_, scale_, x_scale_, y_scale_;
   int columns_, rows_;
   std::vector<float> pixels_;

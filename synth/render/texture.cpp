@@ -16,22 +16,40 @@ std::vector<float> halve(const std::vector<float>& in, int size, int lines, Alon
   const int half = (size + 1) / 2;
   std::vector<float> out(static_cast<size_t>(half) * static_cast<size_t>(lines));
   const double ratio = static_cast<double>(size) / half;
+  struct Share {
+    int first, last;  // inputs
+    float weight[3];
+  };
+  std::vector<Share> shares(static_cast<size_t>(half));
   for (int i = 0; i < half; ++i) {
     const double begin = i * ratio, end = std::min<double>((i + 1) * ratio, size);
     const int first = static_cast<int>(begin), last = std::min(size - 1, static_cast<int>(std::ceil(end - 1e-9)) - 1);
-    float weight[3] = {0, 0, 0};
+    Share& share = shares[static_cast<size_t>(i)] = {first, last, {0, 0, 0}};
     for (int k = first; k <= last; ++k) {
-      weight[k - first] =
+      share.weight[k - first] =
           static_cast<float>((std::min<double>(k + 1, end) - std::max<double>(k, begin)) / (end - begin));
     }
-    for (int l = 0; l < lines; ++l) {
-      float sum = 0;
-      for (int k = first; k <= last; ++k) {
-        const int at = along == Along::rows ? l * size + k : k * lines + l;
-        sum += weight[k - first] * in[static_cast<size_t>(at)];
+  }
+  // Both walk through memory in its order.
+  float* to = out.data();
+  if (along == Along::rows) {
+    const float* from = in.data();
+    for (int l = 0; l < lines; ++l, from += size) {
+      for (const Share& share : shares) {
+        float sum = 0;
+        for (int k = share.first; k <= share.last; ++k) sum += share.weight[k - share.first] * from[k];
+        *to++ = sum;
       }
-      out[static_cast<size_t>(along == Along::rows ? l * half + i : i * lines + l)] = sum;
     }
+    return out;
+  }
+  for (const Share& share : shares) {
+    for (int k = share.first; k <= share.last; ++k) {
+      const float weight = share.weight[k - share.first];
+      const float* from = in.data() + static_cast<ptrdiff_t>(k) * lines;
+      for (int l = 0; l < lines; ++l) to[l] += weight * from[l];
+    }
+    to += lines;
   }
   return out;
 }
