@@ -3,7 +3,7 @@
 # covis_NAME of the *.cpp files below src/covis/NAME, and a test of the *_test.cpp files among them.
 #   DIR         the folder of the sources, from the project's root, when it is another
 #   TEST_NAME   the test's name, where it is not to be NAME_test
-#   ONE_TEST    the cases share what is dear to make, so ctest runs them in one process
+#   ONE_TEST    the cases share what is dear to make or to load (OpenCV), so ctest runs them in one process
 #   THREADED    of such a test, the cases (a GoogleTest filter) the thread sanitizer is to run; without it all
 #   ONE_THREAD  the module starts no thread and shares nothing: its test is not built with the thread sanitizer
 function(covis_module name)
