@@ -97,7 +97,7 @@ Walk jump_and_way_back(Recording& recording) {
 
 TEST_P(Maps, AnUnknownPlaceBeginsAMapThatIsJoinedToTheOldOne) {
   const Sensor sensor = GetParam();
-  Recording recording(sensor, 160);
+  Recording& recording = shared_recording(sensor, 160);
   Walk walk = jump_and_way_back(recording);
   Walked run(walk, options_for(sensor));
   EXPECT_EQ(run.most_submaps, 2u);
@@ -113,7 +113,7 @@ TEST_P(Maps, AnUnknownPlaceBeginsAMapThatIsJoinedToTheOldOne) {
 // Mapping runs beside tracking without waiting, so the second map and the merge may come at any time.
 TEST_P(Maps, MapsAreJoinedInRealTimeToo) {
   const Sensor sensor = GetParam();
-  Recording recording(sensor, 160);
+  Recording& recording = shared_recording(sensor, 160);
   Walk walk = jump_and_way_back(recording);
   SystemOptions options = options_for(sensor);
   options.realtime = true;
@@ -147,7 +147,7 @@ Map map_before(Walk& walk, const SystemOptions& options) {
 
 // No map is begun beside one that is for localisation only, nor without a way to join it later.
 TEST(FurtherMap, NoneIsBegunWhereItMustNot) {
-  Recording recording(Sensor::rgbd, 160);
+  Recording& recording = shared_recording(Sensor::rgbd, 160);
   Walk walk = carried_away(recording);
   const MapState before = map_before(walk, options_for(Sensor::rgbd)).state();
   const struct {
@@ -178,7 +178,7 @@ TEST(FurtherMap, NoneIsBegunWhereItMustNot) {
 
 // Beside a loaded map that is not found another is begun after the time set; the loaded one stays the first.
 TEST(FurtherMap, ALoadedMapStaysTheFirst) {
-  Recording recording(Sensor::rgbd, 160);
+  Recording& recording = shared_recording(Sensor::rgbd, 160);
   Walk walk = carried_away(recording);
   System system(recording.synth.camera(), options_for(Sensor::rgbd), vocabulary());
   ASSERT_TRUE(system.set_map(map_before(walk, options_for(Sensor::rgbd)), recording.synth.camera()));
@@ -215,7 +215,7 @@ INSTANTIATE_TEST_SUITE_P(CutsLong, Kidnapped,
 
 // metres, degrees: greatest difference of a pose from that of the same frame before the jump.
 void expect_found_again(const Cut& where, Size size, double metres, double degrees) {
-  Recording recording(where.sensor, 160, 8, "room", size);
+  Recording& recording = shared_recording(where.sensor, 160, 8, "room", size);
   Walk walk = cut(recording, 8, where.from, where.to, where.to + 20);
   Walked run(walk, options_for(where.sensor));
   const std::vector<SubmapSummary> submaps = run.system.submaps();
@@ -248,7 +248,7 @@ TEST_P(KidnappedLarge, IsFoundAgainWithinTenFrames) { expect_found_again(GetPara
 // A hall of equal posters: after a jump to its other end every view looks familiar, but none has been seen before.
 TEST_P(Maps, MapsAreNotJoinedByEqualPostersLong) {
   const Sensor sensor = GetParam();
-  Recording recording(sensor, 265, 10, "posters", {400, 300});
+  Recording& recording = shared_recording(sensor, 265, 10, "posters", {400, 300});
   Walk walk = cut(recording, 10, 60, 200, 260);
   Walked run(walk, options_for(sensor));
   EXPECT_EQ(run.most_submaps, 2u) << "else there was nothing to join";
@@ -267,7 +267,7 @@ Walk cut_along_posters(Recording& recording) { return cut(recording, 10, 60, 100
 TEST_P(Maps, APosterIsNotTakenForAnother) {
   const Sensor sensor = GetParam();
   const bool monocular = sensor == Sensor::monocular;
-  Recording recording(sensor, 160, 10, "posters");
+  Recording& recording = shared_recording(sensor, 160, 10, "posters");
   Walk walk = cut_along_posters(recording);
   Walked run(walk, options_for(sensor));
   EXPECT_EQ(run.merges, 0);
@@ -284,7 +284,7 @@ TEST_P(Maps, APosterIsNotTakenForAnother) {
 TEST(Jump, IsNotToAnotherPosterInRealTimeEitherLong) {
   for (const Sensor sensor : {Sensor::stereo, Sensor::rgbd}) {
     SCOPED_TRACE(sensor_name(sensor));
-    Recording recording(sensor, 160, 10, "posters");
+    Recording& recording = shared_recording(sensor, 160, 10, "posters");
     Walk walk = cut_along_posters(recording);
     SystemOptions options = options_for(sensor);
     options.realtime = true;
@@ -304,7 +304,7 @@ TEST(Jump, IsNotToAnotherPosterInRealTimeEitherLong) {
 // Another gap in that walk leads to a place from which the camera is lost within a second: those poses are tentative
 // and retracted. What these frames show is located afterwards, from the right place.
 TEST(Jump, ThatProvesWrongIsTakenBack) {
-  Recording recording(Sensor::rgbd, 150, 10, "posters");
+  Recording& recording = shared_recording(Sensor::rgbd, 160, 10, "posters");
   Walk walk = cut(recording, 10, 80, 120, 150);
   Walked run(walk, options_for(Sensor::rgbd));
   EXPECT_GT(run.tentative.size(), 0u);
@@ -316,7 +316,7 @@ TEST(Jump, ThatProvesWrongIsTakenBack) {
 
 // Too little may have been seen from near a right place to recognise it by that alone.
 TEST(Jump, ThatIsRightIsBelievedLong) {
-  Recording recording(Sensor::rgbd, 135, 10, "posters");
+  Recording& recording = shared_recording(Sensor::rgbd, 160, 10, "posters");
   Walk walk = cut(recording, 10, 90, 115, 135);
   Walked run(walk, options_for(Sensor::rgbd));
   EXPECT_GT(run.tentative.size(), 0u);
@@ -326,7 +326,7 @@ TEST(Jump, ThatIsRightIsBelievedLong) {
 
 // A camera lost while its place is tentative has no last place near which it would be believed at once.
 TEST(Jump, LostInDoubtIsInDoubtAgain) {
-  Recording recording(Sensor::rgbd, 61);
+  Recording& recording = shared_recording(Sensor::rgbd, 160);
   for (const bool realtime : {false, true}) {
     SCOPED_TRACE(realtime ? "in real time" : "deterministic");
     SystemOptions options = options_for(Sensor::rgbd);

@@ -5,9 +5,11 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "covis/geometry/alignment.h"
@@ -80,6 +82,15 @@ class Recording {
   std::vector<Images> frames_;
   Images black_;
 };
+
+// Returns the recording that cases of one program share: each of its frames is rendered once, whoever asks first.
+inline Recording& shared_recording(Sensor sensor, int frames, double fps = 8, const std::string& world = "room",
+                                   Size size = {}) {
+  static std::map<std::tuple<Sensor, int, double, std::string, int, int>, Recording> made;
+  const std::tuple key(sensor, frames, fps, world, size.width, size.height);
+  const auto at = made.find(key);
+  return at != made.end() ? at->second : made.emplace(key, Recording(sensor, frames, fps, world, size)).first->second;
+}
 
 inline SystemOptions options_for(Sensor sensor) {
   SystemOptions options;

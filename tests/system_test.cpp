@@ -33,17 +33,17 @@ void expect_tracked(Recording& recording, Sensor sensor, double bound) {
 }
 
 TEST_P(EachSensor, TracksARoom) {
-  Recording recording(GetParam(), 32);
+  Recording& recording = shared_recording(GetParam(), 32);
   expect_tracked(recording, GetParam(), 0.04);
 }
 
 TEST_P(EachSensor, TracksARoomLong) {
-  Recording recording(GetParam(), 60, 30, "room", {640, 480});
+  Recording& recording = shared_recording(GetParam(), 60, 30, "room", {640, 480});
   expect_tracked(recording, GetParam(), 0.02);
 }
 
 TEST_P(EachSensor, TwoRunsGiveTheSameBytes) {
-  Recording recording(GetParam(), 32);
+  Recording& recording = shared_recording(GetParam(), 32);
   std::string first;
   for (int run = 0; run < 2; ++run) {
     System system(recording.synth.camera(), options_for(GetParam()));
@@ -63,7 +63,7 @@ TEST(System, WhatMappingMadeShowsAfterItsDelayOrAtOnceNearALoss) {
   options.tracker.local_map.min_inliers = 200;
   options.tracker.key_frame.min_close_points = 500;  // rarely reached, so that key frames are made often
   options.tracker.key_frame.new_close_points = 0;
-  Recording recording(Sensor::rgbd, 32);
+  Recording& recording = shared_recording(Sensor::rgbd, 32);
   System system(recording.synth.camera(), options);
   int waited = 0, late = 0, at_once = 0;  // waited: frames since a key frame whose mapping is not visible yet; 0: none
   bool near_loss = false;
@@ -88,7 +88,7 @@ TEST(System, WhatMappingMadeShowsAfterItsDelayOrAtOnceNearALoss) {
 TEST_P(EachSensor, RealTimeTracksToo) {
   SystemOptions options = options_for(GetParam());
   options.realtime = true;
-  Recording recording(GetParam(), 24, 12, "desk");
+  Recording& recording = shared_recording(GetParam(), 24, 12, "desk");
   System system(recording.synth.camera(), options);
   int tracked = 0;
   for (int i = 0; i < recording.size(); ++i) {
@@ -101,7 +101,7 @@ TEST_P(EachSensor, RealTimeTracksToo) {
 
 TEST_P(EachSensor, LossIsAStateWithAReasonAndIsRecoveredFrom) {
   constexpr int kSeen = 24, kBlack = 4, kAfter = 4;
-  Recording recording(GetParam(), kSeen + kBlack + kAfter, 15, "desk");
+  Recording& recording = shared_recording(GetParam(), kSeen + kBlack + kAfter, 15, "desk");
   System system(recording.synth.camera(), options_for(GetParam()));
   int i = 0;
   for (; i < kSeen; ++i) system.process(recording.frame(i));
@@ -126,7 +126,7 @@ TEST_P(EachSensor, LossIsAStateWithAReasonAndIsRecoveredFrom) {
 
 TEST(System, NothingToSeeIsNotInitialised) {
   for (const Sensor sensor : {Sensor::monocular, Sensor::stereo, Sensor::rgbd}) {
-    Recording recording(sensor, 1, 8, "room", {160, 120});
+    Recording& recording = shared_recording(sensor, 1, 8, "room", {160, 120});
     System system(recording.synth.camera(), options_for(sensor));
     for (int i = 0; i < 3; ++i) {
       const FrameReport report = system.process(recording.black(i));
@@ -143,7 +143,7 @@ TEST(System, LocalisationWithoutAMapBeginsNone) {
     SystemOptions options = options_for(sensor);
     options.localize = true;
     options.tracker.start.new_map_after = 0.1;
-    Recording recording(sensor, 6, 8, "desk");
+    Recording& recording = shared_recording(sensor, 6, 8, "desk");
     System system(recording.synth.camera(), options, vocabulary());
     for (int i = 0; i < recording.size(); ++i) {
       const TrackResult track = system.process(recording.frame(i)).track;
@@ -158,7 +158,7 @@ TEST(System, LocalisationWithoutAMapBeginsNone) {
 }
 
 TEST(System, StartsAndStopsAtAnyTime) {
-  Recording recording(Sensor::stereo, 4, 8, "desk", {160, 120});
+  Recording& recording = shared_recording(Sensor::stereo, 4, 8, "desk", {160, 120});
   SystemOptions options = options_for(Sensor::stereo);
   options.orb.features = 200;
   options.orb.levels = 3;
