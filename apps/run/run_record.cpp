@@ -71,6 +71,7 @@ void settle_states(const std::vector<PoseOfFrame>& trajectory, RunMode mode, std
     if (has_pose) {
       frame.state = FrameState::tracking;
       frame.track.method = TrackMethod::backtracked;
+      frame.track.tentative = false;
       frame.reason.clear();
     } else {
       frame.state = lost_state(mode);

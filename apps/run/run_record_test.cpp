@@ -50,6 +50,7 @@ TEST(RunRecord, PosesTakenBackOrFoundAfterwardsShowInTheirRows) {
   frames[2].state = FrameState::not_initialised;
   frames[1].state = FrameState::lost;
   frames[1].reason = "why";
+  frames[1].track.tentative = true;
   std::vector<PoseOfFrame> trajectory(3);  // neither frame 30 nor frame 40 is among them
   for (size_t k = 0; k < trajectory.size(); ++k) trajectory[k].frame = std::array{10, 15, 20}[k];
   settle_states(trajectory, RunMode::mapping, frames);
@@ -58,6 +59,7 @@ TEST(RunRecord, PosesTakenBackOrFoundAfterwardsShowInTheirRows) {
   EXPECT_EQ(frames[1].state, FrameState::tracking) << "it got its pose afterwards";
   EXPECT_EQ(frames[1].track.method, TrackMethod::backtracked);
   EXPECT_EQ(frames[1].reason, "");
+  EXPECT_FALSE(frames[1].track.tentative);
   EXPECT_EQ(frames[2].state, FrameState::not_initialised) << "it had no pose to lose";
   EXPECT_EQ(frames[3].state, FrameState::lost);
   EXPECT_NE(frames[3].reason, "");
