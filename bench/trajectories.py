@@ -163,8 +163,9 @@ class Run:
     def claim(self, frame):
         """The pose a frame was said to have: (the world it is in, position), or None for a frame that claimed none.
 
-        An older covis tells no online poses of submaps but the first: the final ones stand for them."""
-        if frame['state'] != 'tracking' or frame.get('tentative'):
+        An older covis tells no online poses of submaps but the first: the final ones stand for them. A frame that was
+        located afterwards claimed none when it was tracked: afterwards() has it."""
+        if frame['state'] != 'tracking' or frame.get('tentative') or frame.get('method') == 'backtracked':
             return None
         if 'online' in frame:
             return ('online', frame['online']['submap']), tuple(frame['online']['position_m'])
@@ -173,6 +174,15 @@ class Run:
             return ('online', None), self.online[key]
         position = self.final[submap].get(key) if submap < len(self.final) else None
         return position and (('final', submap), position)
+
+
+    def afterwards(self):
+        """Frames that were located afterwards, by the submap that their final poses are in."""
+        found = {}
+        for frame in self.frames:
+            if frame['state'] == 'tracking' and frame.get('method') == 'backtracked':
+                found.setdefault(frame.get('map', 0), []).append(frame)
+        return found
 
 
 def ate(positions, truth, with_scale):
@@ -196,6 +206,13 @@ def claimed_wrong(run, truth, path, with_scale):
         if len(poses) >= 3:
             numbers, estimate, true = zip(*poses)
             judged += zip(robust_errors(estimate, true, with_scale), numbers)
+    # Those located afterwards are judged among all final poses of their submap.
+    for submap, frames in run.afterwards().items():
+        final = run.final[submap]
+        keys = [key for key in final if key in truth]
+        if len(keys) >= 3:
+            error = dict(zip(keys, robust_errors([final[key] for key in keys], [truth[key] for key in keys], with_scale)))
+            judged += [(error[key_of(frame['stamp'])], frame['frame']) for frame in frames if key_of(frame['stamp']) in error]
     if not judged:
         return {'claims': 0, 'wrong': 0, 'wrong_path': 0, 'wrong_median': 0, 'wrong_both': 0, 'wrong_frames': []}
     floor = max(FLOOR_M, FLOOR_SHARE * path)

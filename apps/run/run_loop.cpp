@@ -59,7 +59,7 @@ void track_all(io::Sequence& sequence, System& system, const PlayOptions& option
   }
   const std::vector<MappingReport> rest = system.finish();
   run.mapping.insert(run.mapping.end(), rest.begin(), rest.end());
-  settle_states(system.snapshot()->trajectory, options.mode, run.frames);
+  settle_states(*system.snapshot(), options.mode, run.frames);
   run.wall_seconds = wall.ms() / 1000;
   run.interrupted = *options.stop != 0;
 }

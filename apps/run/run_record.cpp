@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/run/run_record.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace covis::app {
@@ -62,18 +63,26 @@ FrameStats skipped_frame(int64_t frame, Timestamp stamp, FrameState state, std::
   return stats;
 }
 
-void settle_states(const std::vector<PoseOfFrame>& trajectory, RunMode mode, std::vector<FrameStats>& frames) {
-  auto pose = trajectory.begin();  // both come in the order of their frames
+void settle_states(const Snapshot& snapshot, RunMode mode, std::vector<FrameStats>& frames) {
+  // All of these come in the order of their frames.
+  const auto has = [](const std::vector<PoseOfFrame>& poses, auto& pose, int64_t frame) {
+    while (pose != poses.end() && pose->frame < frame) ++pose;
+    return pose != poses.end() && pose->frame == frame;
+  };
+  auto now = snapshot.trajectory.begin(), then = snapshot.online.begin();
   for (FrameStats& frame : frames) {
-    while (pose != trajectory.end() && pose->frame < frame.frame) ++pose;
-    const bool has_pose = pose != trajectory.end() && pose->frame == frame.frame;
-    if (has_pose == (frame.state == FrameState::tracking)) continue;
-    if (has_pose) {
+    const bool has_pose = has(snapshot.trajectory, now, frame.frame);
+    const bool had_pose = has(snapshot.online, then, frame.frame);
+    if (has_pose && !had_pose) {
+      // The first view of a monocular submap gets its pose when the submap begins with the second.
+      const bool first_view = std::any_of(snapshot.key_frames.begin(), snapshot.key_frames.end(), [&](const auto& k) {
+        return k.frame == frame.frame && k.stamp == frame.stamp;
+      });
       frame.state = FrameState::tracking;
-      frame.track.method = TrackMethod::backtracked;
+      frame.track.method = first_view ? TrackMethod::initialised : TrackMethod::backtracked;
       frame.track.tentative = false;
       frame.reason.clear();
-    } else {
+    } else if (!has_pose && frame.state == FrameState::tracking) {
       frame.state = lost_state(mode);
       frame.reason = "its pose was taken back: the place or the map proved wrong";
     }

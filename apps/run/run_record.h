@@ -72,6 +72,6 @@ FrameStats tracked_frame(const io::Frame& frame, const FrameReport& report, RunM
 FrameStats skipped_frame(int64_t frame, Timestamp stamp, FrameState state, std::string reason);
 // At the end of a run: frames whose poses were retracted after they were tracked lose their state `tracking`, and those
 // that got their pose afterwards have it.
-void settle_states(const std::vector<PoseOfFrame>& trajectory, RunMode mode, std::vector<FrameStats>& frames);
+void settle_states(const Snapshot& snapshot, RunMode mode, std::vector<FrameStats>& frames);
 
 }  // namespace covis::app

@@ -45,24 +45,38 @@ TEST(RunRecord, SkippedFramesWereNotProcessed) {
 }
 
 TEST(RunRecord, PosesTakenBackOrFoundAfterwardsShowInTheirRows) {
+  const auto pose_of = [](int64_t frame) {
+    PoseOfFrame pose;
+    pose.frame = frame;
+    return pose;
+  };
   std::vector<FrameStats> frames;
-  for (const int64_t index : {10, 20, 30, 40}) frames.push_back(skipped_frame(index, 0, FrameState::tracking, ""));
-  frames[2].state = FrameState::not_initialised;
-  frames[1].state = FrameState::lost;
-  frames[1].reason = "why";
-  frames[1].track.tentative = true;
-  std::vector<PoseOfFrame> trajectory(3);  // neither frame 30 nor frame 40 is among them
-  for (size_t k = 0; k < trajectory.size(); ++k) trajectory[k].frame = std::array{10, 15, 20}[k];
-  settle_states(trajectory, RunMode::mapping, frames);
-  EXPECT_EQ(frames[0].state, FrameState::tracking);
-  EXPECT_EQ(frames[0].track.method, TrackMethod::none) << "as it was";
-  EXPECT_EQ(frames[1].state, FrameState::tracking) << "it got its pose afterwards";
-  EXPECT_EQ(frames[1].track.method, TrackMethod::backtracked);
-  EXPECT_EQ(frames[1].reason, "");
-  EXPECT_FALSE(frames[1].track.tentative);
-  EXPECT_EQ(frames[2].state, FrameState::not_initialised) << "it had no pose to lose";
-  EXPECT_EQ(frames[3].state, FrameState::lost);
-  EXPECT_NE(frames[3].reason, "");
+  for (int64_t frame = 0; frame < 6; ++frame) frames.push_back(skipped_frame(frame, 0, FrameState::lost, "why"));
+  for (const size_t tracked : {0, 1, 2}) {
+    frames[tracked].state = FrameState::tracking;
+    frames[tracked].reason = "";
+    frames[tracked].track.method = TrackMethod::recovered;
+    frames[tracked].track.tentative = tracked > 0;
+  }
+  Snapshot snapshot;
+  for (const int64_t frame : {0, 2, 3, 4}) snapshot.trajectory.push_back(pose_of(frame));
+  snapshot.online = {pose_of(0)};
+  snapshot.key_frames.resize(1);
+  snapshot.key_frames[0].frame = 4;
+  settle_states(snapshot, RunMode::mapping, frames);
+  EXPECT_EQ(frames[0].track.method, TrackMethod::recovered) << "as it was";
+  EXPECT_EQ(frames[1].state, FrameState::lost) << "its pose was taken back";
+  EXPECT_NE(frames[1].reason, "");
+  EXPECT_EQ(frames[2].track.method, TrackMethod::backtracked) << "taken back, and located afterwards";
+  EXPECT_EQ(frames[3].track.method, TrackMethod::backtracked);
+  EXPECT_EQ(frames[4].track.method, TrackMethod::initialised) << "the first view of a map";
+  for (const size_t located : {2, 3, 4}) {
+    EXPECT_EQ(frames[located].state, FrameState::tracking);
+    EXPECT_FALSE(frames[located].track.tentative);
+    EXPECT_EQ(frames[located].reason, "");
+  }
+  EXPECT_EQ(frames[5].state, FrameState::lost);
+  EXPECT_EQ(frames[5].reason, "why") << "it had no pose to lose";
   settle_states({}, RunMode::localization, frames);
   EXPECT_EQ(frames[0].state, FrameState::not_localised);
 }

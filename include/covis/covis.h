@@ -139,7 +139,8 @@ class COVIS_API Slam {
   Located locate_stereo(const GreyImage& left, const GreyImage& right);
   Located locate_rgbd(const GreyImage& image, const DepthImage& depth);
 
-  // Waits until everything asked of mapping is done; frames may be tracked afterwards. From the thread that tracks.
+  // Waits until everything asked of mapping is done, and locates frames that got no pose where the map reaches them
+  // now; frames may be tracked afterwards. From the thread that tracks.
   void finish();
 
   // The four below: from any thread, at any time, while another tracks too.

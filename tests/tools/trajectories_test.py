@@ -148,6 +148,17 @@ class ClaimedWrongTest(unittest.TestCase):
         del run.online[key_of(7.0)]  # joined from another submap: only its final pose is known
         self.assertEqual(self.found(run)['wrong'], 0)
 
+    def test_frames_located_afterwards_are_judged_among_the_final_poses(self):
+        given = self.away(range(60, 70), 2 * trajectories.WRONG_SHARE * self.length)  # rigidly off, by themselves they fit
+        run = run_of(given)
+        for k in range(50, 70):
+            run.frames[k]['method'] = 'backtracked'
+            run.frames[k].pop('online', None)
+        run.final = [{key_of(frame['stamp']): position for frame, position in zip(run.frames, given)}]
+        found = self.found(run)
+        self.assertEqual(found['claims'], 200)
+        self.assertEqual([k for k, _ in found['wrong_frames']], list(range(60, 70)))
+
     def test_frames_without_truth_are_not_judged(self):
         self.truth = {key: p for key, p in self.truth.items() if key > key_of(8)}
         found = self.found(run_of(self.away([70], 5)))

@@ -40,7 +40,7 @@ class FastDetector {
 
   ImageU8 scores_;  // scores of the rows above, at and below the current one
   std::vector<uint16_t> maxima_, column_of_;
-  // Of the current row of cells: the corners, and whether a column's cell has one above the threshold.
+  // The corners of the current row of cells, and for each column of cells a flag: its cell has one above the threshold.
   std::vector<Corner> in_row_;
   std::vector<uint8_t> has_strong_;
 };

@@ -38,7 +38,8 @@ class PairExtractor {
   StagedWork work_;
 };
 
-// Pool of Features objects, reused once nobody holds them; the tracker holds those of two frames.
+// Pool of Features objects, reused once nobody holds them; the tracker holds those of two frames, and of some dozens
+// while the camera is lost.
 class FeaturesRing {
  public:
   std::shared_ptr<Features> next() {

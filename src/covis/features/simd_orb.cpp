@@ -94,7 +94,7 @@ void PatchGradients(const uint8_t* image, ptrdiff_t stride, const Corner* corner
       above = at;
       at = below;
     }
-    // Of each corner's four lanes the sums xx, yy, xy.
+    // Adds up four lanes into one for xx, yy and xy each.
     const auto halves = [&](auto a, auto b) {
       return hn::BitCast(d64, hn::Add(hn::InterleaveLower(d32, a, b), hn::InterleaveUpper(d32, a, b)));
     };

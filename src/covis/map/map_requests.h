@@ -20,10 +20,10 @@ struct UnlocatedFrame {
   int64_t frame = 0;
   Timestamp stamp = 0;
   FeaturesPtr features;
-  KeyFrameId near;  // the reference of the first frame after it that had a pose; invalid: there was none yet
+  KeyFrameId near;  // the reference key frame with which the camera was found after it; invalid: it was not found yet
 };
 
-// Its pose.
+// A frame that was located afterwards.
 struct LocatedFrame {
   int64_t frame = 0;
   RelativePose pose;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "covis/optimization/bundle_workspace.h"
 #include "covis/optimization/reprojection.h"
@@ -23,12 +24,26 @@ std::optional<size_t> only_hold(const BundleProblem& problem) {
   return static_cast<size_t>(std::find(problem.fixed.begin(), problem.fixed.end(), 1) - problem.fixed.begin());
 }
 
-// The sum of the squared distances of all poses from one of them.
-double spread_around(const BundleProblem& problem, size_t pose) {
+// The median of the factors by which the points' distances from the centre of one pose became shorter.
+double median_shrinkage(const BundleProblem& problem, size_t pose, const std::vector<double>& distance_before) {
+  std::vector<double> shrinkage;
   const Eigen::Vector3d centre = problem.poses[pose].centre();
-  double sum = 0;
-  for (const SE3& T_cw : problem.poses) sum += (T_cw.centre() - centre).squaredNorm();
-  return sum;
+  for (size_t p = 0; p < problem.points.size(); ++p) {
+    const double now = (problem.points[p] - centre).norm();
+    if (now > 0 && distance_before[p] > 0) shrinkage.push_back(distance_before[p] / now);
+  }
+  if (shrinkage.empty()) return 1;
+  const auto middle = shrinkage.begin() + static_cast<ptrdiff_t>(shrinkage.size() / 2);
+  std::nth_element(shrinkage.begin(), middle, shrinkage.end());
+  return *middle;
+}
+
+// The distances of all points from the centre of one pose.
+std::vector<double> distances_from(size_t pose, const BundleProblem& problem) {
+  const Eigen::Vector3d centre = problem.poses[pose].centre();
+  std::vector<double> distances;
+  for (const Eigen::Vector3d& point : problem.points) distances.push_back((point - centre).norm());
+  return distances;
 }
 
 // Scales all about the centre of one pose.
@@ -57,7 +72,7 @@ BundleSummary BundleAdjuster::solve(BundleProblem& problem, const BundleOptions&
     return summary;
   }
   const std::optional<size_t> hold = only_hold(problem);
-  const double spread = hold ? spread_around(problem, *hold) : 0;
+  const std::vector<double> distances = hold ? distances_from(*hold, problem) : std::vector<double>();
   double lambda = 1e-4, growth = 2;
   const Loss loss = options.robust ? Loss::huber : Loss::squared;
   double cost = w.linearise(problem, loss);
@@ -112,9 +127,8 @@ BundleSummary BundleAdjuster::solve(BundleProblem& problem, const BundleOptions&
     SE3& T = problem.poses[static_cast<size_t>(pose)];
     T = T.normalized();
   }
-  // The steps change the scale where nothing holds it, by as much as a tenth at once.
-  if (const double now = hold && stepped ? spread_around(problem, *hold) : 0; spread > 0 && now > 0)
-    scale_about(*hold, std::sqrt(spread / now), problem);
+  // The steps change the scale where nothing holds it, by some per cent at once.
+  if (hold && stepped) scale_about(*hold, median_shrinkage(problem, *hold, distances), problem);
   summary.ok = stepped || summary.initial_cost < 1e-12 || summary.iterations > 0;
   return summary;
 }

@@ -124,7 +124,7 @@ std::vector<MappingReport> System::finish() {
     mapping_.finish();
     tracker_.map_moved();
     const BacktrackSettings settings{options_.sensor, options_.tracker, options_.seed};
-    for (const LocatedFrame& located : backtrack(map_, settings, tracker_.take_unlocated(), tracker_.own_camera()))
+    for (const LocatedFrame& located : backtrack(map_, settings, tracker_.unlocated(), tracker_.own_camera()))
       log_.locate(located);
   }
   return std::move(report.mapping);

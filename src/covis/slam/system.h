@@ -68,7 +68,8 @@ class System {
   // Relocalisation alone: where one image was taken, from nothing but the image; nothing when its place is not
   // recognised. Waits until key frames asked for are mapped; leaves tracking and mapping as they are.
   std::optional<SubmapPose> locate(const Input& input);
-  // Waits for mapping to end. process() may be called again afterwards.
+  // Waits for mapping to end, and locates frames that got no pose where the map reaches them now (backtrack.h).
+  // process() may be called again afterwards.
   std::vector<MappingReport> finish();
 
   // The map and the trajectory as they are now. It is made anew only when something changed since the last one, and

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The latest frames that got no pose: those before a monocular map began, those while the camera was lost, and those
-// whose poses were taken back. Where the camera is found again, or the map has begun, they can be located from there,
-// backward in time (backtrack.h).
+// The latest frames without a pose: those before a monocular map began, those while the camera was lost, and those
+// whose poses were taken back. Where the camera was found, or the map has begun, they can be located from there,
+// backward in time (backtrack.h), as soon as that place is sure.
+//
+//   keep ──▶ found_at ──▶ settle ──▶ take           lost() undoes found_at(), but nothing that settled
+//   keep_for_now ──────▶ settle: forgotten          lost(): they wait like those that were kept
 #pragma once
 
 #include <vector>
@@ -11,24 +14,28 @@
 
 namespace covis {
 
+// A frame that waits may have a pose meanwhile; who locates it drops the second one.
 class Backlog {
  public:
   Backlog();
   // Keeps a frame; the oldest goes when there are too many.
   void keep(const TrackedFrame& frame);
-  // Keeps a frame with a pose that may be taken back, until the next call of settle() or lost().
+  // Keeps a frame with a pose that may be taken back.
   void keep_for_now(const TrackedFrame& frame);
-  // Poses will not be taken back any more.
-  void settle() { for_now_.clear(); }
-  // The frame after those kept is near this key frame.
+  // The camera is near this key frame, and was somewhere on the way to it with the frames kept since it was lost.
   void found_at(KeyFrameId key_frame);
-  // The camera is lost: the place where it was found may not hold.
+  // The place where it was found is sure, and so are the poses since.
+  void settle();
+  // The camera is lost, or the place proved wrong.
   void lost();
-  // Takes the frames after which the camera was found, newest first.
+  // Takes the frames whose places are settled, newest first.
   std::vector<UnlocatedFrame> take();
+  // Copies those and the ones that were found, newest first.
+  std::vector<UnlocatedFrame> found() const;
 
  private:
-  std::vector<UnlocatedFrame> frames_, for_now_;  // oldest first, all of the latter after the former
+  std::vector<UnlocatedFrame> settled_, frames_,
+      for_now_;  // each oldest first, and all of one before those of the next
 };
 
 }  // namespace covis

@@ -22,7 +22,7 @@ class Walk {
 
   // Begins at a key frame. False: it is not in the map any more.
   bool begin_at(KeyFrameId key_frame);
-  // The pose of the frame before the last one that was found.
+  // Finds the pose of a frame from the last one that was found.
   std::optional<RelativePose> step(const UnlocatedFrame& frame);
 
  private:
@@ -36,6 +36,7 @@ class Walk {
   MotionModel motion_;
   MatchBelief belief_;
   TrackedFrame last_, current_;
+  KeyFrameId reference_;  // that of the last frame
 };
 
 bool Walk::begin_at(KeyFrameId near) {
@@ -43,8 +44,9 @@ bool Walk::begin_at(KeyFrameId near) {
   const auto resolved = map->resolve(near);
   if (!resolved) return false;
   const KeyFrame& key_frame = map->at(resolved->key_frame);
+  reference_ = resolved->key_frame;
   KeyFrameView& view = search_.local_map.reference;
-  view.copy(*map, resolved->key_frame);
+  view.copy(*map, reference_);
   last_.start(view.features, key_frame.frame, key_frame.stamp);
   last_.T_cw = view.T_cw;
   for (size_t i = 0; i < view.points.size(); ++i) {
@@ -59,7 +61,7 @@ bool Walk::find_pose() {
   const std::optional<SE3> T_cl = motion_.predict(current_.stamp - last_.stamp);
   if (!first_pose_.find(last_, T_cl, current_, search_, figures)) return false;
   const LocalMapOptions& o = options_.local_map;
-  search_.update_local_map(map_, current_, search_.local_map.reference.id, o.local_key_frames);
+  search_.update_local_map(map_, current_, reference_, o.local_key_frames);
   const PoseFit fit = search_.fit_local_map(o, o.window_factor(sensor_), current_, figures);
   const bool by_motion = figures.method == TrackMethod::motion_model || figures.method == TrackMethod::image_rotation;
   if (figures.inliers < (by_motion ? o.min_inliers : options_.recovery.min_inliers_recovered) ||
@@ -73,11 +75,15 @@ bool Walk::find_pose() {
 
 std::optional<RelativePose> Walk::step(const UnlocatedFrame& frame) {
   current_.start(frame.features, frame.frame, frame.stamp);
-  if (!find_pose()) return std::nullopt;
+  if (!find_pose()) {
+    if (const auto map = map_.read(); map->find(reference_)) search_.local_map.reference.copy(*map, reference_);
+    return std::nullopt;
+  }
   if (current_.stamp != last_.stamp)
     motion_.observe((current_.T_cw * last_.T_cw.inverse()).normalized(), current_.stamp - last_.stamp);
   std::swap(last_, current_);
   const KeyFrameView& reference = search_.local_map.reference;
+  reference_ = reference.id;
   return RelativePose{reference.id, reference.scale, last_.T_cw * reference.T_cw.inverse()};
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/tracking/motion_model.h"
 
+#include <cmath>
+
 namespace covis {
 
 void MotionModel::observe(const SE3& T_21, Timestamp elapsed) { motion_ = {T_21, elapsed}; }
@@ -14,7 +16,7 @@ std::optional<SE3> MotionModel::predict(Timestamp elapsed) const {
   constexpr double kPause = 5;     // after a longer pause the camera may have gone anywhere
   if (!motion_) return std::nullopt;
   const double times = static_cast<double>(elapsed) / static_cast<double>(motion_->elapsed);
-  if (times > kPause) return std::nullopt;
+  if (std::abs(times) > kPause) return std::nullopt;
   return times < kJitter && times > 1 / kJitter ? motion_->T_21 : SE3::exp(times * motion_->T_21.log());
 }
 

@@ -14,7 +14,8 @@ class MotionModel {
  public:
   // Forgets the motion.
   void reset() { motion_.reset(); }
-  // The camera moved by T_21 (first camera to second) in this time, which is positive.
+  // The camera moved by T_21 (first camera to second) in this time, which is not zero; it is negative where frames are
+  // followed backward.
   void observe(const SE3& T_21, Timestamp elapsed);
   // Lengths of the map grew by this factor.
   void rescale(double growth);

@@ -53,9 +53,10 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       follow_map(*map_.read());
       found = again < 2 && find_pose(result, live);
     }
-    if (!found) {
-      lose(outcome, live);
-    } else {
+    if (!found) lose(outcome, live);
+    outcome.retract_from = search_.place.take_retraction();
+    if (found) {
+      if (outcome.retract_from) backlog_.lost();
       accept(result);
       const bool stays = !search_.place.tentative() && !starter_.may_give_up(live, last_.pose.key_frame);
       if (stays) {
@@ -66,7 +67,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       if (may_make_key_frame(result) &&
           key_frames_.is_due(current_, result.inliers, search_.local_map, search_.camera, mapping.load)) {
         KeyFrameRequest request = key_frames_.request(current_, last_.pose, search_.camera);
-        if (stays) request.unlocated = backlog_.take();
+        request.unlocated = backlog_.take();
         outcome.request = std::move(request);
         result.key_frame = true;
       }
@@ -76,7 +77,6 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
   result.state = state_;
   constexpr int kNearLoss = 2;  // times the inliers that a pose needs
   health_.near_loss = result.inliers < kNearLoss * settings_.options.local_map.min_inliers;
-  outcome.retract_from = search_.place.take_retraction();
   std::swap(last_.frame, current_);
   return outcome;
 }

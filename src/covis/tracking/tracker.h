@@ -88,8 +88,11 @@ class Tracker {
   // True when the last frame had so few points that the next should have all that mapping can give.
   bool near_loss() const { return health_.near_loss; }
   TrackState state() const { return state_; }
-  // Frames without a pose before places where the camera was found, newest first, for backtrack().
-  std::vector<UnlocatedFrame> take_unlocated() { return backlog_.take(); }
+  // Frames without a pose before places where the camera was found, newest first, for backtrack(): at the end, when no
+  // key frame takes them along. None while the last of these places is tentative.
+  std::vector<UnlocatedFrame> unlocated() const {
+    return search_.place.tentative() ? std::vector<UnlocatedFrame>() : backlog_.found();
+  }
 
  private:
   bool find_pose(TrackResult& result, const SharedMap* live);
