@@ -63,6 +63,30 @@ TEST_F(NoMotionModelTest, TheReferenceKeyFrameIsWhereTheMapMovedIt) {
   EXPECT_LT(distance(result, frames.T_cw(0) * S.inverse()), 0.01);
 }
 
+TEST_F(SeveralMapsTest, AGapIsNotLocatedFromAPlaceThatProvesWrongWithoutALoss) {
+  for (int i = 0; i < frames.count(); ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
+  int i = frames.count();
+  const auto show = [&](FeaturesPtr features) {
+    const Tracker::Outcome outcome = track_alone(std::move(features), i++);
+    do_mapping(outcome);
+    return outcome;
+  };
+  ASSERT_EQ(show(frames.blank()).result.state, TrackState::lost);
+  const TrackResult first = show(frames.features(0)).result;
+  ASSERT_TRUE(first.tentative);
+  EXPECT_TRUE(tracker.unlocated().empty()) << "the place is in doubt";
+  const Tracker::Outcome second = show(frames.features(frames.count() - 1));  // jumps again, and is not lost
+  ASSERT_TRUE(second.retract_from);
+  ASSERT_TRUE(second.result.tentative);
+  TrackResult last = second.result;
+  for (int k = 2; last.tentative && k < frames.count(); ++k) last = show(frames.features(frames.count() - k)).result;
+  ASSERT_EQ(last.state, TrackState::tracking);
+  const std::vector<UnlocatedFrame> waiting = tracker.unlocated();
+  ASSERT_EQ(waiting.size(), 2u) << "the blank one, and the one whose pose was taken back";
+  EXPECT_EQ(waiting.front().near, second.result.pose.key_frame);
+  EXPECT_EQ(waiting.back().near, second.result.pose.key_frame);
+}
+
 TEST_F(SeveralMapsTest, ANewMapThatDoesNotHoldLeavesTheOldOneInUse) {
   for (int i = 0; i < 4; ++i) track(i);
   int i = lose_for_long(4);
