@@ -37,7 +37,7 @@ std::optional<SE3> from_quaternion(double tx, double ty, double tz, double x, do
 }
 
 void append(std::string& text, const char* format, double value) {
-  char buffer[64];
+  char buffer[400];  // the greatest double has 309 digits before the point
   text.append(buffer, static_cast<size_t>(std::snprintf(buffer, sizeof buffer, format, value)));
 }
 

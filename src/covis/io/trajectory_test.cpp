@@ -52,6 +52,18 @@ TEST_F(Trajectories, TrajectoriesRoundTripExactly) {
   EXPECT_THAT(read_trajectory(folder / "bad.txt").error().message, HasSubstr("rotation"));
 }
 
+TEST_F(Trajectories, GreatNumbersAreWrittenWhole) {
+  const double great = 1e308;
+  const SE3 far(Eigen::Matrix3d::Identity(), Eigen::Vector3d(great, -great, 1));
+  for (const TrajectoryFormat format : {TrajectoryFormat::tum, TrajectoryFormat::euroc, TrajectoryFormat::kitti}) {
+    ASSERT_TRUE(write_trajectory(folder / "t.txt", {{0, far}}, format));
+    const auto read = read_trajectory(folder / "t.txt");
+    ASSERT_TRUE(read) << read.error().message;
+    const double share = format == TrajectoryFormat::kitti ? 1e-9 : 0;  // nine digits
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(read->front().T_wc.t()(k) / far.t()(k), 1, share);
+  }
+}
+
 TEST_F(Trajectories, EachMapHasAFileAndThoseOfAnEarlierRunGo) {
   const Trajectory one{{1, SE3()}}, two{{1, SE3()}, {2, SE3()}};
   ASSERT_TRUE(write_trajectories(folder / "t.txt", {two, one, one}, TrajectoryFormat::tum));
