@@ -77,6 +77,7 @@ LoopVerdict LoopVerifier::verify(const LoopCandidate& candidate) {
   if (again->share() < (elsewhere ? options_.merge_min_found_share : options_.min_found_share))
     return refused(LoopRefusal::small_share);
   if (tied_already(candidate, again->matches)) return refused(LoopRefusal::tied_already);
+  if (monocular()) refine_on_views(candidate, S_cw);
 
   verdict.drift = drift_of(candidate, S_cw);
   const bool explained = elsewhere || drift_explains(*verdict.drift);
@@ -154,6 +155,32 @@ void LoopVerifier::refine_both_ways(const LoopCandidate& candidate, const Projec
   const Sim3Result fine = refine_sim3(S_12, matches, candidate.camera, candidate.camera, !monocular());
   evidence.both_ways = fine.inliers;
   if (fine.ok && fine.inliers >= options_.min_inliers) S_cw = fine.S_12 * Sim3(view.T_cw);
+}
+
+void LoopVerifier::refine_on_views(const LoopCandidate& candidate, Sim3& S_cw) {
+  constexpr double kWindow = 4;  // pixels x scale
+  using Way = CarriedPoint::Way;
+  std::vector<CarriedPoint> points;
+  const auto add = [&](Way way, const Eigen::Vector3d& p, const SE3& T, const Features& f, uint32_t feature) {
+    points.push_back({way, p, T, {f.x[feature], f.y[feature]}, f.pyramid->inv_sigma2[f.level[feature]]});
+  };
+  const SE3& T_cw = candidate.current.T_cw;
+  const auto see_place = [&](const KeyFrameView& view) {
+    const SE3 T_vc = view.T_cw * T_cw.inverse();
+    const SE3 T_view = (Sim3(T_vc) * S_cw).as_pose();
+    for (const auto& [feature, p] : project(candidate.place, candidate.camera, view, T_view, kWindow).matches)
+      add(Way::forth, candidate.place.points.position(p), T_vc, *view.features, feature);
+  };
+  see_place(candidate.current);
+  for (const KeyFrameView& view : candidate.neighbours) see_place(view);
+  const Sim3 S_wc = S_cw.inverse() * Sim3(T_cw);  // from the current world to the place's
+  for (const KeyFrameView& view : candidate.members) {
+    const SE3 T_view = (Sim3(view.T_cw) * S_wc).as_pose();
+    for (const auto& [feature, p] : project(candidate.here, candidate.camera, view, T_view, kWindow).matches)
+      add(Way::back, T_cw * candidate.here.points.position(p), view.T_cw, *view.features, feature);
+  }
+  const CarriedResult fine = refine_sim3(S_cw, points, candidate.camera, !monocular());
+  if (fine.ok && 2 * static_cast<size_t>(fine.agreeing) > points.size()) S_cw = fine.S;
 }
 
 // A key frame beside one that is tied may see less of the other place: half as many points will do.

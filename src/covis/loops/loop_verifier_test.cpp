@@ -165,6 +165,24 @@ TEST_F(LoopVerifierTest, AScaleThatChangedIsFoundWithoutDepth) {
   EXPECT_EQ(verify(larger, {.max_scale = 1.05}, Sensor::monocular).refusal, LoopRefusal::drift_too_great);
 }
 
+TEST_F(LoopVerifierTest, TheViewsAroundSayMoreThanTheCurrentOne) {
+  LoopScene mono(Sensor::monocular);
+  mono.drift.setZero();
+  mono.go_around();
+  LoopCandidate candidate(*mono.world.shared.read(), mono.current, mono.world.frames[1]);
+  ASSERT_GE(candidate.neighbours.size(), 3u);
+  // The current image alone is off by a pixel and a half, as if the camera had turned by three thousandths.
+  Features shifted = *candidate.current.features;
+  for (float& x : shifted.x) x += 1.5f;
+  finish(shifted, mono.scene.bounds);
+  candidate.current.features = std::make_shared<const Features>(std::move(shifted));
+  const LoopVerdict verdict = verify(candidate, {}, Sensor::monocular);
+  ASSERT_TRUE(verdict.loop);
+  const SE3 truth = mono.scene.T_cw(mono.world.frames.size() - 1);
+  EXPECT_LT(so3_log(verdict.loop->S_cw.as_pose().R() * truth.R().transpose()).norm(), 0.001);
+  EXPECT_NEAR(verdict.loop->S_cw.scale(), 1, 0.003);
+}
+
 TEST_F(LoopVerifierTest, NothingToCorrectWhereNothingDrifted) {
   LoopScene exact;
   exact.drift.setZero();

@@ -71,8 +71,54 @@ Sim3System accumulate(const Sim3& S_12, const View& view, const std::vector<uint
   return s;
 }
 
-// Returns false for too few matches or a system without a solution.
-bool descend(Sim3& S_12, const View& view, const std::vector<uint8_t>& use, double huber_bound, int iterations) {
+// Views of two maps.
+struct Views {
+  std::span<const CarriedPoint> points;
+  const Pinhole& camera;
+  bool fix_scale;
+};
+
+// Evaluates z - h, and d h / d xi for S <- exp(xi) S. Returns false when the point is behind the camera or not finite.
+bool carried_residual(const Sim3& S, const Sim3& S_inverse, const CarriedPoint& point, const Pinhole& camera,
+                      Eigen::Vector2d& e, Eigen::Matrix<double, 2, 7>* J = nullptr) {
+  const bool forth = point.way == CarriedPoint::Way::forth;
+  const Eigen::Vector3d carried = (forth ? S : S_inverse) * point.p;
+  const Eigen::Vector3d p_view = point.T * carried;
+  if (!(p_view.z() > kMinDepth)) return false;
+  e = point.z - camera.project(p_view);
+  if (!e.allFinite()) return false;
+  if (!J) return true;
+  // As in sim3_residual().
+  Eigen::Matrix<double, 2, 3> J_b = projection_jacobian(p_view, camera, {}).topRows<2>() * point.T.R();
+  if (!forth) J_b = J_b * (-S_inverse.scale() * S_inverse.R());
+  const Eigen::Vector3d& p_b = forth ? carried : point.p;
+  *J << J_b, -J_b * hat(p_b), J_b * p_b;
+  return true;
+}
+
+Sim3System accumulate(const Sim3& S, const Views& views, const std::vector<uint8_t>& use, double huber_bound) {
+  Sim3System s;
+  const Sim3 S_inverse = S.inverse();
+  Eigen::Vector2d e;
+  Eigen::Matrix<double, 2, 7> J;
+  for (size_t i = 0; i < views.points.size(); ++i) {
+    const CarriedPoint& point = views.points[i];
+    if (!use[i] || !carried_residual(S, S_inverse, point, views.camera, e, &J)) continue;
+    ++s.used;
+    if (views.fix_scale) J.col(6).setZero();
+    const double chi2 = e.squaredNorm() * point.inv_sigma2;
+    double weight = 1;
+    s.cost += huber_bound > 0 ? huber(chi2, huber_bound, weight) : chi2;
+    s.H.noalias() += weight * point.inv_sigma2 * (J.transpose() * J);
+    s.b.noalias() += weight * point.inv_sigma2 * (J.transpose() * e);
+  }
+  if (views.fix_scale) s.H(6, 6) = 1;
+  return s;
+}
+
+// `Problem`: View or Views. Returns false for too few matches or a system without a solution.
+template <class Problem>
+bool descend(Sim3& S_12, const Problem& view, const std::vector<uint8_t>& use, double huber_bound, int iterations) {
   double lambda = 1e-6;
   Sim3System s = accumulate(S_12, view, use, huber_bound);
   for (int k = 0; k < iterations; ++k) {
@@ -105,6 +151,18 @@ int classify(const Sim3& S_12, const View& view, double max_chi2, std::vector<ui
                 e.head<2>().squaredNorm() * match.inv_sigma2_1 <= max_chi2 &&
                 e.tail<2>().squaredNorm() * match.inv_sigma2_2 <= max_chi2;
     count += inlier[i];
+  }
+  return count;
+}
+
+int classify(const Sim3& S, const Views& views, std::vector<uint8_t>& agrees) {
+  const Sim3 S_inverse = S.inverse();
+  int count = 0;
+  Eigen::Vector2d e;
+  for (size_t i = 0; i < agrees.size(); ++i) {
+    agrees[i] = carried_residual(S, S_inverse, views.points[i], views.camera, e) &&
+                e.squaredNorm() * views.points[i].inv_sigma2 <= kRefineChi2;
+    count += agrees[i];
   }
   return count;
 }
@@ -151,6 +209,17 @@ Sim3Result refine_sim3(const Sim3& S_12, std::span<const Sim3Match> matches, con
   result.cost = accumulate(S, view, result.inlier, 0).cost;
   result.ok = true;
   return result;
+}
+
+CarriedResult refine_sim3(const Sim3& S, std::span<const CarriedPoint> points, const Pinhole& camera, bool fix_scale) {
+  const Views views{points, camera, fix_scale};
+  std::vector<uint8_t> agrees(points.size(), 1);
+  Sim3 refined = S;
+  if (!descend(refined, views, agrees, kRefineChi2, 5)) return {S};
+  classify(refined, views, agrees);
+  if (!descend(refined, views, agrees, 0, 10)) return {S};
+  const int count = classify(refined, views, agrees);
+  return count < 3 ? CarriedResult{S} : CarriedResult{refined, count, true};
 }
 
 std::optional<Sim3Result> ransac_sim3(std::span<const Sim3Match> matches, const Pinhole& camera_1,

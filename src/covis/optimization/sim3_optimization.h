@@ -41,6 +41,27 @@ inline constexpr double kRansacChi2 = 9.210;  // 99 % for 2 degrees of freedom
 Sim3Result refine_sim3(const Sim3& S_12, std::span<const Sim3Match> matches, const Pinhole& camera_1,
                        const Pinhole& camera_2, bool fix_scale, double max_chi2 = kRefineChi2);
 
+// A point of one of two maps, measured in a view of the other. A similarity S takes the frame of reference of map a to
+// that of map b.
+struct CarriedPoint {
+  enum class Way { forth, back };  // a point of a in a view of b, at T S p; or a point of b in a view of a, at T S^-1 p
+  Way way = Way::forth;
+  Eigen::Vector3d p;      // in the frame of reference of its own map
+  SE3 T;                  // from the frame of reference of the other map to the view's camera
+  Eigen::Vector2d z;      // measurement, undistorted pixels
+  double inv_sigma2 = 1;  // 1 / pixels^2
+};
+
+struct CarriedResult {
+  Sim3 S;
+  int agreeing = 0;  // points within the bound
+  bool ok = false;   // false: fewer than 3 agree, or a singular system; S is the initial value then
+};
+
+// Like refine_sim3(), with points of many views. One view may leave a direction open, of a plane for example; views
+// from other places do not. The cost of a point: rho(|z - h(x)|^2 inv_sigma2), x its place in the view's camera.
+CarriedResult refine_sim3(const Sim3& S, std::span<const CarriedPoint> points, const Pinhole& camera, bool fix_scale);
+
 // Fits models to samples of 3 matches, at most 300, until an all-inlier sample was drawn with a probability of 99 %.
 // The model with the most inliers is fitted again to those. Returns nullopt when it has fewer than min_inliers.
 std::optional<Sim3Result> ransac_sim3(std::span<const Sim3Match> matches, const Pinhole& camera_1,

@@ -176,5 +176,67 @@ TEST(Sim3Optimization, BadMatchesDoNotPoisonIt) {
   for (const size_t k : {3, 4, 5}) EXPECT_FALSE(refined.inlier[k] || found->inlier[k]);
 }
 
+// Points of two maps, each measured in views of the other: a plane before the first view, and views beside it.
+std::vector<CarriedPoint> carried_points(uint64_t seed, const Sim3& S, int views) {
+  Random random(seed);
+  const Sim3 S_inverse = S.inverse();
+  std::vector<CarriedPoint> points;
+  for (int v = 0; v < views; ++v) {
+    const SE3 T(so3_exp({0.1 * v, -0.15 * v, 0}), Eigen::Vector3d(0.6 * v, 0.3 * v, 0));
+    for (int k = 0; k < 60; ++k) {
+      const Eigen::Vector3d p_b(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), 4 + random.uniform(-0.02, 0.02));
+      const bool back = k % 2 == 1;
+      // In map a the views stand where S^-1 puts them, and see the same.
+      const SE3 T_a = back ? (Sim3(T) * S).as_pose() : T;
+      const Eigen::Vector3d seen = back ? T_a * (S_inverse * p_b) : T * p_b;
+      const Eigen::Vector2d noise(0.7 * random.normal(), 0.7 * random.normal());
+      points.push_back({back ? CarriedPoint::Way::back : CarriedPoint::Way::forth, back ? p_b : S_inverse * p_b, T_a,
+                        kCamera1.project(seen) + noise});
+    }
+  }
+  return points;
+}
+
+double angle_between(const Sim3& a, const Sim3& b) { return so3_log(a.R() * b.R().transpose()).norm(); }
+
+TEST(Sim3Optimization, ViewsFromElsewhereTellWhatOneViewLeavesOpen) {
+  double one = 0, many = 0;
+  for (uint64_t seed = 1; seed <= 10; ++seed) {
+    Random random(seed);
+    const Sim3 truth = random_sim3(random, 0.5, 0.2, 0.3), start = Sim3::exp(0.02 * Vector7d::Ones()) * truth;
+    for (const int views : {1, 6}) {
+      const CarriedResult found = refine_sim3(start, carried_points(seed, truth, views), kCamera1, false);
+      ASSERT_TRUE(found.ok);
+      EXPECT_GT(found.agreeing, 55 * views);
+      (views == 1 ? one : many) += angle_between(found.S, truth);
+      if (views > 1) {
+        EXPECT_NEAR(found.S.scale() / truth.scale(), 1, 0.01);
+      }
+    }
+  }
+  EXPECT_LT(5 * many, one);
+}
+
+TEST(Sim3Optimization, CarriedPointsThatAreWrongAreLeftOutAndAKnownScaleStays) {
+  Random random(3);
+  const Sim3 truth = random_sim3(random, 0.5, 0.2, 0);
+  const Sim3 start = Sim3::exp((Vector7d() << 0.01, 0.01, 0.01, 0.01, 0.01, 0.01, 0).finished()) * truth;
+  std::vector<CarriedPoint> points = carried_points(3, truth, 5);
+  for (size_t k = 0; k < points.size(); k += 10) points[k].z.x() += 40;
+  const CarriedResult found = refine_sim3(start, points, kCamera1, true);
+  ASSERT_TRUE(found.ok);
+  EXPECT_NEAR(found.agreeing, 270, 10);
+  EXPECT_NEAR(found.S.scale(), start.scale(), 1e-12);
+  EXPECT_LT(angle_between(found.S, truth), 0.01);
+}
+
+TEST(Sim3Optimization, CarriedPointsBehindTheCameraTellNothing) {
+  std::vector<CarriedPoint> points = carried_points(4, Sim3(), 2);
+  for (CarriedPoint& point : points) point.p.z() = -4;
+  const CarriedResult found = refine_sim3(Sim3(), points, kCamera1, false);
+  EXPECT_FALSE(found.ok);
+  EXPECT_EQ(found.S.scale(), 1);
+}
+
 }  // namespace
 }  // namespace covis
