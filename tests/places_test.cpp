@@ -182,17 +182,23 @@ AroundTheRoom around_the_room(Recording& recording, bool close_loops) {
   return around_the_room(system, recording);
 }
 
+Recording& once_around(Sensor sensor) {
+  switch (sensor) {
+    case Sensor::stereo:
+      return shared_recording(sensor, 128, 6.0);
+    case Sensor::monocular:
+      return shared_recording(sensor, 190, 10.0);
+    case Sensor::rgbd:
+      break;
+  }
+  return shared_recording(sensor, 170, 8.0);
+}
+
 // Once around the room, with a loop closed at the end.
 class LoopOf : public Places {
  protected:
-  const bool stereo = GetParam() == Sensor::stereo, monocular = GetParam() == Sensor::monocular;
-  Recording& recording = shared_recording(GetParam(),
-                                          stereo      ? 128
-                                          : monocular ? 190
-                                                      : 170,
-                                          stereo      ? 6.0
-                                          : monocular ? 10.0
-                                                      : 8.0);
+  const bool monocular = GetParam() == Sensor::monocular;
+  Recording& recording = once_around(GetParam());
 
   // The loop is closed with a Saver in parallel, once for all cases.
   AroundTheRoom closed_while_saved() {

@@ -179,7 +179,7 @@ void LoopVerifier::refine_on_views(const LoopCandidate& candidate, Sim3& S_cw) {
     for (const auto& [feature, p] : project(candidate.here, candidate.camera, view, T_view, kWindow).matches)
       add(Way::back, T_cw * candidate.here.points.position(p), view.T_cw, *view.features, feature);
   }
-  const CarriedResult fine = refine_sim3(S_cw, points, candidate.camera, !monocular());
+  const CarriedResult fine = refine_sim3(S_cw, points, candidate.camera);
   if (fine.ok && 2 * static_cast<size_t>(fine.agreeing) > points.size()) S_cw = fine.S;
 }
 

@@ -60,7 +60,7 @@ class LoopVerifier {
   // Refines the similarity on the points that were found here, and on those around here that are found there.
   void refine_both_ways(const LoopCandidate& candidate, const Projection& here, double window, Sim3& S_cw,
                         LoopEvidence& evidence);
-  // Refines it on all views of both sides: the current one may see a corner of the place alone, or a plane.
+  // Refines it, its scale too, on all views of both sides: the current one may see a corner of the place alone.
   void refine_on_views(const LoopCandidate& candidate, Sim3& S_cw);
   Projection project(const LoopPlace& place, const Pinhole& camera, const KeyFrameView& view, const SE3& T_cw,
                      double window);

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
+#include "covis/core/quantile.h"
 #include "covis/optimization/bundle_workspace.h"
 #include "covis/optimization/reprojection.h"
 
@@ -32,10 +34,7 @@ double median_shrinkage(const BundleProblem& problem, size_t pose, const std::ve
     const double now = (problem.points[p] - centre).norm();
     if (now > 0 && distance_before[p] > 0) shrinkage.push_back(distance_before[p] / now);
   }
-  if (shrinkage.empty()) return 1;
-  const auto middle = shrinkage.begin() + static_cast<ptrdiff_t>(shrinkage.size() / 2);
-  std::nth_element(shrinkage.begin(), middle, shrinkage.end());
-  return *middle;
+  return shrinkage.empty() ? 1 : quantile(std::move(shrinkage), 0.5);
 }
 
 // The distances of all points from the centre of one pose.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bundle adjustment, local and full: poses and points that minimise the robust reprojection error. Input and output are
 // plain data; the code does not depend on the map. Where one pose alone is fixed and no observation has depth the scale
-// is free: then the points keep their median distance from the fixed pose (the median of the ratios is 1).
+// is free: then the result is scaled so that the median ratio of the points' distances from the fixed pose, after to
+// before, is 1.
 // Source: Triggs et al., "Bundle adjustment, a modern synthesis", 2000 (Schur complement, section 6); Mur-Artal and
 // Tardós, "ORB-SLAM2", T-RO 2017, section III-C. Levenberg-Marquardt damping: Nielsen, "Damping parameter in
 // Marquardt's method", 1999.

@@ -12,26 +12,49 @@
 
 namespace covis {
 
+namespace {
+
+// Evaluates z - h, and d h / d xi for S <- exp(xi) S. Returns false when the point is behind the camera or not finite.
+bool carried_residual(const Sim3& S, const Sim3& S_inverse, const CarriedPoint& point, const Pinhole& camera,
+                      Eigen::Vector2d& e, Eigen::Matrix<double, 2, 7>* J = nullptr) {
+  const bool forth = point.way == CarriedPoint::Way::forth;
+  const Eigen::Vector3d carried = (forth ? S : S_inverse) * point.p;
+  const Eigen::Vector3d p_view = point.T * carried;
+  if (!(p_view.z() > kMinDepth)) return false;
+  e = point.z - camera.project(p_view);
+  if (!e.allFinite()) return false;
+  if (!J) return true;
+  // exp(xi) p = p + rho + phi x p + sigma p to first order; S^-1 exp(-xi) p_b has the opposite sign inside S^-1.
+  Eigen::Matrix<double, 2, 3> J_b = projection_jacobian(p_view, camera, {}).topRows<2>() * point.T.R();
+  if (!forth) J_b = J_b * (-S_inverse.scale() * S_inverse.R());
+  const Eigen::Vector3d& p_b = forth ? carried : point.p;
+  *J << J_b, -J_b * hat(p_b), J_b * p_b;
+  return true;
+}
+
+}  // namespace
+
 bool sim3_residual(const Sim3& S_12, const Sim3Match& match, const Pinhole& camera_1, const Pinhole& camera_2,
                    Eigen::Vector4d& e, Eigen::Matrix<double, 4, 7>* J) {
   const Sim3 S_21 = S_12.inverse();
-  const Eigen::Vector3d q_1 = S_12 * match.p_2, q_2 = S_21 * match.p_1;
-  if (!(q_1.z() > kMinDepth && q_2.z() > kMinDepth)) return false;
-  e << match.z_1 - camera_1.project(q_1), match.z_2 - camera_2.project(q_2);
-  if (!e.allFinite()) return false;
-  if (!J) return true;
-  // exp(xi) p = p + rho + phi x p + sigma p to first order; S_12^-1 exp(-xi) p_1 has the opposite sign inside S_21.
-  const Eigen::Matrix<double, 2, 3> J_1 = projection_jacobian(q_1, camera_1, {}).topRows<2>();
-  const Eigen::Matrix<double, 2, 3> J_2 =
-      projection_jacobian(q_2, camera_2, {}).topRows<2>() * (-S_21.scale() * S_21.R());
-  J->topRows<2>() << J_1, -J_1 * hat(q_1), J_1 * q_1;
-  J->bottomRows<2>() << J_2, -J_2 * hat(match.p_1), J_2 * match.p_1;
-  return true;
+  // Each camera is the only view of its map, and its frame of reference.
+  const auto half = [&](CarriedPoint::Way way, const Eigen::Vector3d& p, const Eigen::Vector2d& z,
+                        const Pinhole& camera, int row) {
+    Eigen::Vector2d e_half;
+    Eigen::Matrix<double, 2, 7> J_half;
+    if (!carried_residual(S_12, S_21, {way, p, SE3(), z}, camera, e_half, J ? &J_half : nullptr)) return false;
+    e.segment<2>(row) = e_half;
+    if (J) J->middleRows<2>(row) = J_half;
+    return true;
+  };
+  return half(CarriedPoint::Way::forth, match.p_2, match.z_1, camera_1, 0) &&
+         half(CarriedPoint::Way::back, match.p_1, match.z_2, camera_2, 2);
 }
 
 namespace {
 
-struct View {
+// Matches of two cameras.
+struct Pairs {
   std::span<const Sim3Match> matches;
   const Pinhole& camera_1;
   const Pinhole& camera_2;
@@ -46,15 +69,15 @@ struct Sim3System {
 };
 
 // Sums over the matches with use[i] != 0; a bound of 0 disables Huber's rho.
-Sim3System accumulate(const Sim3& S_12, const View& view, const std::vector<uint8_t>& use, double huber_bound) {
+Sim3System accumulate(const Sim3& S_12, const Pairs& pairs, const std::vector<uint8_t>& use, double huber_bound) {
   Sim3System s;
   Eigen::Vector4d e;
   Eigen::Matrix<double, 4, 7> J;
-  for (size_t i = 0; i < view.matches.size(); ++i) {
-    const Sim3Match& match = view.matches[i];
-    if (!use[i] || !sim3_residual(S_12, match, view.camera_1, view.camera_2, e, &J)) continue;
+  for (size_t i = 0; i < pairs.matches.size(); ++i) {
+    const Sim3Match& match = pairs.matches[i];
+    if (!use[i] || !sim3_residual(S_12, match, pairs.camera_1, pairs.camera_2, e, &J)) continue;
     ++s.used;
-    if (view.fix_scale) J.col(6).setZero();
+    if (pairs.fix_scale) J.col(6).setZero();
     Eigen::Vector4d w;
     const auto weigh = [&](int row, double inv_sigma2) {
       const double chi2 = e.segment<2>(row).squaredNorm() * inv_sigma2;
@@ -67,7 +90,7 @@ Sim3System accumulate(const Sim3& S_12, const View& view, const std::vector<uint
     s.H.noalias() += J.transpose() * (w.asDiagonal() * J);
     s.b.noalias() += J.transpose() * w.cwiseProduct(e);
   }
-  if (view.fix_scale) s.H(6, 6) = 1;  // makes the step of the scale 0
+  if (pairs.fix_scale) s.H(6, 6) = 1;  // makes the step of the scale 0
   return s;
 }
 
@@ -75,26 +98,7 @@ Sim3System accumulate(const Sim3& S_12, const View& view, const std::vector<uint
 struct Views {
   std::span<const CarriedPoint> points;
   const Pinhole& camera;
-  bool fix_scale;
 };
-
-// Evaluates z - h, and d h / d xi for S <- exp(xi) S. Returns false when the point is behind the camera or not finite.
-bool carried_residual(const Sim3& S, const Sim3& S_inverse, const CarriedPoint& point, const Pinhole& camera,
-                      Eigen::Vector2d& e, Eigen::Matrix<double, 2, 7>* J = nullptr) {
-  const bool forth = point.way == CarriedPoint::Way::forth;
-  const Eigen::Vector3d carried = (forth ? S : S_inverse) * point.p;
-  const Eigen::Vector3d p_view = point.T * carried;
-  if (!(p_view.z() > kMinDepth)) return false;
-  e = point.z - camera.project(p_view);
-  if (!e.allFinite()) return false;
-  if (!J) return true;
-  // As in sim3_residual().
-  Eigen::Matrix<double, 2, 3> J_b = projection_jacobian(p_view, camera, {}).topRows<2>() * point.T.R();
-  if (!forth) J_b = J_b * (-S_inverse.scale() * S_inverse.R());
-  const Eigen::Vector3d& p_b = forth ? carried : point.p;
-  *J << J_b, -J_b * hat(p_b), J_b * p_b;
-  return true;
-}
 
 Sim3System accumulate(const Sim3& S, const Views& views, const std::vector<uint8_t>& use, double huber_bound) {
   Sim3System s;
@@ -105,22 +109,20 @@ Sim3System accumulate(const Sim3& S, const Views& views, const std::vector<uint8
     const CarriedPoint& point = views.points[i];
     if (!use[i] || !carried_residual(S, S_inverse, point, views.camera, e, &J)) continue;
     ++s.used;
-    if (views.fix_scale) J.col(6).setZero();
     const double chi2 = e.squaredNorm() * point.inv_sigma2;
     double weight = 1;
     s.cost += huber_bound > 0 ? huber(chi2, huber_bound, weight) : chi2;
     s.H.noalias() += weight * point.inv_sigma2 * (J.transpose() * J);
     s.b.noalias() += weight * point.inv_sigma2 * (J.transpose() * e);
   }
-  if (views.fix_scale) s.H(6, 6) = 1;
   return s;
 }
 
-// `Problem`: View or Views. Returns false for too few matches or a system without a solution.
+// `Problem`: Pairs or Views. Returns false for too few matches or a system without a solution.
 template <class Problem>
-bool descend(Sim3& S_12, const Problem& view, const std::vector<uint8_t>& use, double huber_bound, int iterations) {
+bool descend(Sim3& S_12, const Problem& problem, const std::vector<uint8_t>& use, double huber_bound, int iterations) {
   double lambda = 1e-6;
-  Sim3System s = accumulate(S_12, view, use, huber_bound);
+  Sim3System s = accumulate(S_12, problem, use, huber_bound);
   for (int k = 0; k < iterations; ++k) {
     if (s.used < 3) return false;
     Matrix7d H = s.H;
@@ -128,7 +130,7 @@ bool descend(Sim3& S_12, const Problem& view, const std::vector<uint8_t>& use, d
     const Vector7d step = H.ldlt().solve(s.b);
     if (!step.allFinite()) return false;
     const Sim3 candidate = Sim3::exp(step) * S_12;
-    const Sim3System next = accumulate(candidate, view, use, huber_bound);
+    const Sim3System next = accumulate(candidate, problem, use, huber_bound);
     // A step must not gain by moving points behind a camera.
     if (candidate.all_finite() && next.used >= s.used && next.cost <= s.cost) {
       S_12 = candidate;
@@ -142,12 +144,12 @@ bool descend(Sim3& S_12, const Problem& view, const std::vector<uint8_t>& use, d
   return true;
 }
 
-int classify(const Sim3& S_12, const View& view, double max_chi2, std::vector<uint8_t>& inlier) {
+int classify(const Sim3& S_12, const Pairs& pairs, double max_chi2, std::vector<uint8_t>& inlier) {
   int count = 0;
   Eigen::Vector4d e;
   for (size_t i = 0; i < inlier.size(); ++i) {
-    const Sim3Match& match = view.matches[i];
-    inlier[i] = sim3_residual(S_12, match, view.camera_1, view.camera_2, e) &&
+    const Sim3Match& match = pairs.matches[i];
+    inlier[i] = sim3_residual(S_12, match, pairs.camera_1, pairs.camera_2, e) &&
                 e.head<2>().squaredNorm() * match.inv_sigma2_1 <= max_chi2 &&
                 e.tail<2>().squaredNorm() * match.inv_sigma2_2 <= max_chi2;
     count += inlier[i];
@@ -195,24 +197,24 @@ double samples_needed(double inlier_share) {
 
 Sim3Result refine_sim3(const Sim3& S_12, std::span<const Sim3Match> matches, const Pinhole& camera_1,
                        const Pinhole& camera_2, bool fix_scale, double max_chi2) {
-  const View view{matches, camera_1, camera_2, fix_scale};
+  const Pairs pairs{matches, camera_1, camera_2, fix_scale};
   Sim3Result result;
   result.S_12 = S_12;
   result.inlier.assign(matches.size(), 1);
   Sim3 S = S_12;
-  if (!descend(S, view, result.inlier, max_chi2, 5)) return result;
-  const bool dropped = classify(S, view, max_chi2, result.inlier) < static_cast<int>(matches.size());
-  if (!descend(S, view, result.inlier, 0, dropped ? 10 : 5)) return result;
-  result.inliers = classify(S, view, max_chi2, result.inlier);
+  if (!descend(S, pairs, result.inlier, max_chi2, 5)) return result;
+  const bool dropped = classify(S, pairs, max_chi2, result.inlier) < static_cast<int>(matches.size());
+  if (!descend(S, pairs, result.inlier, 0, dropped ? 10 : 5)) return result;
+  result.inliers = classify(S, pairs, max_chi2, result.inlier);
   if (result.inliers < 3) return result;
   result.S_12 = S;
-  result.cost = accumulate(S, view, result.inlier, 0).cost;
+  result.cost = accumulate(S, pairs, result.inlier, 0).cost;
   result.ok = true;
   return result;
 }
 
-CarriedResult refine_sim3(const Sim3& S, std::span<const CarriedPoint> points, const Pinhole& camera, bool fix_scale) {
-  const Views views{points, camera, fix_scale};
+CarriedResult refine_sim3(const Sim3& S, std::span<const CarriedPoint> points, const Pinhole& camera) {
+  const Views views{points, camera};
   std::vector<uint8_t> agrees(points.size(), 1);
   Sim3 refined = S;
   if (!descend(refined, views, agrees, kRefineChi2, 5)) return {S};
@@ -227,7 +229,7 @@ std::optional<Sim3Result> ransac_sim3(std::span<const Sim3Match> matches, const 
   constexpr int kTries = 300;
   const auto n = static_cast<uint32_t>(matches.size());
   if (n < 3 || static_cast<int>(n) < min_inliers) return std::nullopt;
-  const View view{matches, camera_1, camera_2, fix_scale};
+  const Pairs pairs{matches, camera_1, camera_2, fix_scale};
   Random random(seed);
   Sim3Result best;
   std::vector<uint8_t> inlier(n);
@@ -235,7 +237,7 @@ std::optional<Sim3Result> ransac_sim3(std::span<const Sim3Match> matches, const 
   const auto consider = [&] {
     const std::optional<Sim3> S = closed_form(from, to, fix_scale ? Scale::fixed : Scale::free);
     if (!S) return;
-    const int count = classify(*S, view, kRansacChi2, inlier);
+    const int count = classify(*S, pairs, kRansacChi2, inlier);
     if (count <= best.inliers) return;
     best.S_12 = *S;
     best.inliers = count;
@@ -262,7 +264,7 @@ std::optional<Sim3Result> ransac_sim3(std::span<const Sim3Match> matches, const 
   }
   consider();  // replaces the model when it has more inliers
   if (best.inliers < min_inliers) return std::nullopt;
-  best.cost = accumulate(best.S_12, view, best.inlier, 0).cost;
+  best.cost = accumulate(best.S_12, pairs, best.inlier, 0).cost;
   best.ok = true;
   return best;
 }

@@ -59,8 +59,9 @@ struct CarriedResult {
 };
 
 // Like refine_sim3(), with points of many views. One view may leave a direction open, of a plane for example; views
-// from other places do not. The cost of a point: rho(|z - h(x)|^2 inv_sigma2), x its place in the view's camera.
-CarriedResult refine_sim3(const Sim3& S, std::span<const CarriedPoint> points, const Pinhole& camera, bool fix_scale);
+// from other places do not. The scale is free. The cost of a point: rho(|z - h(x)|^2 inv_sigma2), x its place in the
+// view's camera.
+CarriedResult refine_sim3(const Sim3& S, std::span<const CarriedPoint> points, const Pinhole& camera);
 
 // Fits models to samples of 3 matches, at most 300, until an all-inlier sample was drawn with a probability of 99 %.
 // The model with the most inliers is fitted again to those. Returns nullopt when it has fewer than min_inliers.

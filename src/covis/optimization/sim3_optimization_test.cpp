@@ -205,7 +205,7 @@ TEST(Sim3Optimization, ViewsFromElsewhereTellWhatOneViewLeavesOpen) {
     Random random(seed);
     const Sim3 truth = random_sim3(random, 0.5, 0.2, 0.3), start = Sim3::exp(0.02 * Vector7d::Ones()) * truth;
     for (const int views : {1, 6}) {
-      const CarriedResult found = refine_sim3(start, carried_points(seed, truth, views), kCamera1, false);
+      const CarriedResult found = refine_sim3(start, carried_points(seed, truth, views), kCamera1);
       ASSERT_TRUE(found.ok);
       EXPECT_GT(found.agreeing, 55 * views);
       (views == 1 ? one : many) += angle_between(found.S, truth);
@@ -217,23 +217,23 @@ TEST(Sim3Optimization, ViewsFromElsewhereTellWhatOneViewLeavesOpen) {
   EXPECT_LT(5 * many, one);
 }
 
-TEST(Sim3Optimization, CarriedPointsThatAreWrongAreLeftOutAndAKnownScaleStays) {
+TEST(Sim3Optimization, CarriedPointsThatAreWrongAreLeftOut) {
   Random random(3);
   const Sim3 truth = random_sim3(random, 0.5, 0.2, 0);
-  const Sim3 start = Sim3::exp((Vector7d() << 0.01, 0.01, 0.01, 0.01, 0.01, 0.01, 0).finished()) * truth;
+  const Sim3 start = Sim3::exp(0.01 * Vector7d::Ones()) * truth;
   std::vector<CarriedPoint> points = carried_points(3, truth, 5);
   for (size_t k = 0; k < points.size(); k += 10) points[k].z.x() += 40;
-  const CarriedResult found = refine_sim3(start, points, kCamera1, true);
+  const CarriedResult found = refine_sim3(start, points, kCamera1);
   ASSERT_TRUE(found.ok);
   EXPECT_NEAR(found.agreeing, 270, 10);
-  EXPECT_NEAR(found.S.scale(), start.scale(), 1e-12);
+  EXPECT_NEAR(found.S.scale(), 1, 0.01);
   EXPECT_LT(angle_between(found.S, truth), 0.01);
 }
 
 TEST(Sim3Optimization, CarriedPointsBehindTheCameraTellNothing) {
   std::vector<CarriedPoint> points = carried_points(4, Sim3(), 2);
   for (CarriedPoint& point : points) point.p.z() = -4;
-  const CarriedResult found = refine_sim3(Sim3(), points, kCamera1, false);
+  const CarriedResult found = refine_sim3(Sim3(), points, kCamera1);
   EXPECT_FALSE(found.ok);
   EXPECT_EQ(found.S.scale(), 1);
 }

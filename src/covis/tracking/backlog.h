@@ -34,8 +34,10 @@ class Backlog {
   std::vector<UnlocatedFrame> found() const;
 
  private:
-  std::vector<UnlocatedFrame> settled_, frames_,
-      for_now_;  // each oldest first, and all of one before those of the next
+  // Each oldest first, and all of one before those of the next.
+  std::vector<UnlocatedFrame> settled_;
+  std::vector<UnlocatedFrame> frames_;
+  std::vector<UnlocatedFrame> for_now_;
 };
 
 }  // namespace covis
