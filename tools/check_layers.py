@@ -31,7 +31,7 @@ LAYERS = {
     'slam': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'tracking', 'mapping', 'loops'},
     'api': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'tracking', 'mapping', 'loops', 'slam'},
     'storage': {'core', 'geometry', 'features', 'vocabulary', 'map'},
-    'io': {'core', 'geometry'},
+    'io': {'core', 'geometry', 'features'},
     'eval': {'core', 'geometry', 'io'},
     'synth/render': {'core', 'geometry'},
     'synth/things': {'core', 'geometry', 'synth/render'},

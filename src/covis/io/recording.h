@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "covis/features/rectification.h"
 #include "covis/io/camera_file.h"
-#include "covis/io/rectification.h"
 #include "covis/io/sequence.h"
 
 namespace covis::io {

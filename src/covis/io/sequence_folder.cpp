@@ -67,8 +67,10 @@ class FolderSequence : public Sequence {
       if (auto read = load_grey(files.right, frame.right); !read) return read;
     }
     if (recording_.rectification) {
-      recording_.rectification->left(frame.image, scratch_);
-      recording_.rectification->right(frame.right, scratch_);
+      recording_.rectification->left(frame.image.view(), scratch_);
+      frame.image.swap(scratch_);
+      recording_.rectification->right(frame.right.view(), scratch_);
+      frame.right.swap(scratch_);
     }
     if (files.depth.empty()) {
       frame.depth = {};
