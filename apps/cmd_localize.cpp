@@ -86,8 +86,9 @@ int localize(const LocalizeArguments& arguments) {
   if (arguments.features > 0) options.orb.features = arguments.features;
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
-  auto map = storage::load_compatible_map(arguments.map, map_header((*sequence)->camera(), options, vocabulary->get()),
-                                          storage::MapUse::localization);
+  auto map = storage::load_compatible_map(
+      arguments.map, storage::header_of((*sequence)->camera(), options.sensor, options.orb, vocabulary->get()),
+      storage::MapUse::localization);
   if (!map) return fail_with(map.error());
   System system((*sequence)->camera(), options, *vocabulary);
   if (const auto set = system.set_map(std::move(map->map), map->header.camera); !set)

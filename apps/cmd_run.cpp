@@ -147,7 +147,7 @@ int run(const RunArguments& arguments) {
     return fail_with("--localize: it needs a map to localise in, --map FILE");
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
-  storage::MapHeader header = map_header((*sequence)->camera(), options, vocabulary->get());
+  storage::MapHeader header = storage::header_of((*sequence)->camera(), options.sensor, options.orb, vocabulary->get());
   std::optional<storage::SavedMap> map;
   if (!arguments.map.empty()) {
     const auto use = options.localize ? storage::MapUse::localization : storage::MapUse::continuation;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "places.h"
 
-#include <cstdio>
 
 namespace covis::app {
 namespace {
@@ -21,20 +20,6 @@ Result<std::shared_ptr<const Vocabulary>> open_vocabulary(const std::string& nam
   }
   return fail(installed.string() + ": the default vocabulary is missing; give one by --vocabulary FILE, or " +
               "--vocabulary none to do without recognising places");
-}
-
-storage::MapHeader map_header(const Camera& camera, const SystemOptions& options, const Vocabulary* vocabulary) {
-  storage::MapHeader header;
-  header.camera = camera;
-  header.sensor = options.sensor;
-  header.levels = options.orb.levels;
-  header.factor = static_cast<float>(options.orb.scale_factor);
-  if (vocabulary) {
-    char text[20];
-    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(vocabulary->checksum()));
-    header.vocabulary = text;
-  }
-  return header;
 }
 
 }  // namespace covis::app

@@ -7,9 +7,6 @@
 #include <string>
 
 #include "covis/core/error.h"
-#include "covis/geometry/camera.h"
-#include "covis/slam/system.h"
-#include "covis/storage/map_file.h"
 #include "covis/vocabulary/vocabulary.h"
 
 namespace covis::app {
@@ -17,8 +14,5 @@ namespace covis::app {
 // Loads the named vocabulary. An empty name selects the default one, in share/covis beside the installed command or in
 // the source tree; "none" gives null.
 Result<std::shared_ptr<const Vocabulary>> open_vocabulary(const std::string& name);
-
-// Returns the header of a map made in this run.
-storage::MapHeader map_header(const Camera& camera, const SystemOptions& options, const Vocabulary* vocabulary);
 
 }  // namespace covis::app

@@ -9,11 +9,11 @@ configure_file(${PROJECT_SOURCE_DIR}/include/covis/version.h.in ${PROJECT_BINARY
 
 add_library(covis_library SHARED)
 add_library(covis::covis ALIAS covis_library)
-set(core_modules core geometry features vocabulary map matching optimization tracking mapping loops slam api)
+set(core_modules core geometry features vocabulary map matching optimization tracking mapping loops slam storage api)
 foreach(module ${core_modules})
   target_sources(covis_library PRIVATE $<TARGET_OBJECTS:covis_${module}>)
 endforeach()
-target_link_libraries(covis_library PUBLIC tl::expected PRIVATE covis_flags PkgConfig::HWY Threads::Threads)
+target_link_libraries(covis_library PUBLIC tl::expected PRIVATE covis_flags PkgConfig::HWY PkgConfig::ZSTD Threads::Threads)
 target_link_options(covis_library PRIVATE LINKER:--as-needed)
 if(NOT COVIS_SANITIZE)
   target_link_options(covis_library PRIVATE LINKER:--no-undefined)

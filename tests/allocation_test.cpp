@@ -30,7 +30,7 @@ TEST_P(Allocations, TrackingMakesNoneInASteadyState) {
     const bool applied = !report.mapping.empty();
     if (applied) mapping = false;
     if (i >= kWarmUp) {
-      EXPECT_EQ(report.track.state, TrackState::tracking) << i;
+      EXPECT_EQ(report.track.state, TrackingState::tracking) << i;
       if (report.track.key_frame) {
         ++key_frames;
         of_key_frames += own_made;

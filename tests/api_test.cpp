@@ -1,250 +1,240 @@
 // SPDX-License-Identifier: Apache-2.0
-// The public interface, as a program sees it, on rendered recordings. What it refuses is in
-// src/covis/api/slam_test.cpp.
+// The public interface, as a program sees it, on rendered recordings: frames, snapshots, events, threads. Its refusals
+// are in src/covis/api/slam_test.cpp.
 #include <gmock/gmock.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <numbers>
+#include <filesystem>
+#include <map>
+#include <set>
 #include <thread>
 
-#include "covis/covis.h"
-#include "rendered.h"
+#include "api_frames.h"
 
 namespace covis {
 namespace {
 
 using ::testing::HasSubstr;
 
-constexpr const char* kVocabulary = COVIS_SOURCE_DIR "/vocabulary/default.covis-voc";
-
-CameraParameters parameters_of(const Camera& camera, Sensor sensor) {
-  CameraParameters p;
-  p.width = camera.width;
-  p.height = camera.height;
-  p.fx = camera.pinhole.fx;
-  p.fy = camera.pinhole.fy;
-  p.cx = camera.pinhole.cx;
-  p.cy = camera.pinhole.cy;
-  if (sensor != Sensor::monocular) p.baseline = camera.pinhole.baseline();
-  return p;
-}
-
-GreyImage grey(const ImageView<const uint8_t>& v) { return {v.data, v.width, v.height, v.stride}; }
-DepthImage depth(const ImageView<const float>& v) { return {v.data, v.width, v.height, v.stride}; }
-
-// Returns the error message, or "" when there is no error.
-template <class Result>
-std::string error_of(const Result& result) {
-  return result ? std::string() : result.error();
-}
-
-Eigen::Quaterniond orientation(const Pose& pose) { return {pose.qw, pose.qx, pose.qy, pose.qz}; }
-double turned_deg(const Pose& a, const Pose& b) {
-  return orientation(a).angularDistance(orientation(b)) * 180 / std::numbers::pi;
-}
-double apart(const Pose& a, const Pose& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
-
-// Checks that the rotation from the first pose to each of the others equals the true one.
-void expect_turned_as(const Synth& synth, const std::vector<StampedPoseResult>& poses) {
-  const auto truth = [&](const StampedPoseResult& pose) {
-    int i = 0;
-    while (i + 1 < synth.frames() && synth.stamp(i) < pose.stamp) ++i;
-    return Eigen::Quaterniond(synth.T_wc(i).R());
-  };
-  double most = 0;  // greatest true rotation, degrees
-  for (const StampedPoseResult& pose : poses) {
-    EXPECT_NEAR(orientation(pose.pose).norm(), 1, 1e-9);
-    const Eigen::Quaterniond turn = orientation(poses[0].pose).inverse() * orientation(pose.pose),
-                             wanted = truth(poses[0]).inverse() * truth(pose);
-    EXPECT_LT(turn.angularDistance(wanted) * 180 / std::numbers::pi, 1);
-    most = std::max(most, wanted.angularDistance(Eigen::Quaterniond::Identity()) * 180 / std::numbers::pi);
-  }
-  EXPECT_GT(most, 5) << "else nothing was compared";
-}
-
-class Api : public testing::TestWithParam<Sensor> {
- protected:
-  static SensorType type(Sensor sensor) {
-    return sensor == Sensor::monocular ? SensorType::monocular
-           : sensor == Sensor::stereo  ? SensorType::stereo
-                                       : SensorType::rgbd;
-  }
-  static auto track(Slam& slam, const System::Input& in) {
-    switch (GetParam()) {
-      case Sensor::monocular:
-        return slam.track_monocular(in.stamp, grey(in.image));
-      case Sensor::stereo:
-        return slam.track_stereo(in.stamp, grey(in.image), grey(in.right));
-      default:
-        return slam.track_rgbd(in.stamp, grey(in.image), depth(in.depth));
-    }
-  }
-  static auto locate(Slam& slam, const System::Input& in) {
-    switch (GetParam()) {
-      case Sensor::monocular:
-        return slam.locate_monocular(grey(in.image));
-      case Sensor::stereo:
-        return slam.locate_stereo(grey(in.image), grey(in.right));
-      default:
-        return slam.locate_rgbd(grey(in.image), depth(in.depth));
-    }
-  }
-};
+class Api : public testing::TestWithParam<Sensor> {};
 
 INSTANTIATE_TEST_SUITE_P(Sensors, Api, testing::Values(Sensor::monocular, Sensor::stereo, Sensor::rgbd),
                          [](const auto& instance) { return sensor_name(instance.param); });
 
 TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
-  const Sensor sensor = GetParam();
-  Recording recording(sensor, 30, 15, "desk");
-  auto slam = Slam::create(parameters_of(recording.synth.camera(), sensor), type(sensor), {}, kVocabulary);
-  ASSERT_TRUE(slam) << slam.error();
-  const auto early = locate(**slam, recording.frame(0));
+  Recording& recording = shared_recording(GetParam(), 30, 15, "desk");
+  const auto slam = Slam::create(options_of(recording)).value();
+  const auto early = slam->locate(frame_of(recording.frame(0)));
   ASSERT_TRUE(early) << early.error();
   EXPECT_FALSE(*early);  // there is no map yet
 
-  int tracked = 0;
-  for (int i = 0; i < recording.size(); ++i) {
-    const auto result = track(**slam, recording.frame(i));
-    ASSERT_TRUE(result) << result.error();
-    tracked += result->tracked;
-    EXPECT_EQ(result->tracked, result->reason.empty());
-    EXPECT_EQ(result->tracked, result->state == TrackingState::tracking);
-  }
-  (*slam)->finish();
+  const int tracked = track_all(*slam, recording, 0, recording.size() - 1);
+  slam->finish();
   EXPECT_GT(tracked, 15);
-  EXPECT_GT((*slam)->points().size(), 100u);
-  const auto trajectory = (*slam)->trajectory();
+  const auto trajectory = slam->trajectory();
   ASSERT_GE(trajectory.size(), 15u);
   expect_turned_as(recording.synth, trajectory);
-  // Every key frame is a frame of the trajectory and has the same pose.
-  const auto key_frames = (*slam)->key_frames();
-  ASSERT_FALSE(key_frames.empty());
-  for (const StampedPoseResult& key_frame : key_frames) {
-    const auto same = std::find_if(trajectory.begin(), trajectory.end(),
-                                   [&](const StampedPoseResult& pose) { return pose.stamp == key_frame.stamp; });
-    ASSERT_NE(same, trajectory.end());
-    EXPECT_LT(apart(same->pose, key_frame.pose), 1e-6);
-    EXPECT_LT(turned_deg(same->pose, key_frame.pose), 1e-4);
-  }
 
   // The last tracked image is found again from the image alone, at the same place; a black image is not.
   const auto last = trajectory.back();
-  const auto found = locate(**slam, recording.frame(recording.size() - 1));
+  const auto found = slam->locate(frame_of(recording.frame(recording.size() - 1)));
   ASSERT_TRUE(found && *found);
   EXPECT_LT(apart((*found)->pose, last.pose), 0.03);
   EXPECT_LT(turned_deg((*found)->pose, last.pose), 1);
-  const auto nowhere = locate(**slam, recording.black(0));
+  const auto nowhere = slam->locate(frame_of(recording.black(0)));
   ASSERT_TRUE(nowhere) << nowhere.error();
   EXPECT_FALSE(*nowhere);
 
   // An error changes nothing.
-  const System::Input again = recording.frame(3);
-  EXPECT_THAT(error_of(track(**slam, again)), HasSubstr("stamps must rise"));
-  const GreyImage small{again.image.data, 100, 100, 100};
-  EXPECT_THAT(error_of(sensor == Sensor::stereo ? (*slam)->locate_stereo(small, small)
-                       : sensor == Sensor::rgbd ? (*slam)->locate_rgbd(small, depth(again.depth))
-                                                : (*slam)->locate_monocular(small)),
-              HasSubstr("is 100x100; the camera is 320x240"));
-  EXPECT_THAT(error_of(sensor == Sensor::monocular ? (*slam)->locate_stereo(grey(again.image), grey(again.image))
-                                                   : (*slam)->locate_monocular(grey(again.image))),
-              HasSubstr("another sensor"));
-  EXPECT_EQ((*slam)->trajectory().size(), trajectory.size());
+  EXPECT_THAT(error_of(slam->track(frame_of(recording.frame(3)))), HasSubstr("stamps must rise"));
+  EXPECT_EQ(slam->trajectory().size(), trajectory.size());
 }
 
-// A viewer asks for all there is while frames are tracked: each answer is sound, and the thread sanitizer finds no
-// race.
-TEST(ApiThreads, AnyThreadMayAskWhileFramesAreTracked) {
-  Recording recording(Sensor::rgbd, 30, 15, "desk");
-  const auto slam =
-      Slam::create(parameters_of(recording.synth.camera(), Sensor::rgbd), SensorType::rgbd, {}, kVocabulary);
-  ASSERT_TRUE(slam) << slam.error();
-  size_t most_poses = 0;
-  int asked = 0;
-  std::jthread viewer([&](const std::stop_token& stop) {
-    while (!stop.stop_requested() || most_poses == 0) {
-      const auto trajectory = (*slam)->trajectory();
-      const auto points = (*slam)->points();
-      const auto key_frames = (*slam)->key_frames();  // a moment later: there are some when there were points
-      EXPECT_TRUE(std::is_sorted(trajectory.begin(), trajectory.end(),
-                                 [](const auto& a, const auto& b) { return a.stamp < b.stamp; }));
-      EXPECT_TRUE(points.empty() || !key_frames.empty());
-      most_poses = std::max(most_poses, trajectory.size());
-      ++asked;
-    }
+// The points of the last frame project, by its pose, to where they were seen; its covariance is small and positive.
+TEST_P(Api, AFrameTellsItsPointsAndItsCovariance) {
+  Recording& recording = shared_recording(GetParam(), 30, 15, "desk");
+  const auto slam = Slam::create(options_of(recording)).value();
+  track_all(*slam, recording, 0, recording.size() - 2);
+  const auto result = slam->track(frame_of(recording.frame(recording.size() - 1)));
+  ASSERT_TRUE(result && result->tracked());
+  const std::vector<TrackedPoint> points = slam->tracked_points();
+  ASSERT_EQ(static_cast<int>(points.size()), result->inliers);
+  const CameraParameters camera = slam->camera();
+  std::set<uint64_t> ids;
+  for (const TrackedPoint& p : points) {
+    const Eigen::Vector3d from(p.x - result->pose.x, p.y - result->pose.y, p.z - result->pose.z);
+    const Eigen::Vector3d p_c = orientation(result->pose).inverse() * from;
+    EXPECT_LT(
+        std::hypot(camera.fx * p_c.x() / p_c.z() + camera.cx - p.u, camera.fy * p_c.y() / p_c.z() + camera.cy - p.v),
+        12);
+    ids.insert(p.point);
+  }
+  EXPECT_GE(ids.size(), points.size() * 98 / 100) << "few points are shown twice";
+  slam->finish();
+  std::set<uint64_t> of_map;
+  for (const MapSnapshot::Point& p : slam->snapshot()->points) of_map.insert(p.id);
+  const auto known = std::count_if(ids.begin(), ids.end(), [&](uint64_t id) { return of_map.contains(id); });
+  EXPECT_GT(known, static_cast<long>(ids.size() * 8 / 10)) << "the ids are those of the map";
+
+  ASSERT_TRUE(result->covariance);
+  for (int i = 0; i < 6; ++i) {
+    const double sigma = std::sqrt((*result->covariance)[static_cast<size_t>(7 * i)]);
+    EXPECT_GT(sigma, 1e-5);
+    EXPECT_LT(sigma, 0.02);
+  }
+}
+
+// A rectified pair, given as two cameras that are not, is tracked as before: the rectification is one to one.
+TEST(ApiStereo, APairWithARightCameraIsRectifiedHere) {
+  Recording& recording = shared_recording(Sensor::stereo, 30, 15, "desk");
+  SlamOptions options = options_of(recording);
+  const auto given = Slam::create(options).value();
+  const double baseline = options.camera.baseline;
+  options.camera.baseline = 0;
+  options.right = RightCamera{.camera = options.camera, .pose = {.x = baseline}};
+  const auto rectifying = Slam::create(options).value();
+  EXPECT_NEAR(rectifying->camera().baseline, baseline, 1e-9);
+  EXPECT_NEAR(rectifying->rectified_left().qw, 1, 1e-9);
+  EXPECT_EQ(track_all(*given, recording, 0, 29), track_all(*rectifying, recording, 0, 29));
+  const auto a = given->trajectory(), b = rectifying->trajectory();
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t i = 0; i < a.size(); ++i) EXPECT_LT(apart(a[i].pose, b[i].pose), 0.01);
+}
+
+// Everything a snapshot says agrees with everything else it says.
+TEST_P(Api, ASnapshotIsSound) {
+  Recording& recording = shared_recording(GetParam(), 30, 15, "desk");
+  const auto slam = Slam::create(options_of(recording)).value();
+  track_all(*slam, recording, 0, recording.size() - 1);
+  slam->finish();
+  const auto s = slam->snapshot();
+  EXPECT_EQ(s, slam->snapshot()) << "nothing changed";
+  ASSERT_EQ(s->submaps.size(), 1u);
+  ASSERT_GE(s->key_frames.size(), 2u);
+  EXPECT_EQ(s->submaps[0].key_frames, s->key_frames.size());
+  EXPECT_EQ(s->submaps[0].points, s->points.size());
+  EXPECT_EQ(s->submaps[0].frames, s->trajectory.size());
+  EXPECT_EQ(s->camera.fx, slam->camera().fx);
+  int roots = 0;
+  for (size_t k = 0; k < s->key_frames.size(); ++k) {
+    const MapSnapshot::KeyFrame& key_frame = s->key_frames[k];
+    roots += key_frame.parent < 0;
+    EXPECT_TRUE(k == 0 || s->key_frames[k - 1].id < key_frame.id);
+    EXPECT_EQ(key_frame.stamp, recording.synth.stamp(static_cast<int>(key_frame.frame)));
+    // Every key frame is a frame of the trajectory and has the same pose.
+    const auto same = std::find_if(s->trajectory.begin(), s->trajectory.end(),
+                                   [&](const TrajectoryPose& pose) { return pose.stamp == key_frame.stamp; });
+    ASSERT_NE(same, s->trajectory.end());
+    EXPECT_LT(apart(same->pose, key_frame.pose), 1e-6);
+    EXPECT_LT(turned_deg(same->pose, key_frame.pose), 1e-4);
+  }
+  EXPECT_EQ(roots, 1);
+
+  std::vector<int> observers(s->points.size());
+  std::map<std::pair<uint32_t, uint32_t>, int> shared;  // of each two key frames
+  std::vector<std::set<uint32_t>> seen(s->key_frames.size());
+  for (const MapSnapshot::Observation& o : s->observations) {
+    ASSERT_LT(o.key_frame, s->key_frames.size());
+    ASSERT_LT(o.point, s->points.size());
+    EXPECT_TRUE(o.u >= 0 && o.u < 320 && o.v >= 0 && o.v < 240);
+    EXPECT_TRUE(seen[o.key_frame].insert(o.point).second);
+    ++observers[o.point];
+  }
+  EXPECT_TRUE(std::all_of(observers.begin(), observers.end(), [](int n) { return n > 0; }));
+  ASSERT_FALSE(s->edges.empty());
+  for (const MapSnapshot::Edge& edge : s->edges) {
+    ASSERT_LT(edge.a, edge.b);
+    const auto both = std::count_if(seen[edge.a].begin(), seen[edge.a].end(),
+                                    [&](uint32_t point) { return seen[edge.b].contains(point); });
+    EXPECT_EQ(edge.shared, both);
+    EXPECT_GE(edge.shared, 15);
+    EXPECT_FALSE(edge.loop);
+  }
+}
+
+// Events come in their order, and their handler may ask for all there is.
+TEST(ApiEvents, AreToldWithoutPolling) {
+  Recording& recording = shared_recording(Sensor::rgbd, 60, 8);
+  SlamOptions options = options_of(recording);
+  options.settings = {{"tracker.new_map_after", "0"}};
+  const auto slam = Slam::create(options).value();
+  std::vector<Event> events;
+  slam->on_event([&](const Event& event) {
+    events.push_back(event);
+    EXPECT_FALSE(slam->snapshot()->key_frames.empty());
   });
-  for (int i = 0; i < recording.size(); ++i) {
-    const System::Input in = recording.frame(i);
-    EXPECT_TRUE((*slam)->track_rgbd(in.stamp, grey(in.image), depth(in.depth))->tracked) << i;
-  }
-  (*slam)->finish();
-  viewer.request_stop();
-  viewer.join();
-  EXPECT_GT(asked, 1);
-  EXPECT_GT(most_poses, 0u);
-  EXPECT_EQ((*slam)->trajectory().size(), static_cast<size_t>(recording.size()));
-}
-
-// A camera carried from a desk into a room, and a picture of each.
-TEST(ApiMaps, APoseSaysInWhichMapItIs) {
-  Recording desk(Sensor::rgbd, 20, 30, "desk"), room(Sensor::rgbd, 20, 30, "room");
-  const auto slam = Slam::create(parameters_of(desk.synth.camera(), Sensor::rgbd), SensorType::rgbd,
-                                 {{"tracker.new_map_after", "0.2"}}, kVocabulary);
-  ASSERT_TRUE(slam) << slam.error();
-  for (Recording* recording : {&desk, &room}) {
-    const int map = recording == &room;
-    int tracked = 0;
-    for (int i = 0; i < recording->size(); ++i) {
-      const System::Input in = recording->frame(i);
-      const auto result = (*slam)->track_rgbd(in.stamp + map * from_seconds(10), grey(in.image), depth(in.depth));
-      ASSERT_TRUE(result) << result.error();
-      if (!result->tracked) continue;
-      ++tracked;
-      EXPECT_EQ(result->submap, map) << i;
-    }
-    EXPECT_GE(tracked, 10);
-  }
-  (*slam)->finish();
-  for (Recording* recording : {&desk, &room}) {
-    const int map = recording == &room;
-    const System::Input in = recording->frame(19);
-    const auto found = (*slam)->locate_rgbd(grey(in.image), depth(in.depth));
-    ASSERT_TRUE(found && *found) << map;
-    EXPECT_EQ((*found)->submap, map);
-    const auto points = (*slam)->points();
-    EXPECT_GT(std::count_if(points.begin(), points.end(), [&](const Point& p) { return p.submap == map; }), 100);
-    for (const auto& poses : {(*slam)->trajectory(), (*slam)->key_frames()}) {
-      for (const StampedPoseResult& pose : poses) EXPECT_EQ(pose.submap, pose.stamp >= from_seconds(10));
-    }
-  }
-}
-
-// After a jump back to the place 40 frames earlier the camera relocalises, and its poses are tentative for a second.
-TEST(ApiMaps, APoseAfterAJumpIsTentativeForASecond) {
-  Recording recording(Sensor::rgbd, 61);
-  const auto slam =
-      Slam::create(parameters_of(recording.synth.camera(), Sensor::rgbd), SensorType::rgbd, {}, kVocabulary);
-  ASSERT_TRUE(slam) << slam.error();
-  int64_t stamp = 0;
-  const auto show = [&](int i) {
-    const System::Input in = recording.frame(i);
-    return (*slam)->track_rgbd(stamp += from_seconds(0.125), grey(in.image), depth(in.depth)).value();
+  track_all(*slam, recording, 0, 29);
+  const auto count = [&](Event::Kind kind) {
+    return std::count_if(events.begin(), events.end(), [&](const Event& e) { return e.kind == kind; });
   };
-  for (int i = 0; i <= 60; ++i) {
-    const FrameResult result = show(i);
-    ASSERT_TRUE(result.tracked) << i;
-    EXPECT_FALSE(result.tentative) << i;
+  EXPECT_EQ(count(Event::Kind::submap_begun), 1);
+  EXPECT_EQ(count(Event::Kind::lost) + count(Event::Kind::found), 0);
+  int64_t stamp = recording.synth.stamp(29);
+  const auto show = [&](System::Input in) {
+    in.stamp = stamp += from_seconds(0.125);
+    return slam->track(frame_of(in)).value();
+  };
+  for (int i = 0; i < 3; ++i) show(recording.black(0));
+  ASSERT_EQ(count(Event::Kind::lost), 1);
+  const auto lost =
+      std::find_if(events.begin(), events.end(), [](const Event& e) { return e.kind == Event::Kind::lost; });
+  EXPECT_NE(lost->reason, NoPoseReason::none);
+  EXPECT_EQ(lost->stamp, recording.synth.stamp(29) + from_seconds(0.125));
+  for (int i = 29; i > 24; --i) show(recording.frame(i));
+  EXPECT_EQ(count(Event::Kind::found), 1);
+  slam->finish();
+  EXPECT_EQ(count(Event::Kind::lost), 1);
+  EXPECT_GE(count(Event::Kind::key_frame_made), static_cast<long>(slam->snapshot()->key_frames.size()));
+  for (const Event& event : events) EXPECT_EQ(event.kind == Event::Kind::key_frame_made, event.key_frame.has_value());
+
+  slam->on_event({});
+  const size_t told = events.size();
+  show(recording.black(0));
+  EXPECT_EQ(events.size(), told);
+}
+
+// A viewer asks for all there is while frames are tracked, the map is saved and thrown away: each answer is sound, and
+// the thread sanitizer finds no race.
+TEST(ApiThreads, AnyThreadMayAskWhileFramesAreTracked) {
+  Recording& recording = shared_recording(Sensor::rgbd, 30, 15, "desk");
+  const std::string file = testing::TempDir() + "api_threads.m";
+  for (const Timing timing : {Timing::deterministic, Timing::realtime}) {
+    SlamOptions options = options_of(recording);
+    options.timing = timing;
+    const auto slam = Slam::create(options).value();
+    size_t most_poses = 0;
+    int asked = 0, saved = 0;
+    std::jthread viewer([&](const std::stop_token& stop) {
+      while (!stop.stop_requested() || most_poses == 0) {
+        const auto trajectory = slam->trajectory();
+        const auto snapshot = slam->snapshot();
+        EXPECT_TRUE(std::is_sorted(trajectory.begin(), trajectory.end(),
+                                   [](const auto& a, const auto& b) { return a.stamp < b.stamp; }));
+        EXPECT_TRUE(snapshot->points.empty() || !snapshot->key_frames.empty());
+        EXPECT_GT(slam->camera().fx, 0);
+        EXPECT_FALSE(slam->settings().empty());
+        most_poses = std::max(most_poses, trajectory.size());
+        if (++asked % 8 == 0) saved += slam->save_map(file).has_value();
+      }
+    });
+    const int tracked = track_all(*slam, recording, 0, recording.size() - 1);
+    slam->finish();
+    viewer.request_stop();
+    viewer.join();
+    EXPECT_GT(asked, 1);
+    EXPECT_GT(most_poses, 0u);
+    if (timing == Timing::deterministic) {
+      EXPECT_EQ(tracked, recording.size());
+    }
+    // The map goes while another thread looks at it.
+    std::jthread late([&] {
+      for (int k = 0; k < 20; ++k) EXPECT_GE(slam->snapshot()->revision, 1u);
+    });
+    slam->reset();
+    late.join();
+    EXPECT_TRUE(slam->trajectory().empty());
   }
-  FrameResult result;
-  int i = 20;
-  while (i < 30 && !result.tracked) result = show(i++);
-  EXPECT_TRUE(result.tracked);
-  EXPECT_TRUE(result.tentative);
-  for (const int end = i + 10; i < end; ++i) result = show(i);
-  EXPECT_TRUE(result.tracked);
-  EXPECT_FALSE(result.tentative);
+  std::filesystem::remove(file);
 }
 
 }  // namespace

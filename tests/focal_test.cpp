@@ -39,7 +39,8 @@ class FocalLength : public testing::Test {
   static double off(const System& system) { return std::abs(system.camera().fx / camera(1).pinhole.fx - 1); }
   static int track(System& system, int from, int to) {
     int tracked = 0;
-    for (int i = from; i < to; ++i) tracked += system.process(recording().frame(i)).track.state == TrackState::tracking;
+    for (int i = from; i < to; ++i)
+      tracked += system.process(recording().frame(i)).track.state == TrackingState::tracking;
     return tracked;
   }
   // A run of all frames by the default options, made once for all cases. Its map is kept in `file()`.
@@ -121,7 +122,7 @@ TEST(FocalLengthWithDepth, IsRefinedForRgbdNotForStereoLong) {
     const Camera claimed = camera_of(recording, kClaimed);
     System system(claimed, options_for(sensor), vocabulary());
     for (int i = 0; i < kShort; ++i)
-      EXPECT_EQ(system.process(recording.frame(i)).track.state, TrackState::tracking) << i;
+      EXPECT_EQ(system.process(recording.frame(i)).track.state, TrackingState::tracking) << i;
     system.finish();
     ASSERT_EQ(system.map().read()->check(), "");
     ASSERT_GT(system.map().read()->next_serial(), 30U) << "else it is hardly asked for";

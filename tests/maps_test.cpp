@@ -57,9 +57,10 @@ struct Walked {
       count(report.mapping);
       most_submaps = std::max(most_submaps, system.submaps().size());
       EXPECT_EQ(system.map().read()->check(), "") << "after step " << done_;
-      reported += report.track.state == TrackState::tracking;
+      reported += report.track.state == TrackingState::tracking;
       if (report.track.tentative) tentative.push_back(done_);
-      EXPECT_EQ(report.track.state == TrackState::tracking, report.track.reason.empty()) << report.track.reason;
+      EXPECT_EQ(report.track.state == TrackingState::tracking, report.track.reason == NoPoseReason::none)
+          << describe(report.track.reason);
     }
     count(system.finish());
     EXPECT_EQ(system.map().read()->check(), "");
@@ -168,7 +169,7 @@ TEST(FurtherMap, NoneIsBegunWhereItMustNot) {
     ASSERT_TRUE(system.set_map(Map::from_state(before).value(), recording.synth.camera()));
     int tracked = 0;
     for (int step = 12; step < 24; ++step) {
-      tracked += system.process(walk.input(step)).track.state == TrackState::tracking;
+      tracked += system.process(walk.input(step)).track.state == TrackingState::tracking;
     }
     system.finish();
     EXPECT_EQ(system.submaps().size(), c.maps);
@@ -345,22 +346,22 @@ TEST(Jump, LostInDoubtIsInDoubtAgain) {
     std::vector<int> features;  // of each frame, as many as usual
     for (int i = 0; i <= 60; ++i) {
       const TrackResult result = show(recording.frame(i));
-      ASSERT_EQ(result.state, TrackState::tracking) << i;
+      ASSERT_EQ(result.state, TrackingState::tracking) << i;
       features.push_back(result.features);
     }
     // Shows frames from another place until the first pose.
     int there = 0;
     const auto jump = [&] {
       TrackResult result;
-      for (there = 20; there < 30 && result.state != TrackState::tracking; ++there)
+      for (there = 20; there < 30 && result.state != TrackingState::tracking; ++there)
         result = show(recording.frame(there));
       return result;
     };
     EXPECT_TRUE(jump().tentative);
     const int believed_for_now = step - 1;
-    EXPECT_EQ(show(recording.black(0)).state, TrackState::lost);
+    EXPECT_EQ(show(recording.black(0)).state, TrackingState::lost);
     const TrackResult again = jump();
-    EXPECT_EQ(again.state, TrackState::tracking);
+    EXPECT_EQ(again.state, TrackingState::tracking);
     EXPECT_TRUE(again.tentative);
     EXPECT_GT(show(recording.frame(there)).features, features[static_cast<size_t>(there)])
         << "it was found with twice as many, and is judged with as many";

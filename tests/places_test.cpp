@@ -81,9 +81,9 @@ class SavedDesk : public Places {
     auto saved = storage::load_map(file);
     ASSERT_TRUE(saved) << saved.error().message;
     ASSERT_TRUE(system.set_map(std::move(saved->map), saved->header.camera));
-    EXPECT_EQ(system.process(recording.black(0)).track.state, TrackState::lost);
+    EXPECT_EQ(system.process(recording.black(0)).track.state, TrackingState::lost);
     int tracked = 0;
-    for (int i = 25; i < 40; ++i) tracked += system.process(recording.frame(i)).track.state == TrackState::tracking;
+    for (int i = 25; i < 40; ++i) tracked += system.process(recording.frame(i)).track.state == TrackingState::tracking;
     system.finish();
     EXPECT_GE(tracked, 12);
     EXPECT_EQ(bytes_of(*system.map().read()), saved_bytes);
@@ -97,7 +97,7 @@ class SavedDesk : public Places {
     ASSERT_TRUE(system.set_map(std::move(saved->map), saved->header.camera));
     int tracked = 0;
     for (int i = 20; i < 40; ++i) {
-      tracked += system.process(recording.frame(i)).track.state == TrackState::tracking;
+      tracked += system.process(recording.frame(i)).track.state == TrackingState::tracking;
       ASSERT_EQ(system.map().read()->check(), "");
     }
     system.finish();

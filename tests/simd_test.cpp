@@ -22,7 +22,8 @@ TEST_P(InstructionSets, GiveTheSameTrajectory) {
     ASSERT_TRUE(use_simd_target(target)) << target;
     System system(recording.synth.camera(), options_for(GetParam()));
     int tracked = 0;
-    for (int i = 0; i < kFrames; ++i) tracked += system.process(recording.frame(i)).track.state == TrackState::tracking;
+    for (int i = 0; i < kFrames; ++i)
+      tracked += system.process(recording.frame(i)).track.state == TrackingState::tracking;
     system.finish();
     EXPECT_GT(tracked, kFrames / 2) << target;
     const std::string made = bytes(system.online_trajectory()) + bytes(system.trajectory());

@@ -47,7 +47,7 @@ void track_all(io::Sequence& sequence, System& system, const PlayOptions& option
     }
     const double cpu_start = thread_cpu_ms();
     const FrameReport report = system.process(input_of(frame));
-    if (run.first_pose_ms < 0 && report.track.state == TrackState::tracking) run.first_pose_ms = since_first->ms();
+    if (run.first_pose_ms < 0 && report.track.state == TrackingState::tracking) run.first_pose_ms = since_first->ms();
     run.mapping.insert(run.mapping.end(), report.mapping.begin(), report.mapping.end());
     FrameStats stats = tracked_frame(frame, report, options.mode);
     stats.decode_ms = decode_ms;

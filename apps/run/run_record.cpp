@@ -11,13 +11,13 @@ FrameState lost_state(RunMode mode) {
   return mode == RunMode::localization ? FrameState::not_localised : FrameState::lost;
 }
 
-FrameState state_of(TrackState state, RunMode mode) {
+FrameState state_of(TrackingState state, RunMode mode) {
   switch (state) {
-    case TrackState::tracking:
+    case TrackingState::tracking:
       return FrameState::tracking;
-    case TrackState::lost:
+    case TrackingState::lost:
       return lost_state(mode);
-    case TrackState::not_initialised:
+    case TrackingState::not_initialised:
       break;
   }
   return FrameState::not_initialised;
@@ -48,7 +48,7 @@ FrameStats tracked_frame(const io::Frame& frame, const FrameReport& report, RunM
   stats.frame = frame.index;
   stats.stamp = frame.stamp;
   stats.state = state_of(report.track.state, mode);
-  stats.reason = report.track.reason;
+  stats.reason = describe(report.track.reason);
   stats.track = report.track;
   stats.timing = report.timing;
   return stats;

@@ -6,10 +6,10 @@
 namespace covis::app {
 namespace {
 
-FrameReport report(TrackState state) {
+FrameReport report(TrackingState state) {
   FrameReport made;
   made.track.state = state;
-  made.track.reason = state == TrackState::tracking ? "" : "too few matches";
+  made.track.reason = state == TrackingState::tracking ? NoPoseReason::none : NoPoseReason::few_map_points_agree;
   made.timing.total_ms = 9;
   made.timing.wait_ms = 2;
   return made;
@@ -19,20 +19,20 @@ TEST(RunRecord, AFrameKeepsWhatWasReported) {
   io::Frame frame;
   frame.index = 7;
   frame.stamp = 70;
-  const FrameStats row = tracked_frame(frame, report(TrackState::lost), RunMode::mapping);
+  const FrameStats row = tracked_frame(frame, report(TrackingState::lost), RunMode::mapping);
   EXPECT_EQ(row.frame, 7);
   EXPECT_EQ(row.stamp, 70);
   EXPECT_EQ(row.state, FrameState::lost);
-  EXPECT_EQ(row.reason, "too few matches");
+  EXPECT_EQ(row.reason, "too few points of the map agree on a pose");
   EXPECT_EQ(row.tracking_ms(), 7);
   EXPECT_TRUE(row.processed());
 }
 
 TEST(RunRecord, LostFramesOfALocalizationAreNotLocalised) {
-  const auto state = [](TrackState tracked) { return tracked_frame({}, report(tracked), RunMode::localization).state; };
-  EXPECT_EQ(state(TrackState::lost), FrameState::not_localised);
-  EXPECT_EQ(state(TrackState::tracking), FrameState::tracking);
-  EXPECT_EQ(state(TrackState::not_initialised), FrameState::not_initialised);
+  const auto state = [](TrackingState tracked) { return tracked_frame({}, report(tracked), RunMode::localization).state; };
+  EXPECT_EQ(state(TrackingState::lost), FrameState::not_localised);
+  EXPECT_EQ(state(TrackingState::tracking), FrameState::tracking);
+  EXPECT_EQ(state(TrackingState::not_initialised), FrameState::not_initialised);
 }
 
 TEST(RunRecord, SkippedFramesWereNotProcessed) {

@@ -2,29 +2,30 @@
 // Covis: visual SLAM for monocular, stereo and RGB-D cameras. The public interface: plain values in and out, so that
 // nothing of how the library was compiled (Eigen, SIMD) reaches the program that uses it.
 //
-//   auto slam = covis::Slam::create(
-//       {.width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 320, .cy = 240, .baseline = 0.08},
-//       covis::SensorType::rgbd);
+//   auto slam = covis::Slam::create({
+//       .sensor = covis::SensorType::rgbd,
+//       .camera = {.width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 320, .cy = 240},
+//       .timing = covis::Timing::realtime,
+//   });
 //   if (!slam) return report(slam.error());
-//   auto result = (*slam)->track_rgbd(stamp_ns, {grey, 640, 480, 640}, {depth, 640, 480, 640});
+//   auto result = (*slam)->track({.stamp = stamp_ns, .image = {grey, 640, 480, 640}, .depth = {depth, 640, 480, 640}});
 //   if (!result) return report(result.error());
-//   if (result->tracked) use(result->pose);
+//   if (result->tracked()) use(result->pose);
 //
-// Conventions: metres, radians, nanoseconds; camera x right, y down, z forward; a Pose is T_wc, camera to world; the
-// world is the camera of the first key frame. Monocular maps have no metric scale: the median depth
-// of the points in the first key frame is about 1.
+// The world of a pose is the camera of its submap's first key frame. Monocular maps have no metric scale: the median
+// depth of the points in the first key frame is about 1.
 //
 // A camera lost for long begins a submap with a world of its own beside the old one. When it sees a place of the old
 // one again, the two are joined under the older id, and the other id is never used again. Ids of submaps count from
 // 0; poses and points of different submaps can't be compared.
 //
-// Threads: one thread calls track_*(), locate_*() and finish(), and destroys the object. Any thread may call the const
-// members (trajectory(), key_frames(), points(), camera()) at any time until then. Two calls may give values of
-// different moments.
+// Threads: one thread, the tracking thread, calls everything that is not const, and destroys the object. Any thread may
+// call the const members at any time until then, also while the tracking thread is in a call. Two calls may give values
+// of different moments.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -33,132 +34,127 @@
 #include <vector>
 
 #include "covis/export.h"
+#include "covis/log.h"
+#include "covis/settings.h"
+#include "covis/snapshot.h"
+#include "covis/types.h"
 #include "covis/version.h"
 
 namespace covis {
 
-enum class SensorType { monocular, stereo, rgbd };
-enum class LensType { none, brown_conrady, kannala_brandt };
-
-struct CameraParameters {
-  int width = 0, height = 0;              // pixels
-  double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
-  double baseline = 0;                    // metres between the cameras of a rectified stereo pair; not asked for RGB-D
-  // The noise of a depth z, RGB-D: sigma = a + b z^2 (metres, 1 / metres). Both 0: it is estimated from the map.
-  double depth_sigma_a = 0, depth_sigma_b = 0;
-  LensType lens = LensType::none;          // monocular and RGB-D; stereo pairs come rectified
-  double distortion[5] = {0, 0, 0, 0, 0};  // brown_conrady: k1 k2 p1 p2 k3; kannala_brandt: k1 k2 k3 k4
+enum class Timing {
+  // For a live camera: what mapping makes shows as soon as it is ready, and a waiting key frame interrupts it. Results
+  // depend on the load of the machine.
+  realtime,
+  // For recordings: results depend on the input and the settings alone; track() waits for mapping where it must.
+  deterministic,
 };
 
-struct Pose {
-  double x = 0, y = 0, z = 0;             // metres
-  double qx = 0, qy = 0, qz = 0, qw = 1;  // unit quaternion
+enum class Mode {
+  mapping,
+  localisation,  // the map is not changed: no key frames, no points
 };
 
-// An image that stays the caller's; it is read during the call only. stride: elements from a row to the next.
-struct GreyImage {
-  const uint8_t* data = nullptr;
-  int width = 0, height = 0;
-  ptrdiff_t stride = 0;
-};
-// Metres along z, registered to the grey image; 0 or not finite: no measurement.
-struct DepthImage {
-  const float* data = nullptr;
-  int width = 0, height = 0;
-  ptrdiff_t stride = 0;
-};
-
-enum class TrackingState {
-  not_initialised,  // there is no map yet
-  tracking,         // the frame has a pose
-  lost,             // the frame's place in the map is not known
-};
-// Returns the state's name as it is spelled above.
-COVIS_API const char* name(TrackingState state);
-
-// Result of tracking one frame.
-struct FrameResult {
-  TrackingState state = TrackingState::not_initialised;
-  bool tracked = false;  // state is tracking
-  Pose pose;             // meaningful when tracked
-  int submap = 0;        // id of the submap whose world the pose is in
-  // The camera was found far from its last place, less than a second ago. If the frames of that second do not confirm
-  // the place, they lose their poses (trajectory() leaves them out), and a later frame is lost or found elsewhere.
-  bool tentative = false;
-  std::string reason;      // why there is no pose; empty when tracked
-  int inliers = 0;         // map points that agree with the pose
-  bool key_frame = false;  // a key frame was asked for
+struct SlamOptions {
+  SensorType sensor = SensorType::monocular;
+  CameraParameters camera = {};           // the left one of a stereo pair
+  std::optional<RightCamera> right = {};  // of a stereo pair that is not rectified
+  Timing timing = Timing::realtime;
+  Mode mode = Mode::mapping;  // localisation needs a map
+  std::string map = {};       // file of a saved map to continue or to localise in; empty: a new one is made
+  // The file to recognise places by (share/covis/default.covis-voc of the installation); empty: places are not
+  // recognised. Then loops stay open, and a lost camera is looked for near its last place and at a few other key frames
+  // in turn.
+  std::string vocabulary = {};
+  // Names and values, for example {"orb.features", "2000"}; default_settings() lists them. system.realtime and
+  // system.localize are not for here: timing and mode say it.
+  std::vector<std::pair<std::string, std::string>> settings = {};
 };
 
-struct StampedPoseResult {
-  int64_t stamp = 0;  // nanoseconds, as given
-  Pose pose;
-  int submap = 0;  // id of the submap whose world the pose is in
+// Something that happened.
+struct Event {
+  enum class Kind {
+    key_frame_made,
+    loop_closed,       // a place was seen again, and the map was corrected
+    submaps_joined,    // a place of another submap was seen; both are one now
+    submap_begun,      // the first map, or one beside those there are
+    submap_discarded,  // a monocular submap that was lost in its first moments
+    lost,              // the frame has no pose, and the one before had one
+    found,             // the camera was lost, and its place in the map is known again
+  };
+  Kind kind = Kind::key_frame_made;
+  int64_t stamp = 0;                       // of the frame or key frame that it happened with, nanoseconds
+  int submap = 0;                          // id; of two joined the one that remains
+  std::optional<uint64_t> key_frame = {};  // key_frame_made, loop_closed, submaps_joined: MapSnapshot::KeyFrame::id
+  std::optional<uint64_t> place = {};  // loop_closed, submaps_joined: the key frame of the place that was seen again
+  NoPoseReason reason = NoPoseReason::none;  // lost
 };
-
-// Result of locating one image.
-struct Location {
-  Pose pose;
-  int submap = 0;  // id of the submap whose world the pose is in
-};
-
-// A point of the map.
-struct Point {
-  double x = 0, y = 0, z = 0;  // metres
-  int submap = 0;              // id of the submap whose world it is in
-};
+// Returns the kind's name as it is spelled above.
+COVIS_API const char* name(Event::Kind kind);
 
 class COVIS_API Slam {
  public:
-  // Settings by name, as `covis run --dump-config` lists them, for example {"orb.features", "2000"}. Errors of
-  // create(): an impossible camera, an unknown setting, a value out of range, a vocabulary that can't be read, and
-  // system.localize, which needs a saved map (only the command loads one: covis run --localize).
-  using Settings = std::vector<std::pair<std::string, std::string>>;
-  // `vocabulary`: the file to recognise places by (share/covis/default.covis-voc of the installation); empty: places
-  // are not recognised. Then loops stay open, and a lost camera is looked for near its last place and at a few other
-  // key frames in turn.
-  static tl::expected<std::unique_ptr<Slam>, std::string> create(const CameraParameters& camera, SensorType sensor,
-                                                                 const Settings& settings = {},
-                                                                 const std::string& vocabulary = {});
+  // Errors: an impossible camera, an unknown setting, a value out of range, a file that can't be read, a map that does
+  // not fit (another sensor or other features; to continue it, another camera), localisation without a map.
+  static tl::expected<std::unique_ptr<Slam>, std::string> create(const SlamOptions& options);
   ~Slam();
   Slam(const Slam&) = delete;
   Slam& operator=(const Slam&) = delete;
 
-  // Tracks one frame; stamps (nanoseconds) must rise, for tracking predicts motion from them. Errors: a stamp that does
-  // not rise, an image of another size than the camera's, a call that does not fit the sensor. An error changes
-  // nothing: the next frame is tracked as if there had been no call. From one thread.
-  tl::expected<FrameResult, std::string> track_monocular(int64_t stamp, const GreyImage& image);
-  tl::expected<FrameResult, std::string> track_stereo(int64_t stamp, const GreyImage& left, const GreyImage& right);
-  tl::expected<FrameResult, std::string> track_rgbd(int64_t stamp, const GreyImage& image, const DepthImage& depth);
+  // ---- From the tracking thread ----
 
-  // The pose of one image in the present map, from nothing but the image; no pose when its place is not recognised.
-  // Leaves tracking and mapping as they are; waits until the key frames asked for are mapped. Needs a vocabulary:
-  // without one it tries the five oldest key frames only. Errors as above. From the thread that tracks.
-  using Located = tl::expected<std::optional<Location>, std::string>;
-  Located locate_monocular(const GreyImage& image);
-  Located locate_stereo(const GreyImage& left, const GreyImage& right);
-  Located locate_rgbd(const GreyImage& image, const DepthImage& depth);
+  // Tracks one frame; stamps must rise, for tracking predicts motion from them. Errors: a stamp that does not rise, an
+  // image of another size than the camera's, images that do not fit the sensor. An error changes nothing: the next
+  // frame is tracked as if there had been no call.
+  tl::expected<FrameResult, std::string> track(const Frame& frame);
+  // The points of the map that the last frame shows; none when it has no pose.
+  std::vector<TrackedPoint> tracked_points() const;
+
+  // The pose of one image in the present map, from nothing but the image (the stamp is not read); no pose when its
+  // place is not recognised. Leaves tracking and mapping as they are; waits until the key frames asked for are mapped.
+  // Without a vocabulary it tries the five oldest key frames only. Errors as above.
+  tl::expected<std::optional<Location>, std::string> locate(const Frame& frame);
+
+  // Changes between mapping and localisation only, from the next frame on; waits until everything asked of mapping is
+  // done. Errors: localisation without a map; mapping in a map that another camera made.
+  tl::expected<void, std::string> set_mode(Mode mode);
+  Mode mode() const;
 
   // Waits until everything asked of mapping is done, and locates frames that got no pose where the map reaches them
-  // now; frames may be tracked afterwards. From the thread that tracks.
+  // now; frames may be tracked afterwards.
   void finish();
+  // Forgets the map and the trajectory; mapping begins anew with the next frame, whose stamp may be any.
+  void reset();
+  // Puts a saved map in place of the present one, as reset() does, to be continued or, in localisation only, to
+  // localise in. The camera is looked for in it. Errors as those of create(); then nothing has changed.
+  tl::expected<void, std::string> load_map(const std::string& file);
 
-  // The four below: from any thread, at any time, while another tracks too.
-  // Poses of all tracked frames with every correction so far, without those that were tentative and proved wrong. A
-  // frame that got no pose when it was tracked may have one now: it is located from later ones where the map reaches
-  // it.
-  std::vector<StampedPoseResult> trajectory() const;
-  // Poses of the map's key frames with every correction so far, in the order in which they were made.
-  std::vector<StampedPoseResult> key_frames() const;
-  // All points of the map.
-  std::vector<Point> points() const;
-  // The camera in use: fx, fy and the noise of depth as they were estimated so far, the rest as given to create(). The
-  // focal length of a monocular or RGB-D camera is refined, by 5 % at most, where the map tells it surely;
-  // {"mapper.refine_focal", "false"} keeps the one given.
+  // Calls `handler` for each event, in their order, from inside track(), set_mode() and finish(), after the work and
+  // before the result is returned. It may call the const members. An empty one ends it.
+  void on_event(std::function<void(const Event&)> handler);
+
+  // ---- From any thread, at any time ----
+
+  // The map and the trajectory as they are now. It is made anew only when something changed since the last one; mapping
+  // waits while the map is copied, tracking does not.
+  std::shared_ptr<const MapSnapshot> snapshot() const;
+  // MapSnapshot::trajectory by itself.
+  std::vector<TrajectoryPose> trajectory() const;
+  // Saves the map to one file, from which it can be loaded by create(), load_map() and `covis run --map`. At any moment
+  // the file is either the complete old or the complete new one. Call finish() before to have all of it.
+  tl::expected<void, std::string> save_map(const std::string& file) const;
+  // The camera in use: fx, fy and the noise of depth as they were estimated so far, the rest as given; of a pair that
+  // is rectified here the rectified camera. The focal length of a monocular or RGB-D camera is refined, by 5 % at most,
+  // where the map tells it surely; {"mapper.refine_focal", "false"} keeps the one given.
   CameraParameters camera() const;
+  // The pose of the rectified left camera in the given left camera's coordinates, a rotation: where pairs are rectified
+  // here all poses are the rectified camera's. Without a `right` camera the identity.
+  Pose rectified_left() const;
+  // The settings in use.
+  std::vector<Setting> settings() const;
 
  private:
-  struct Impl;
+  struct COVIS_HIDDEN Impl;
   explicit Slam(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

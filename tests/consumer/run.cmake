@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# Installs libcovis of the build folder BUILD into a fresh prefix, checks what it needs and shows, then builds and runs the
-# consumer in SOURCE against it, which must find version VERSION, and the examples in the documentation of the project in ROOT.
+# Installs libcovis of the build folder BUILD into a fresh prefix, checks what it needs and shows, then builds and runs against
+# it: the consumer in SOURCE, which must find version VERSION, the same with a later build of the library, and the examples in
+# the documentation and in the folder examples/ of the project in ROOT.
 cmake_minimum_required(VERSION 3.22)
 set(work ${BUILD}/consumer_test)
 set(prefix ${work}/prefix)
@@ -18,12 +19,12 @@ endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD} --component library --prefix ${prefix})
 
-# The core needs nothing but the language's libraries and Highway.
+# The library needs nothing but the language's libraries, Highway, and zstd for saved maps.
 file(GLOB_RECURSE library ${prefix}/libcovis.so)
 run(${READELF} --dynamic --wide ${library})
 string(REGEX MATCHALL "Shared library: \\[[^]]*\\]" needed "${output}")
 foreach(entry ${needed})
-  if(NOT entry MATCHES "\\[(libhwy|libstdc\\+\\+|libm|libgcc_s|libc|libpthread|ld-linux[^.]*)\\.so")
+  if(NOT entry MATCHES "\\[(libhwy|libzstd|libstdc\\+\\+|libm|libgcc_s|libc|libpthread|ld-linux[^.]*)\\.so")
     message(FATAL_ERROR "libcovis must not need ${entry}")
   endif()
 endforeach()
@@ -57,3 +58,36 @@ if(NOT output MATCHES "covis ${VERSION}")
   message(FATAL_ERROR "the consumer says '${output}' where it should say version ${VERSION}")
 endif()
 message("${output}")
+
+# The same program, not compiled anew, with a later build of the library.
+run(${CMAKE_COMMAND} -E env LD_LIBRARY_PATH=${BUILD}/later ${work}/build/consumer)
+if(NOT output MATCHES "a later build of libcovis.*tracking")
+  message(FATAL_ERROR "with a later build the consumer says '${output}'")
+endif()
+# What such a program relies on is on record.
+run(${work}/build/abi_layout)
+file(WRITE ${work}/layout.txt "${output}")
+run(${NM} --dynamic --defined-only --demangle ${library})
+file(WRITE ${work}/symbols.txt "${output}")
+run(${PYTHON} ${SOURCE}/abi.py ${VERSION} ${work}/layout.txt ${work}/symbols.txt ${SOURCE}/abi.txt)
+message("${output}")
+
+# The example programs, on a small recording of each sensor that they want.
+run(${CMAKE_COMMAND} -S ${ROOT}/examples -B ${work}/examples_build -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${CXX})
+run(${CMAKE_COMMAND} --build ${work}/examples_build --parallel 2)
+set(synth ${BUILD}/apps/covis synth desk --frames 40 --fps 15 --width 320 --height 240 --quiet)
+run(${synth} --sensor mono --out ${work}/mono)
+run(${synth} --sensor stereo --out ${work}/stereo)
+file(GLOB_RECURSE image ${work}/mono/*000000.png)
+get_filename_component(mono ${image} DIRECTORY)
+function(expect pattern program)
+  run(${work}/examples_build/${program} ${ARGN})
+  if(NOT output MATCHES "${pattern}")
+    message(FATAL_ERROR "examples/${program} says '${output}' where it should say ${pattern}")
+  endif()
+endfunction()
+expect("(3[0-9]|40) of 40 images have a pose" image_folder ${mono} 250)
+expect("(3[0-9]|40) of 40 pairs have a pose" live_stereo ${work}/stereo/image_0/%06d.png ${work}/stereo/image_1/%06d.png 250 0.11)
+expect("[2-4] of 4 images located" save_and_localise ${mono} 250 ${ROOT}/vocabulary/default.covis-voc ${work}/desk.m)
+expect("submap_begun, submap 0.*key_frame_made.*points" events ${mono} 250)
+expect("orb.features +700 " own_settings orb.features=700)

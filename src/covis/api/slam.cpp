@@ -1,265 +1,278 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <cmath>
-#include <iterator>
 #include <limits>
+#include <mutex>
 #include <optional>
+#include <utility>
 
+#include "covis/api/convert.h"
+#include "covis/api/events.h"
+#include "covis/api/rectifier.h"
 #include "covis/core/fields.h"
 #include "covis/covis.h"
 #include "covis/slam/system.h"
+#include "covis/storage/compatibility.h"
 #include "covis/vocabulary/vocabulary.h"
 
 namespace covis {
 namespace {
 
 using Failure = tl::unexpected<std::string>;
+template <class T>
+using Expected = tl::expected<T, std::string>;
 
-ImageView<const uint8_t> view(const GreyImage& image) { return {image.data, image.width, image.height, image.stride}; }
+// Timing and mode have members of their own.
+constexpr const char* kSaidElsewhere[][2] = {{"system.realtime", "SlamOptions::timing"},
+                                             {"system.localize", "SlamOptions::mode"}};
 
-Pose to_pose(const SE3& T) {
-  const Eigen::Quaterniond q = T.q();
-  return {T.t().x(), T.t().y(), T.t().z(), q.x(), q.y(), q.z(), q.w()};
-}
-
-template <class Poses>
-std::vector<StampedPoseResult> to_results(const Poses& poses) {
-  std::vector<StampedPoseResult> results;
-  results.reserve(poses.size());
-  for (const PoseOfFrame& pose : poses)
-    results.push_back({pose.stamp, to_pose(pose.T_wc), static_cast<int>(pose.submap)});
-  return results;
-}
-
-TrackingState to_state(TrackState state) {
-  switch (state) {
-    case TrackState::not_initialised:
-      return TrackingState::not_initialised;
-    case TrackState::tracking:
-      return TrackingState::tracking;
-    case TrackState::lost:
-      return TrackingState::lost;
+Expected<SystemOptions> to_system_options(const SlamOptions& given) {
+  SystemOptions options;
+  const Fields known = fields(options);
+  for (const auto& [name, value] : given.settings) {
+    for (const auto& [setting, member] : kSaidElsewhere) {
+      if (name == setting) return Failure(name + ": it is not a setting here; " + member + " says it");
+    }
+    if (const auto done = set_field(known, name, value); !done) return Failure(done.error().message);
   }
-  return TrackingState::lost;
+  options.sensor = to_sensor(given.sensor);
+  options.realtime = given.timing == Timing::realtime;
+  options.localize = given.mode == Mode::localisation;
+  return options;
 }
 
-Sensor to_sensor(SensorType sensor) {
-  switch (sensor) {
-    case SensorType::monocular:
-      return Sensor::monocular;
-    case SensorType::stereo:
-      return Sensor::stereo;
-    case SensorType::rgbd:
-      return Sensor::rgbd;
+TrackingMode to_tracking_mode(Mode mode) {
+  return mode == Mode::mapping ? TrackingMode::mapping : TrackingMode::localisation;
+}
+
+template <class Image>
+std::optional<std::string> image_problem(const Image& image, const Camera& camera, const char* which) {
+  const auto size = [](int width, int height) { return std::to_string(width) + "x" + std::to_string(height); };
+  std::string problem(which);
+  if (!image.data || image.width != camera.width || image.height != camera.height) {
+    problem.append(": the image is empty or is ").append(size(image.width, image.height));
+    problem.append("; the camera is ").append(size(camera.width, camera.height));
+  } else if (image.stride < image.width) {
+    problem.append(": the stride, ").append(std::to_string(image.stride)).append(", is less than the width");
+  } else {
+    return std::nullopt;
   }
-  return Sensor::monocular;
-}
-
-Distortion to_distortion(LensType lens) {
-  switch (lens) {
-    case LensType::none:
-      return Distortion::none;
-    case LensType::brown_conrady:
-      return Distortion::brown_conrady;
-    case LensType::kannala_brandt:
-      return Distortion::kannala_brandt;
-  }
-  return Distortion::none;
-}
-
-Camera to_camera(const CameraParameters& parameters, SensorType sensor) {
-  Camera camera;
-  camera.width = parameters.width;
-  camera.height = parameters.height;
-  double baseline = sensor == SensorType::monocular ? 0 : parameters.baseline;
-  if (sensor == SensorType::rgbd && baseline == 0) baseline = kVirtualBaseline;
-  camera.pinhole = {parameters.fx,
-                    parameters.fy,
-                    parameters.cx,
-                    parameters.cy,
-                    parameters.fx * baseline,
-                    {parameters.depth_sigma_a, parameters.depth_sigma_b}};
-  camera.distortion = to_distortion(parameters.lens);
-  std::copy(std::begin(parameters.distortion), std::end(parameters.distortion), camera.coefficients.begin());
-  return camera;
-}
-
-// Returns the problem of an impossible camera, nothing for a possible one.
-std::optional<std::string> check(const CameraParameters& c, SensorType sensor) {
-  if (c.width < 64 || c.height < 64) return "camera: width and height must be at least 64 pixels";
-  if (!(c.fx > 0) || !(c.fy > 0) || !std::isfinite(c.fx) || !std::isfinite(c.fy))
-    return "camera: fx and fy must be positive";
-  if (!std::isfinite(c.cx) || !std::isfinite(c.cy)) return "camera: cx and cy must be finite";
-  for (const double k : c.distortion) {
-    if (!std::isfinite(k)) return "camera: distortion must be finite";
-  }
-  if (sensor == SensorType::stereo && !(c.baseline > 0)) return "camera: stereo needs a positive baseline in metres";
-  if (!(c.baseline >= 0 && std::isfinite(c.baseline))) return "camera: baseline must be finite and not negative";
-  if (!DepthNoise{c.depth_sigma_a, c.depth_sigma_b}.valid())
-    return "camera: depth_sigma_a and depth_sigma_b must be finite and not negative";
-  if (sensor == SensorType::stereo && c.lens != LensType::none)
-    return "camera: stereo pairs must be rectified (lens none)";
-  return std::nullopt;
+  return problem;
 }
 
 }  // namespace
 
 struct Slam::Impl {
-  Impl(const CameraParameters& parameters, const Camera& c, const SystemOptions& options,
-       std::shared_ptr<const Vocabulary> vocabulary)
-      : given(parameters), camera(c), sensor(options.sensor), system(c, options, std::move(vocabulary)) {}
+  // From one reset to the next.
+  struct Session {
+    System system;
+    storage::MapHeader header;  // of its map when it is saved
 
-  template <class Image>
-  std::optional<std::string> check_image(const Image& image, const char* which) const {
-    if (image.data && image.width == camera.width && image.height == camera.height) {
-      if (image.stride >= image.width) return {};
-      return std::string(which) + ": the stride, " + std::to_string(image.stride) + ", is less than the width";
-    }
-    return std::string(which) + ": the image is empty or is " + std::to_string(image.width) + "x" +
-           std::to_string(image.height) + "; the camera is " + std::to_string(camera.width) + "x" +
-           std::to_string(camera.height);
+    Session(const Camera& camera, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
+        : system(camera, options, vocabulary),
+          header(storage::header_of(camera, options.sensor, options.orb, vocabulary.get())) {}
+  };
+  using SessionPtr = std::shared_ptr<Session>;
+
+  // With the map of a file, or without a map for an empty name.
+  Expected<SessionPtr> make_session(const std::string& file, Mode mode) const;
+  void begin(SessionPtr made, TrackingState state);
+  // Any thread may hold on to what it gets.
+  SessionPtr current() const {
+    const std::lock_guard lock(mutex);
+    return session;
+  }
+  System& system() { return session->system; }
+  // Checks the images of a frame, and rectifies a pair where it is to be.
+  Expected<System::Input> input(const Frame& frame);
+  void tell(const std::vector<Event>& events) const {
+    if (!handler) return;
+    for (const Event& event : events) handler(event);
   }
 
-  // Checks the images of a call and hands them to the system. Null: the sensor has no such image.
-  tl::expected<System::Input, std::string> input(Sensor called, const GreyImage& image, const GreyImage* right,
-                                                 const DepthImage* depth) const {
-    if (called != sensor) return Failure("this system was created for another sensor");
-    if (const auto problem = check_image(image, right ? "left" : "image")) return Failure(*problem);
-    System::Input input;
-    input.frame = next_frame;
-    input.image = view(image);
-    if (right) {
-      if (const auto problem = check_image(*right, "right")) return Failure(*problem);
-      input.right = view(*right);
-    }
-    if (depth) {
-      if (const auto problem = check_image(*depth, "depth")) return Failure(*problem);
-      input.depth = {depth->data, depth->width, depth->height, depth->stride};
-    }
-    return input;
-  }
-
-  tl::expected<FrameResult, std::string> track(int64_t stamp, tl::expected<System::Input, std::string> input) {
-    if (!input) return Failure(input.error());
-    if (stamp <= last_stamp) return Failure("stamps must rise from frame to frame");
-    input->stamp = last_stamp = stamp;
-    ++next_frame;
-    const TrackResult track = system.process(*input).track;
-    FrameResult result;
-    result.tracked = track.state == TrackState::tracking;
-    result.state = to_state(track.state);
-    result.reason = track.reason;
-    result.inliers = track.inliers;
-    result.key_frame = track.key_frame;
-    if (result.tracked) {
-      result.pose = to_pose(track.T_cw.inverse());
-      result.submap = static_cast<int>(track.submap);
-      result.tentative = track.tentative;
-    }
-    return result;
-  }
-
-  Located locate(const tl::expected<System::Input, std::string>& input) {
-    if (!input) return Failure(input.error());
-    const auto found = system.locate(*input);
-    if (!found) return std::nullopt;
-    return Location{to_pose(found->T_wc), static_cast<int>(found->submap)};
-  }
-
-  CameraParameters given;
+  SystemOptions options;
+  CameraParameters given;  // of rectified pairs the rectified camera
   Camera camera;
-  Sensor sensor;
-  System system;
+  std::optional<Rectifier> rectifier;
+  std::shared_ptr<const Vocabulary> vocabulary;
+  SessionPtr session;        // the tracking thread alone puts another in its place
+  mutable std::mutex mutex;  // held when it does, and when another thread takes it
+  PublicSnapshots snapshots;
+  EventTeller teller{TrackingState::not_initialised};
+  std::function<void(const Event&)> handler;
   int64_t next_frame = 0;
   int64_t last_stamp = std::numeric_limits<int64_t>::min();
 };
 
+auto Slam::Impl::make_session(const std::string& file, Mode mode) const -> Expected<SessionPtr> {
+  SystemOptions now = options;
+  now.localize = mode == Mode::localisation;
+  auto made = std::make_shared<Session>(camera, now, vocabulary);
+  if (file.empty()) {
+    if (mode == Mode::localisation) return Failure("localisation needs a map: SlamOptions::map is empty");
+    return made;
+  }
+  const auto use = now.localize ? storage::MapUse::localization : storage::MapUse::continuation;
+  auto saved = storage::load_compatible_map(file, made->header, use);
+  if (!saved) return Failure(saved.error().message);
+  made->header.camera = saved->header.camera;
+  if (const auto set = made->system.set_map(std::move(saved->map), saved->header.camera); !set)
+    return Failure(file + ": " + set.error().message);
+  return made;
+}
+
+void Slam::Impl::begin(SessionPtr made, TrackingState state) {
+  {
+    const std::lock_guard lock(mutex);
+    session.swap(made);
+  }
+  teller = EventTeller(state);
+  next_frame = 0;
+  last_stamp = std::numeric_limits<int64_t>::min();
+}
+
+Expected<System::Input> Slam::Impl::input(const Frame& frame) {
+  const bool stereo = options.sensor == Sensor::stereo, rgbd = options.sensor == Sensor::rgbd;
+  if (!stereo && frame.right.data) return Failure("right: only a stereo pair has a right image");
+  if (!rgbd && frame.depth.data) return Failure("depth: only an RGB-D camera has depth");
+  if (const auto problem = image_problem(frame.image, camera, "image")) return Failure(*problem);
+  System::Input input;
+  input.frame = next_frame;
+  input.stamp = frame.stamp;
+  input.image = to_view(frame.image);
+  if (stereo) {
+    if (const auto problem = image_problem(frame.right, camera, "right")) return Failure(*problem);
+    input.right = to_view(frame.right);
+    if (rectifier) rectifier->rectify(input.image, input.right);
+  }
+  if (rgbd) {
+    if (const auto problem = image_problem(frame.depth, camera, "depth")) return Failure(*problem);
+    input.depth = to_view(frame.depth);
+  }
+  return input;
+}
+
 Slam::Slam(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Slam::~Slam() = default;
 
-tl::expected<std::unique_ptr<Slam>, std::string> Slam::create(const CameraParameters& parameters, SensorType sensor,
-                                                              const Settings& settings, const std::string& vocabulary) {
-  if (const auto problem = check(parameters, sensor)) return Failure(*problem);
-  SystemOptions options;
-  const Fields known = fields(options);
-  for (const auto& [name, value] : settings) {
-    if (const auto done = set_field(known, name, value); !done) return Failure(done.error().message);
+Expected<std::unique_ptr<Slam>> Slam::create(const SlamOptions& options) {
+  if (const auto problem = camera_problem(options)) return Failure(*problem);
+  const auto system_options = to_system_options(options);
+  if (!system_options) return Failure(system_options.error());
+  auto impl = std::make_unique<Impl>();
+  impl->options = *system_options;
+  impl->given = options.camera;
+  impl->camera = to_camera(options.camera, options.sensor);
+  if (options.right) {
+    auto rectifier = Rectifier::create(impl->camera, *options.right);
+    if (!rectifier) return Failure("right: " + rectifier.error().message);
+    impl->camera = rectifier->camera();
+    impl->given = to_parameters(impl->camera);
+    impl->rectifier = std::move(*rectifier);
   }
-  if (options.localize) {
-    return Failure(
-        "system.localize: it needs a saved map to localise in, which can't be loaded here; covis run --map FILE "
-        "--localize does");
-  }
-  options.sensor = to_sensor(sensor);
-  std::shared_ptr<const Vocabulary> words;
-  if (!vocabulary.empty()) {
-    auto loaded = Vocabulary::load(vocabulary);
+  if (!options.vocabulary.empty()) {
+    auto loaded = Vocabulary::load(options.vocabulary);
     if (!loaded) return Failure(loaded.error().message);
-    words = std::move(*loaded);
+    impl->vocabulary = std::move(*loaded);
   }
-  return std::unique_ptr<Slam>(
-      new Slam(std::make_unique<Impl>(parameters, to_camera(parameters, sensor), options, std::move(words))));
+  auto session = impl->make_session(options.map, options.mode);
+  if (!session) return Failure(session.error());
+  impl->begin(std::move(*session), options.map.empty() ? TrackingState::not_initialised : TrackingState::lost);
+  return std::unique_ptr<Slam>(new Slam(std::move(impl)));
 }
 
-tl::expected<FrameResult, std::string> Slam::track_monocular(int64_t stamp, const GreyImage& image) {
-  return impl_->track(stamp, impl_->input(Sensor::monocular, image, nullptr, nullptr));
+Expected<FrameResult> Slam::track(const Frame& frame) {
+  const auto input = impl_->input(frame);
+  if (!input) return Failure(input.error());
+  if (frame.stamp <= impl_->last_stamp) return Failure("stamp: stamps must rise from frame to frame");
+  impl_->last_stamp = frame.stamp;
+  ++impl_->next_frame;
+  const FrameReport report = impl_->system().process(*input);
+  impl_->tell(impl_->teller.of_frame(frame.stamp, report, impl_->system().map()));
+  return to_result(report.track);
 }
 
-tl::expected<FrameResult, std::string> Slam::track_stereo(int64_t stamp, const GreyImage& left,
-                                                          const GreyImage& right) {
-  return impl_->track(stamp, impl_->input(Sensor::stereo, left, &right, nullptr));
+std::vector<TrackedPoint> Slam::tracked_points() const { return impl_->system().tracked_points(); }
+
+Expected<std::optional<Location>> Slam::locate(const Frame& frame) {
+  const auto input = impl_->input(frame);
+  if (!input) return Failure(input.error());
+  const auto found = impl_->system().locate(*input);
+  if (!found) return std::nullopt;
+  return Location{to_pose(found->T_wc), static_cast<int>(found->submap)};
 }
 
-tl::expected<FrameResult, std::string> Slam::track_rgbd(int64_t stamp, const GreyImage& image,
-                                                        const DepthImage& depth) {
-  return impl_->track(stamp, impl_->input(Sensor::rgbd, image, nullptr, &depth));
+Expected<void> Slam::set_mode(Mode mode) {
+  System& system = impl_->system();
+  if (mode == Mode::localisation && system.map_size().key_frames == 0)
+    return Failure("localisation needs a map, and there is none yet");
+  const auto reports = system.set_mode(to_tracking_mode(mode));
+  if (!reports) return Failure(reports.error().message);
+  impl_->tell(EventTeller::of_mapping(*reports, system.map()));
+  return {};
 }
 
-Slam::Located Slam::locate_monocular(const GreyImage& image) {
-  return impl_->locate(impl_->input(Sensor::monocular, image, nullptr, nullptr));
+Mode Slam::mode() const { return impl_->system().mode() == TrackingMode::mapping ? Mode::mapping : Mode::localisation; }
+
+void Slam::finish() {
+  const std::vector<MappingReport> reports = impl_->system().finish();
+  impl_->tell(EventTeller::of_mapping(reports, impl_->system().map()));
 }
 
-Slam::Located Slam::locate_stereo(const GreyImage& left, const GreyImage& right) {
-  return impl_->locate(impl_->input(Sensor::stereo, left, &right, nullptr));
+void Slam::reset() { impl_->begin(*impl_->make_session("", Mode::mapping), TrackingState::not_initialised); }
+
+Expected<void> Slam::load_map(const std::string& file) {
+  if (file.empty()) return Failure("load_map: the name of the file is empty");
+  auto session = impl_->make_session(file, mode());
+  if (!session) return Failure(session.error());
+  impl_->begin(std::move(*session), TrackingState::lost);
+  return {};
 }
 
-Slam::Located Slam::locate_rgbd(const GreyImage& image, const DepthImage& depth) {
-  return impl_->locate(impl_->input(Sensor::rgbd, image, nullptr, &depth));
+void Slam::on_event(std::function<void(const Event&)> handler) { impl_->handler = std::move(handler); }
+
+std::shared_ptr<const MapSnapshot> Slam::snapshot() const {
+  return impl_->snapshots.get(impl_->current()->system, impl_->given);
 }
 
-void Slam::finish() { impl_->system.finish(); }
+std::vector<TrajectoryPose> Slam::trajectory() const { return to_trajectory(impl_->current()->system.trajectory()); }
 
-std::vector<StampedPoseResult> Slam::trajectory() const { return to_results(impl_->system.snapshot()->trajectory); }
-
-std::vector<StampedPoseResult> Slam::key_frames() const { return to_results(impl_->system.snapshot()->key_frames); }
-
-std::vector<Point> Slam::points() const {
-  const auto snapshot = impl_->system.snapshot();
-  std::vector<Point> points;
-  points.reserve(snapshot->points.size());
-  for (const auto& [id, position_w, submap] : snapshot->points)
-    points.push_back({position_w.x(), position_w.y(), position_w.z(), static_cast<int>(submap)});
-  return points;
+Expected<void> Slam::save_map(const std::string& file) const {
+  const auto session = impl_->current();
+  const MapState state = session->system.map_state();
+  if (state.key_frames.empty()) return Failure(file + ": there is no map to save yet");
+  if (const auto saved = storage::save_map(file, state, session->header); !saved) return Failure(saved.error().message);
+  return {};
 }
 
-CameraParameters Slam::camera() const {
-  CameraParameters camera = impl_->given;
-  const Pinhole now = impl_->system.map().read()->camera();
-  camera.fx = now.fx;
-  camera.fy = now.fy;
-  camera.depth_sigma_a = now.depth_noise.a;
-  camera.depth_sigma_b = now.depth_noise.b;
-  return camera;
+CameraParameters Slam::camera() const { return in_use(impl_->given, impl_->current()->system.camera()); }
+
+Pose Slam::rectified_left() const { return impl_->rectifier ? impl_->rectifier->rectified_left() : Pose(); }
+
+std::vector<Setting> Slam::settings() const {
+  SystemOptions options = impl_->options;
+  return to_settings(fields(options));
 }
 
-const char* name(TrackingState state) {
-  switch (state) {
-    case TrackingState::not_initialised:
-      return "not_initialised";
-    case TrackingState::tracking:
-      return "tracking";
-    case TrackingState::lost:
+std::vector<Setting> default_settings() {
+  SystemOptions options;
+  return to_settings(fields(options));
+}
+
+const char* name(Event::Kind kind) {
+  switch (kind) {
+    case Event::Kind::key_frame_made:
+      return "key_frame_made";
+    case Event::Kind::loop_closed:
+      return "loop_closed";
+    case Event::Kind::submaps_joined:
+      return "submaps_joined";
+    case Event::Kind::submap_begun:
+      return "submap_begun";
+    case Event::Kind::submap_discarded:
+      return "submap_discarded";
+    case Event::Kind::lost:
       return "lost";
+    case Event::Kind::found:
+      return "found";
   }
   return "";
 }

@@ -2,6 +2,8 @@
 // Calls that the public interface accepts and refuses, without rendered images (those are in tests/api_test.cpp).
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -24,42 +26,75 @@ std::string error_of(const Result& result) {
   return result ? std::string() : result.error();
 }
 
-std::string error_of_camera(void (*change)(CameraParameters&), SensorType sensor) {
-  CameraParameters camera = kCamera;
-  change(camera);
-  return error_of(Slam::create(camera, sensor));
+SlamOptions options_of(SensorType sensor) { return {.sensor = sensor, .camera = kCamera}; }
+
+std::string error_of_options(SensorType sensor, void (*change)(SlamOptions&)) {
+  SlamOptions options = options_of(sensor);
+  change(options);
+  return error_of(Slam::create(options));
 }
 
 std::string error_of_setting(const std::string& name, const std::string& value) {
-  return error_of(Slam::create(kCamera, SensorType::rgbd, {{name, value}}));
+  SlamOptions options = options_of(SensorType::rgbd);
+  options.settings = {{name, value}};
+  return error_of(Slam::create(options));
 }
 
 TEST(SlamCreate, AcceptsWhatItMay) {
-  for (const SensorType sensor : {SensorType::monocular, SensorType::stereo, SensorType::rgbd})
-    EXPECT_EQ(error_of(Slam::create(kCamera, sensor)), "");
-  EXPECT_EQ(error_of_camera([](CameraParameters& c) { c.baseline = 0; }, SensorType::monocular), "");
-  EXPECT_EQ(error_of_camera([](CameraParameters& c) { c.lens = LensType::brown_conrady; }, SensorType::rgbd), "");
+  for (const SensorType sensor : {SensorType::monocular, SensorType::stereo, SensorType::rgbd}) {
+    for (const Timing timing : {Timing::realtime, Timing::deterministic}) {
+      SlamOptions options = options_of(sensor);
+      options.timing = timing;
+      EXPECT_EQ(error_of(Slam::create(options)), "");
+    }
+  }
+  EXPECT_EQ(error_of_options(SensorType::monocular, [](SlamOptions& o) { o.camera.baseline = 0; }), "");
+  EXPECT_EQ(error_of_options(SensorType::rgbd, [](SlamOptions& o) { o.camera.lens = LensType::brown_conrady; }), "");
   EXPECT_EQ(error_of_setting("orb.features", "500"), "");
 }
 
 TEST(SlamCreate, RefusesAnImpossibleCamera) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const struct {
-    void (*change)(CameraParameters&);
+    void (*change)(SlamOptions&);
     SensorType sensor;
     const char* message;
   } cases[] = {
-      {[](CameraParameters& c) { c.width = 0; }, SensorType::monocular, "width and height"},
-      {[](CameraParameters& c) { c.height = 63; }, SensorType::monocular, "width and height"},
-      {[](CameraParameters& c) { c.fx = kNaN; }, SensorType::monocular, "fx and fy"},
-      {[](CameraParameters& c) { c.fy = -130; }, SensorType::monocular, "fx and fy"},
-      {[](CameraParameters& c) { c.cx = kNaN; }, SensorType::rgbd, "cx and cy"},
-      {[](CameraParameters& c) { c.distortion[4] = kNaN; }, SensorType::rgbd, "distortion"},
-      {[](CameraParameters& c) { c.baseline = 0; }, SensorType::stereo, "baseline"},
-      {[](CameraParameters& c) { c.baseline = -0.1; }, SensorType::rgbd, "baseline"},
-      {[](CameraParameters& c) { c.lens = LensType::kannala_brandt; }, SensorType::stereo, "rectified"},
+      {[](SlamOptions& o) { o.camera.width = 0; }, SensorType::monocular, "camera: width and height"},
+      {[](SlamOptions& o) { o.camera.height = 63; }, SensorType::monocular, "width and height"},
+      {[](SlamOptions& o) { o.camera.fx = kNaN; }, SensorType::monocular, "fx and fy"},
+      {[](SlamOptions& o) { o.camera.fy = -130; }, SensorType::monocular, "fx and fy"},
+      {[](SlamOptions& o) { o.camera.cx = kNaN; }, SensorType::rgbd, "cx and cy"},
+      {[](SlamOptions& o) { o.camera.distortion[4] = kNaN; }, SensorType::rgbd, "distortion"},
+      {[](SlamOptions& o) { o.camera.baseline = 0; }, SensorType::stereo, "baseline"},
+      {[](SlamOptions& o) { o.camera.baseline = -0.1; }, SensorType::rgbd, "baseline"},
+      {[](SlamOptions& o) { o.camera.depth_sigma_a = -1; }, SensorType::rgbd, "depth_sigma_a"},
+      {[](SlamOptions& o) { o.camera.lens = LensType::kannala_brandt; }, SensorType::stereo, "rectified"},
   };
-  for (const auto& c : cases) EXPECT_THAT(error_of_camera(c.change, c.sensor), HasSubstr(c.message));
+  for (const auto& c : cases) EXPECT_THAT(error_of_options(c.sensor, c.change), HasSubstr(c.message));
+}
+
+TEST(SlamCreate, RefusesARightCameraThatIsNone) {
+  const struct {
+    void (*change)(SlamOptions&);
+    const char* message;
+  } cases[] = {
+      {[](SlamOptions&) {}, ""},
+      {[](SlamOptions& o) { o.sensor = SensorType::rgbd; }, "right: only a stereo pair"},
+      {[](SlamOptions& o) { o.camera.baseline = 0.1; }, "camera: baseline"},
+      {[](SlamOptions& o) { o.right->camera.fx = 0; }, "right: fx and fy"},
+      {[](SlamOptions& o) { o.right->camera.width = 200; }, "one size"},
+      {[](SlamOptions& o) { o.right->pose.qw = 0.5; }, "right: pose"},
+      {[](SlamOptions& o) { o.right->pose.x = -0.1; }, "to the right"},
+  };
+  for (const auto& c : cases) {
+    SlamOptions options = options_of(SensorType::stereo);
+    options.camera.baseline = 0;
+    options.camera.lens = LensType::brown_conrady;
+    options.right = RightCamera{.camera = options.camera, .pose = {.x = 0.1}};
+    c.change(options);
+    EXPECT_THAT(error_of(Slam::create(options)), HasSubstr(c.message));
+  }
 }
 
 TEST(SlamCreate, RefusesABadSettingByItsName) {
@@ -69,22 +104,52 @@ TEST(SlamCreate, RefusesABadSettingByItsName) {
   EXPECT_THAT(error_of_setting("tracker.min_usual_share", "0.5"),
               AllOf(HasSubstr("tracker.min_usual_share"), HasSubstr("tracker.min_expected_match_ratio")))
       << "a setting that was renamed";
+  EXPECT_THAT(error_of_setting("system.realtime", "true"), HasSubstr("SlamOptions::timing"));
+  EXPECT_THAT(error_of_setting("system.localize", "true"), HasSubstr("SlamOptions::mode"));
 }
 
 TEST(SlamCreate, RefusesToLocaliseWithoutAMap) {
-  EXPECT_THAT(error_of_setting("system.localize", "true"), AllOf(HasSubstr("system.localize"), HasSubstr("map")));
-  EXPECT_EQ(error_of_setting("system.localize", "false"), "");
+  EXPECT_THAT(error_of_options(SensorType::rgbd, [](SlamOptions& o) { o.mode = Mode::localisation; }),
+              HasSubstr("needs a map"));
 }
 
-TEST(SlamCreate, RefusesAVocabularyThatIsNotThere) {
-  EXPECT_THAT(error_of(Slam::create(kCamera, SensorType::rgbd, {}, "/nowhere.covis-voc")),
+TEST(SlamCreate, RefusesFilesThatAreNotThere) {
+  EXPECT_THAT(error_of_options(SensorType::rgbd, [](SlamOptions& o) { o.vocabulary = "/nowhere.covis-voc"; }),
               HasSubstr("nowhere.covis-voc"));
+  EXPECT_THAT(error_of_options(SensorType::rgbd, [](SlamOptions& o) { o.map = "/nowhere.m"; }), HasSubstr("nowhere.m"));
+}
+
+TEST(SlamSettings, AreListedWithTheirRangesAndCanBeGivenBack) {
+  SlamOptions options = options_of(SensorType::monocular);
+  for (const Setting& setting : default_settings()) {
+    EXPECT_FALSE(setting.description.empty()) << setting.name;
+    if (setting.name.rfind("system.", 0) != 0) options.settings.emplace_back(setting.name, setting.value);
+  }
+  EXPECT_GT(options.settings.size(), 40u);
+  EXPECT_EQ(error_of(Slam::create(options)), "");
+
+  options.settings = {{"orb.features", "700"}};
+  const auto slam = Slam::create(options).value();
+  const std::vector<Setting> settings = slam->settings();
+  const auto features =
+      std::find_if(settings.begin(), settings.end(), [](const Setting& s) { return s.name == "orb.features"; });
+  ASSERT_NE(features, settings.end());
+  EXPECT_EQ(features->value, "700");
+  EXPECT_EQ(features->type, SettingType::whole_number);
+  EXPECT_GT(features->min, 0);
+  EXPECT_GT(features->max, 700);
 }
 
 // Images without anything to see.
 class SlamCalls : public testing::Test {
  protected:
-  static std::unique_ptr<Slam> create(SensorType sensor) { return std::move(Slam::create(kCamera, sensor).value()); }
+  static std::unique_ptr<Slam> create(SensorType sensor) { return Slam::create(options_of(sensor)).value(); }
+  Frame frame(int64_t stamp, SensorType sensor) const {
+    Frame f{.stamp = stamp, .image = image, .right = {}, .depth = {}};
+    if (sensor == SensorType::stereo) f.right = image;
+    if (sensor == SensorType::rgbd) f.depth = depth;
+    return f;
+  }
 
   const std::vector<uint8_t> pixels = std::vector<uint8_t>(size_t{kWidth} * kHeight, 90);
   const std::vector<float> metres = std::vector<float>(size_t{kWidth} * kHeight, 2.0f);
@@ -95,16 +160,28 @@ class SlamCalls : public testing::Test {
 
 TEST_F(SlamCalls, AFrameThatShowsNothingHasAStateAndAReason) {
   const auto slam = create(SensorType::monocular);
-  const auto result = slam->track_monocular(0, image);
+  std::vector<Event> events;
+  slam->on_event([&](const Event& event) { events.push_back(event); });
+  const auto result = slam->track(frame(0, SensorType::monocular));
   ASSERT_TRUE(result) << result.error();
   EXPECT_EQ(result->state, TrackingState::not_initialised);
-  EXPECT_FALSE(result->tracked);
-  EXPECT_FALSE(result->reason.empty());
+  EXPECT_FALSE(result->tracked());
+  EXPECT_EQ(result->reason, NoPoseReason::few_features);
+  EXPECT_FALSE(result->covariance);
+  EXPECT_TRUE(slam->tracked_points().empty());
   slam->finish();
-  EXPECT_TRUE(slam->trajectory().empty() && slam->key_frames().empty() && slam->points().empty());
-  const auto located = slam->locate_monocular(image);
+  EXPECT_TRUE(slam->trajectory().empty());
+  const auto snapshot = slam->snapshot();
+  EXPECT_TRUE(snapshot->submaps.empty() && snapshot->key_frames.empty() && snapshot->points.empty());
+  const auto located = slam->locate(frame(0, SensorType::monocular));
   ASSERT_TRUE(located) << located.error();
   EXPECT_FALSE(*located);
+  EXPECT_THAT(error_of(slam->save_map("/tmp/never_written.m")), HasSubstr("no map to save"));
+  EXPECT_THAT(error_of(slam->set_mode(Mode::localisation)), HasSubstr("needs a map"));
+  EXPECT_EQ(slam->mode(), Mode::mapping);
+  EXPECT_THAT(error_of(slam->load_map("/nowhere.m")), HasSubstr("nowhere.m"));
+  EXPECT_THAT(error_of(slam->load_map("")), HasSubstr("empty"));
+  EXPECT_TRUE(events.empty());
 }
 
 TEST_F(SlamCalls, TheCameraIsTheOneGivenUntilItIsRefined) {
@@ -116,43 +193,50 @@ TEST_F(SlamCalls, TheCameraIsTheOneGivenUntilItIsRefined) {
   }
 }
 
-TEST_F(SlamCalls, StampsMustRise) {
+TEST_F(SlamCalls, StampsMustRiseUntilAReset) {
   const auto slam = create(SensorType::rgbd);
-  const auto track = [&](int64_t stamp) { return error_of(slam->track_rgbd(stamp, image, depth)); };
+  const auto track = [&](int64_t stamp) { return error_of(slam->track(frame(stamp, SensorType::rgbd))); };
   EXPECT_EQ(track(-5), "") << "any stamp may be the first";
   EXPECT_THAT(track(-5), HasSubstr("stamps must rise"));
   EXPECT_THAT(track(-6), HasSubstr("stamps must rise"));
   EXPECT_EQ(track(-4), "") << "an error changes nothing";
+  slam->reset();
+  EXPECT_EQ(track(-5), "");
 }
 
-TEST_F(SlamCalls, OfAnotherSensorAreRefused) {
+TEST_F(SlamCalls, ImagesOfAnotherSensorAreRefused) {
   const auto mono = create(SensorType::monocular), stereo = create(SensorType::stereo), rgbd = create(SensorType::rgbd);
-  for (const std::string& error :
-       {error_of(mono->track_stereo(1, image, image)), error_of(mono->track_rgbd(1, image, depth)),
-        error_of(stereo->track_monocular(1, image)), error_of(rgbd->track_monocular(1, image)),
-        error_of(mono->locate_stereo(image, image)), error_of(stereo->locate_rgbd(image, depth)),
-        error_of(rgbd->locate_monocular(image))})
-    EXPECT_THAT(error, HasSubstr("another sensor"));
-  EXPECT_EQ(error_of(mono->track_monocular(1, image)), "") << "the stamp of a refused call is free";
+  EXPECT_THAT(error_of(mono->track(frame(1, SensorType::stereo))), HasSubstr("right: only a stereo pair"));
+  EXPECT_THAT(error_of(mono->track(frame(1, SensorType::rgbd))), HasSubstr("depth: only an RGB-D camera"));
+  EXPECT_THAT(error_of(stereo->track(frame(1, SensorType::monocular))), HasSubstr("right: the image is empty"));
+  EXPECT_THAT(error_of(rgbd->track(frame(1, SensorType::monocular))), HasSubstr("depth: the image is empty"));
+  EXPECT_THAT(error_of(rgbd->locate(frame(1, SensorType::stereo))), HasSubstr("right: only a stereo pair"));
+  EXPECT_EQ(error_of(mono->track(frame(1, SensorType::monocular))), "") << "the stamp of a refused call is free";
 }
 
 TEST_F(SlamCalls, ImagesOfAnotherSizeAreRefusedByTheirName) {
-  const auto mono = create(SensorType::monocular), stereo = create(SensorType::stereo), rgbd = create(SensorType::rgbd);
-  EXPECT_THAT(error_of(mono->track_monocular(1, small)),
-              HasSubstr("image is empty or is 100x100; the camera is 160x120"));
-  EXPECT_THAT(error_of(mono->track_monocular(1, {})), HasSubstr("image"));
-  EXPECT_THAT(error_of(mono->locate_monocular({nullptr, kWidth, kHeight, kWidth})), HasSubstr("image"));
-  EXPECT_THAT(error_of(mono->track_monocular(1, {pixels.data(), kWidth, kHeight, kWidth - 1})),
+  const auto error = [&](SensorType sensor, const std::function<void(Frame&)>& change) {
+    Frame f = frame(1, sensor);
+    change(f);
+    const auto slam = create(sensor);
+    EXPECT_EQ(error_of(slam->track(f)), error_of(slam->locate(f)));
+    return error_of(slam->track(f));
+  };
+  EXPECT_THAT(error(SensorType::monocular, [&](Frame& f) { f.image = small; }),
+              HasSubstr("image: the image is empty or is 100x100; the camera is 160x120"));
+  EXPECT_THAT(error(SensorType::monocular, [](Frame& f) { f.image = {}; }), HasSubstr("image"));
+  EXPECT_THAT(error(SensorType::monocular, [](Frame& f) { f.image.data = nullptr; }), HasSubstr("image"));
+  EXPECT_THAT(error(SensorType::monocular, [](Frame& f) { f.image.stride = kWidth - 1; }),
               HasSubstr("image: the stride, 159"));
-  EXPECT_THAT(error_of(stereo->track_stereo(1, small, image)), HasSubstr("left"));
-  EXPECT_THAT(error_of(stereo->track_stereo(1, image, small)), HasSubstr("right"));
-  EXPECT_THAT(error_of(rgbd->track_rgbd(1, image, {metres.data(), 100, 100, 100})), HasSubstr("depth"));
+  EXPECT_THAT(error(SensorType::stereo, [&](Frame& f) { f.image = small; }), HasSubstr("image"));
+  EXPECT_THAT(error(SensorType::stereo, [&](Frame& f) { f.right = small; }), HasSubstr("right"));
+  EXPECT_THAT(error(SensorType::rgbd, [](Frame& f) { f.depth.height = 100; }), HasSubstr("depth"));
 }
 
-TEST(TrackingStateName, IsItsWord) {
-  EXPECT_STREQ(name(TrackingState::not_initialised), "not_initialised");
-  EXPECT_STREQ(name(TrackingState::tracking), "tracking");
-  EXPECT_STREQ(name(TrackingState::lost), "lost");
+TEST(Names, AreTheWordsOfTheirEnums) {
+  EXPECT_STREQ(name(Event::Kind::key_frame_made), "key_frame_made");
+  EXPECT_STREQ(name(Event::Kind::submaps_joined), "submaps_joined");
+  EXPECT_STREQ(name(Event::Kind::found), "found");
 }
 
 }  // namespace

@@ -21,6 +21,12 @@ struct Id {
   friend constexpr auto operator<=>(const Id&, const Id&) = default;
 };
 
+// The handle as one number, never 0 for a valid one and never that of another thing.
+template <class Tag>
+constexpr uint64_t id_number(const Id<Tag>& id) {
+  return id.valid() ? (uint64_t{id.generation} << 32 | id.slot) + 1 : 0;
+}
+
 using KeyFrameId = Id<struct KeyFrameTag>;
 using MapPointId = Id<struct MapPointTag>;
 

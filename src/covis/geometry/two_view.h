@@ -7,7 +7,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
 #include <vector>
 
 #include "covis/geometry/camera.h"
@@ -32,24 +31,6 @@ struct TwoViewOptions {
 };
 
 enum class TwoViewStatus { ok, too_few_matches, no_model, no_clear_winner, too_few_points, low_parallax };
-
-constexpr std::string_view name(TwoViewStatus status) {
-  switch (status) {
-    case TwoViewStatus::ok:
-      return "ok";
-    case TwoViewStatus::too_few_matches:
-      return "too few matches for two-view geometry";
-    case TwoViewStatus::no_model:
-      return "neither a homography nor a fundamental matrix explains the matches";
-    case TwoViewStatus::no_clear_winner:
-      return "several motions explain the matches: move sideways to tell them apart";
-    case TwoViewStatus::too_few_points:
-      return "too few points can be triangulated";
-    case TwoViewStatus::low_parallax:
-      return "too little parallax: move sideways";
-  }
-  return "";
-}
 
 struct TwoViewResult {
   TwoViewStatus status = TwoViewStatus::too_few_matches;

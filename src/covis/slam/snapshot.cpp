@@ -26,6 +26,50 @@ void add_key_frames(const Map& map, Snapshot& snapshot) {
     key_frame.stamp = from.stamp;
     key_frame.id = id;
     key_frame.parent = from.parent;
+    key_frame.serial = from.serial;
+  }
+}
+
+// The index of each thing of a list, by its handle's slot; one slot has one live handle.
+template <class List>
+std::vector<uint32_t> index_by_slot(const List& list) {
+  std::vector<uint32_t> index;
+  for (uint32_t k = 0; k < list.size(); ++k) {
+    const size_t slot = list[k].id.slot;
+    if (slot >= index.size()) index.resize(slot + 1);
+    index[slot] = k;
+  }
+  return index;
+}
+
+void add_edges(const Map& map, const std::vector<uint32_t>& index, Snapshot& snapshot) {
+  for (uint32_t a = 0; a < snapshot.key_frames.size(); ++a) {
+    const KeyFrame& from = map.at(snapshot.key_frames[a].id);
+    const auto loops_to = [&](KeyFrameId other) {
+      return std::binary_search(from.loop_edges.begin(), from.loop_edges.end(), other);
+    };
+    for (const Neighbour& n : from.shared) {
+      const uint32_t b = index[n.key_frame.slot];
+      if (a < b && (n.weight >= kCovisibilityThreshold || loops_to(n.key_frame)))
+        snapshot.edges.push_back({a, b, n.weight, loops_to(n.key_frame)});
+    }
+    // Key frames that a loop ties need not share points.
+    for (const KeyFrameId& other : from.loop_edges) {
+      const uint32_t b = index[other.slot];
+      if (a < b && map.weight(snapshot.key_frames[a].id, other) == 0) snapshot.edges.push_back({a, b, 0, true});
+    }
+  }
+}
+
+void add_observations(const Map& map, Snapshot& snapshot) {
+  const std::vector<uint32_t> point_index = index_by_slot(snapshot.points);
+  for (uint32_t k = 0; k < snapshot.key_frames.size(); ++k) {
+    const KeyFrame& key_frame = map.at(snapshot.key_frames[k].id);
+    const auto &u = key_frame.features->image_x(), &v = key_frame.features->image_y();
+    for (size_t f = 0; f < key_frame.points.size(); ++f) {
+      const MapPointId point = key_frame.points[f];
+      if (point.valid()) snapshot.observations.push_back({k, point_index[point.slot], u[f], v[f]});
+    }
   }
 }
 
@@ -110,6 +154,11 @@ void SnapshotSource::map_loaded(uint32_t loaded_end, const std::optional<Pinhole
   frames_camera_ = frames_camera;
 }
 
+Pinhole SnapshotSource::camera() const {
+  const std::lock_guard lock(mutex_);
+  return frames_camera_.value_or(map_.read()->camera());
+}
+
 std::shared_ptr<const Snapshot> SnapshotSource::get() const {
   const std::lock_guard lock(mutex_);
   // Neither count falls, so the sum is the same only when both are. Both are read before what they count: a change in
@@ -128,6 +177,8 @@ std::shared_ptr<const Snapshot> SnapshotSource::get() const {
     add_submaps(*map, loaded_end_, *snapshot);
     add_key_frames(*map, *snapshot);
     add_points(*map, *snapshot);
+    add_edges(*map, index_by_slot(snapshot->key_frames), *snapshot);
+    add_observations(*map, *snapshot);
     references = references_of(*map, records);
   }
   add_frames(references, records, *snapshot);

@@ -11,6 +11,7 @@
 
 #include "covis/map/shared_map.h"
 #include "covis/slam/trajectory_log.h"
+#include "covis/snapshot.h"
 
 namespace covis {
 
@@ -31,7 +32,8 @@ struct SubmapSummary {
 struct Snapshot {
   struct KeyFrame : PoseOfFrame {
     KeyFrameId id;
-    KeyFrameId parent;  // in its submap's spanning tree; invalid: the root
+    KeyFrameId parent;    // in its submap's spanning tree; invalid: the root
+    uint32_t serial = 0;  // KeyFrame::serial
   };
   struct Point {
     MapPointId id;
@@ -39,11 +41,13 @@ struct Snapshot {
     uint32_t submap = 0;
   };
 
-  uint64_t revision = 0;                // rises when map or trajectory change
-  Pinhole camera;                       // intrinsics of the frames, as refined until now
-  std::vector<SubmapSummary> submaps;   // loaded ones first, then those with more frames, then the older ones
-  std::vector<KeyFrame> key_frames;     // as they were made
-  std::vector<Point> points;            // by rising slot
+  uint64_t revision = 0;               // rises when map or trajectory change
+  Pinhole camera;                      // intrinsics of the frames, as refined until now
+  std::vector<SubmapSummary> submaps;  // loaded ones first, then those with more frames, then the older ones
+  std::vector<KeyFrame> key_frames;    // as they were made
+  std::vector<Point> points;           // by rising slot
+  std::vector<MapSnapshot::Edge> edges;
+  std::vector<MapSnapshot::Observation> observations;  // key frame by key frame
   std::vector<PoseOfFrame> trajectory;  // frames that have a pose, with every correction, by rising frame
   // Frames that had a pose when they were tracked, as it was then; submap: the one it was in, which may have been
   // joined to another since.
@@ -68,6 +72,8 @@ class SnapshotSource {
   // The newest one. A thread that asks while one is made waits for it. Making one first copies the log's
   // records, then holds a read guard of the map: do not call it under a guard.
   std::shared_ptr<const Snapshot> get() const;
+  // Snapshot::camera, without making one.
+  Pinhole camera() const;
 
  private:
   const SharedMap& map_;

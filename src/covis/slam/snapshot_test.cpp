@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <type_traits>
 
 #include "covis/map/test_map.h"
@@ -59,6 +60,39 @@ TEST_F(SnapshotTest, HasWhatMapAndLogHave) {
   ASSERT_EQ(snapshot->online.size(), 1u);
   EXPECT_NEAR(snapshot->online[0].T_wc.t().x(), 7, 1e-12);
   EXPECT_EQ(snapshot->camera, shared.read()->camera());
+}
+
+TEST_F(SnapshotTest, EdgesAndObservationsReferToWhatIsListed) {
+  {
+    const auto map = shared.write();
+    map->add_loop_edge(a, b);
+  }
+  const auto snapshot = source.get();
+  ASSERT_EQ(snapshot->edges.size(), 1u) << "five shared points make no edge, but a loop does";
+  EXPECT_EQ(snapshot->edges[0].a, 0u);
+  EXPECT_EQ(snapshot->edges[0].b, 1u);
+  EXPECT_EQ(snapshot->edges[0].shared, 5);
+  EXPECT_TRUE(snapshot->edges[0].loop);
+  ASSERT_EQ(snapshot->observations.size(), 10u);
+  const auto map = shared.read();
+  for (const MapSnapshot::Observation& o : snapshot->observations) {
+    const KeyFrame& key_frame = map->at(snapshot->key_frames[o.key_frame].id);
+    const auto at = std::find(key_frame.points.begin(), key_frame.points.end(), snapshot->points[o.point].id);
+    ASSERT_NE(at, key_frame.points.end());
+    EXPECT_EQ(o.u, key_frame.features->image_x()[static_cast<size_t>(at - key_frame.points.begin())]);
+  }
+}
+
+TEST_F(SnapshotTest, AnEdgeOfALoopNeedsNoSharedPoints) {
+  const KeyFrameId d = [&] {
+    const auto map = shared.write();
+    return map->add_key_frame(30, 300, pose_at(3), map->at(c).features, 1);
+  }();
+  shared.write()->add_loop_edge(c, d);
+  const auto snapshot = source.get();
+  ASSERT_EQ(snapshot->edges.size(), 1u);
+  EXPECT_EQ(snapshot->edges[0].shared, 0);
+  EXPECT_TRUE(snapshot->edges[0].loop);
 }
 
 TEST_F(SnapshotTest, SubmapsComeLoadedOnesFirstThenByFramesThenByAge) {
@@ -131,6 +165,7 @@ TEST_F(SnapshotTest, FramesOfAnErasedSubmapAreLeftOut) {
 TEST_F(SnapshotTest, TheCameraIsThatOfTheFrames) {
   const Pinhole other{400, 400, 320, 240, 0};
   source.map_loaded(2, other);
+  EXPECT_EQ(source.camera(), other);
   EXPECT_EQ(source.get()->camera, other);
 }
 

@@ -56,12 +56,13 @@ System::~System() = default;
 Result<void> System::set_map(Map map, const Camera& made_by) {
   // Handles of the map that is there would name other things in this one.
   if (processed_ > 0) return fail("a map can be put in place before the first frame only");
+  std::optional<Pinhole> own_camera;
   if (const std::string other = difference(given_, made_by); !other.empty()) {
     const std::string what = "the map was made by another camera (" + other + ")";
     if (!options_.localize)
       return fail(what + ": it can't be continued, for a map has one camera; localise in it only");
     log(LogLevel::warning, what + ": places of it are looked for with the present one");
-    tracker_.use_camera(with_depth_noise(given_.pinhole, options_.sensor));
+    own_camera = with_depth_noise(given_.pinhole, options_.sensor);
   }
   finish();
   if (vocabulary_) {
@@ -72,9 +73,9 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
   Pinhole camera = map.camera();
   if (given_.pinhole.depth_noise.known()) camera.depth_noise = given_.pinhole.depth_noise;
   map.set_camera(with_depth_noise(camera, options_.sensor));
-  snapshots_.map_loaded(map.next_submap(), tracker_.own_camera());
+  snapshots_.map_loaded(map.next_submap(), own_camera);
   *map_.write() = std::move(map);
-  tracker_.start_lost();
+  tracker_.start_lost(own_camera);
   return {};
 }
 
@@ -97,6 +98,7 @@ FrameReport System::process(const Input& input) {
   if (outcome.discard_submap) {
     apply_all_mapping(report);
     discard(*outcome.discard_submap);
+    report.discarded_submap = outcome.discard_submap;
   }
   submit(std::move(outcome.request));
   if (outcome.result.method == TrackMethod::initialised) {  // the map has to be there before a frame can be tracked
@@ -120,7 +122,7 @@ std::optional<SubmapPose> System::locate(const Input& input) {
 std::vector<MappingReport> System::finish() {
   FrameReport report;
   apply_all_mapping(report);
-  if (tracker_.state() != TrackState::not_initialised) {
+  if (tracker_.state() != TrackingState::not_initialised) {
     mapping_.finish();
     tracker_.map_moved();
     const BacktrackSettings settings{options_.sensor, options_.tracker, options_.seed};
@@ -128,6 +130,28 @@ std::vector<MappingReport> System::finish() {
       log_.locate(located);
   }
   return std::move(report.mapping);
+}
+
+Result<std::vector<MappingReport>> System::set_mode(TrackingMode mode) {
+  if (mode == TrackingMode::mapping && tracker_.own_camera())
+    return fail("the map was made by another camera: it can't be continued, for a map has one camera");
+  std::vector<MappingReport> reports = finish();
+  options_.localize = mode == TrackingMode::localisation;
+  tracker_.set_mode(mode);
+  return reports;
+}
+
+std::vector<TrackedPoint> System::tracked_points() const {
+  std::vector<TrackedPoint> points;
+  if (tracker_.state() != TrackingState::tracking) return points;
+  const TrackedFrame& frame = tracker_.last_frame();
+  const auto &u = frame.features->image_x(), &v = frame.features->image_y();
+  for (size_t i = 0; i < frame.source.size(); ++i) {
+    if (!frame.on_map(i)) continue;
+    const Eigen::Vector3d& p = frame.positions[i];
+    points.push_back({u[i], v[i], id_number(frame.points[i]), p.x(), p.y(), p.z()});
+  }
+  return points;
 }
 
 std::vector<PoseOfFrame> System::online_trajectory() const {
@@ -226,7 +250,7 @@ void System::record(const Input& input, const Tracker::Outcome& outcome) {
   if (outcome.retract_from) log_.retract(*outcome.retract_from);
   const TrackResult& result = outcome.result;
   FrameRecord record{.frame = input.frame, .stamp = input.stamp, .pose = {}, .online = {}};
-  if (result.state == TrackState::tracking && result.method != TrackMethod::initialised) {
+  if (result.state == TrackingState::tracking && result.method != TrackMethod::initialised) {
     record.pose = result.pose;
     record.online = SubmapPose{result.T_cw.inverse(), result.submap};
   }
@@ -249,13 +273,13 @@ void System::report_begun_map(FrameReport& report) const {
     track.inliers = report.mapping.back().counts.points_created;
   } else {
     track.method = TrackMethod::none;
-    track.reason = "the initial map did not hold";
+    track.reason = NoPoseReason::initial_map_failed;
   }
 }
 
 void System::explain_missing_map(TrackResult& result) const {
-  if (options_.localize && result.state != TrackState::tracking && map_.read()->submaps().empty())
-    result.reason = "system.localize is set, and there is no map to localise in";
+  if (options_.localize && result.state != TrackingState::tracking && map_.read()->submaps().empty())
+    result.reason = NoPoseReason::no_map_to_localise_in;
 }
 
 }  // namespace covis

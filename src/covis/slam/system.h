@@ -8,8 +8,9 @@
 // tracker waits for it then. Until then the tracker works on its copies of the map. So the result depends on the input
 // and the settings alone.
 //
-// One thread, the tracking thread, makes it and calls what changes it: set_map(), process(), locate(), finish(). Any
-// thread may call the const members at any time.
+// One thread, the tracking thread, makes it and calls what changes it: set_map(), process(), locate(), finish(),
+// set_mode(), and what asks about tracking: mode(), tracked_points(). Any thread may call the other const members at
+// any time.
 #pragma once
 
 #include <memory>
@@ -40,7 +41,8 @@ struct FrameTiming {
 struct FrameReport {
   TrackResult track;
   FrameTiming timing;
-  std::vector<MappingReport> mapping;  // of key frames whose mapping became visible
+  std::vector<MappingReport> mapping;        // of key frames whose mapping became visible
+  std::optional<uint32_t> discarded_submap;  // a monocular submap that was lost in its first moments
 };
 
 class System {
@@ -68,6 +70,12 @@ class System {
   // Relocalisation alone: where one image was taken, from nothing but the image; nothing when its place is not
   // recognised. Waits until key frames asked for are mapped; leaves tracking and mapping as they are.
   std::optional<SubmapPose> locate(const Input& input);
+  // Changes between mapping and localisation only (tracker.h), from the next frame on; waits for mapping to end. Error:
+  // mapping in a map that another camera made.
+  Result<std::vector<MappingReport>> set_mode(TrackingMode mode);
+  TrackingMode mode() const { return options_.localize ? TrackingMode::localisation : TrackingMode::mapping; }
+  // The keypoints of the last frame that show points of the map; none when it has no pose.
+  std::vector<TrackedPoint> tracked_points() const;
   // Waits for mapping to end, and locates frames that got no pose where the map reaches them now (backtrack.h).
   // process() may be called again afterwards.
   std::vector<MappingReport> finish();
@@ -76,7 +84,7 @@ class System {
   // takes as long as copying all points and working out the poses of all frames.
   std::shared_ptr<const Snapshot> snapshot() const { return snapshots_.get(); }
   // Members of it by themselves. Online: poses as they were given when tracked, of the first submap alone.
-  Pinhole camera() const { return snapshot()->camera; }
+  Pinhole camera() const { return snapshots_.camera(); }
   std::vector<SubmapSummary> submaps() const { return snapshot()->submaps; }
   std::vector<PoseOfFrame> trajectory() const { return snapshot()->trajectory; }
   std::vector<PoseOfFrame> online_trajectory() const;
@@ -107,7 +115,7 @@ class System {
   bool realtime() const { return options_.schedule() == Schedule::realtime; }
 
   const Camera given_;
-  const SystemOptions options_;
+  SystemOptions options_;  // all but `localize` stays as it was given
   const std::shared_ptr<const Vocabulary> vocabulary_;
   SharedMap map_;
   TrajectoryLog log_;

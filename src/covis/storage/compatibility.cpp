@@ -15,6 +15,20 @@ std::string number(double value) {
 
 }  // namespace
 
+MapHeader header_of(const Camera& camera, Sensor sensor, const OrbOptions& orb, const Vocabulary* vocabulary) {
+  MapHeader header;
+  header.camera = camera;
+  header.sensor = sensor;
+  header.levels = orb.levels;
+  header.factor = static_cast<float>(orb.scale_factor);
+  if (vocabulary) {
+    char text[20];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(vocabulary->checksum()));
+    header.vocabulary = text;
+  }
+  return header;
+}
+
 Result<void> check_compatible(const MapHeader& saved, const MapHeader& run, MapUse use) {
   const bool monocular = saved.sensor == Sensor::monocular;
   if (monocular != (run.sensor == Sensor::monocular)) {

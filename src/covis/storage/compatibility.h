@@ -9,11 +9,16 @@
 #include <filesystem>
 
 #include "covis/core/error.h"
+#include "covis/features/frontend.h"
 #include "covis/storage/map_file.h"
+#include "covis/vocabulary/vocabulary.h"
 
 namespace covis::storage {
 
 enum class MapUse { continuation, localization };
+
+// The header of a map made with this camera, these features and this vocabulary (null: none).
+MapHeader header_of(const Camera& camera, Sensor sensor, const OrbOptions& orb, const Vocabulary* vocabulary);
 
 // The error names the mismatch and the setting that would resolve it. `run` is the header that a map of this run would
 // have.

@@ -62,10 +62,10 @@ bool Walk::find_pose() {
   if (!first_pose_.find(last_, T_cl, current_, search_, figures)) return false;
   const LocalMapOptions& o = options_.local_map;
   search_.update_local_map(map_, current_, reference_, o.local_key_frames);
-  const PoseFit fit = search_.fit_local_map(o, o.window_factor(sensor_), current_, figures);
+  search_.fit_local_map(o, o.window_factor(sensor_), current_, figures);
   const bool by_motion = figures.method == TrackMethod::motion_model || figures.method == TrackMethod::image_rotation;
   if (figures.inliers < (by_motion ? o.min_inliers : options_.recovery.min_inliers_recovered) ||
-      !well_determined(fit.information, current_.mean_depth(), search_.camera) ||
+      !well_determined(current_.information, current_.mean_depth(), search_.camera) ||
       !belief_.explains_view(figures, first_pose_.images_agree(current_.T_cw * last_.T_cw.inverse())))
     return false;
   if (!by_motion && !search_.place.is_right(search_.found(current_, &map_), Arrival::relocalised)) return false;

@@ -23,14 +23,14 @@ FirstPose::Hypothesis FirstPose::around(const TrackedFrame& last, TrackedFrame& 
     found = search.matcher.match_last_frame(last, frame, search.camera, 2 * window);
   h.matches = found.matches;
   if (h.matches < options_.motion_min_matches) {
-    h.reason = "too few matches with the last frame";
+    h.reason = NoPoseReason::few_matches_with_last_frame;
     return h;
   }
-  const int on_map = search.matcher.fit_pose(frame, search.camera).on_map;
+  const int on_map = search.matcher.fit_pose(frame, search.camera);
   h.inliers = frame.matches();
   h.share = found.in_view > 0 ? static_cast<double>(h.inliers) / found.in_view : 0;
   if ((support_ == Support::all_points ? h.inliers : on_map) < options_.motion_min_inliers)
-    h.reason = "too few matches with the last frame agree on a pose";
+    h.reason = NoPoseReason::few_agree_with_last_frame;
   return h;
 }
 
@@ -47,9 +47,9 @@ FirstPose::Hypothesis FirstPose::by_descriptors(const TrackedFrame& last, Tracke
   Hypothesis h;
   h.matches = FrameMatcher::match_frame(last, frame, kForRansac);
   if (h.matches < options_.reference_min_matches) {
-    h.reason = "too few matches with the last frame";
+    h.reason = NoPoseReason::few_matches_with_last_frame;
   } else if (!search.matcher.find_pose(frame, search.camera, seed_)) {
-    h.reason = "too few matches with the last frame agree on a pose";
+    h.reason = NoPoseReason::few_agree_with_last_frame;
   } else {
     h = around(last, frame, search);
   }
@@ -62,26 +62,25 @@ FirstPose::Hypothesis FirstPose::by_reference(const TrackedFrame& last, TrackedF
   Hypothesis h;
   h.method = TrackMethod::reference_key_frame;
   if (!reference.features) {
-    h.reason = "no reference key frame";
+    h.reason = NoPoseReason::no_reference_key_frame;
     return h;
   }
   const DescriptorMatchOptions gate{.max_distance = kHammingLow, .ratio = static_cast<float>(options_.reference_ratio)};
   h.matches = FrameMatcher::match_key_frame(reference, frame, gate);
   frame.T_cw = last.T_cw;
   if (h.matches < options_.reference_min_matches) {
-    h.reason = "too few matches with the reference key frame";
+    h.reason = NoPoseReason::few_matches_with_key_frame;
     return h;
   }
-  h.inliers = search.matcher.fit_pose(frame, search.camera).on_map;
-  if (h.inliers < options_.motion_min_inliers)
-    h.reason = "too few matches with the reference key frame agree on a pose";
+  h.inliers = search.matcher.fit_pose(frame, search.camera);
+  if (h.inliers < options_.motion_min_inliers) h.reason = NoPoseReason::few_agree_with_key_frame;
   return h;
 }
 
 FirstPose::Hypothesis FirstPose::by_images(const TrackedFrame& last, const SE3& T_cl, TrackedFrame& frame,
                                            PoseSearch& search) {
   turn_seen_ = image_rotation(last.features->small, frame.features->small, search.camera);
-  if (!turn_seen_) return {.method = TrackMethod::image_rotation, .reason = "the images show no rotation"};
+  if (!turn_seen_) return {.method = TrackMethod::image_rotation, .reason = NoPoseReason::no_rotation_seen};
   Hypothesis h = by_motion(last, MotionModel::turned(T_cl, *turn_seen_), frame, search);
   h.method = TrackMethod::image_rotation;
   return h;

@@ -28,6 +28,7 @@ class FirstPose {
       : sensor_(sensor), options_(options), support_(support), seed_(seed) {}
 
   // Finds the pose of `frame` and its matches. `T_cl` is the predicted motion since the last frame, if there is one.
+  void set_support(Support support) { support_ = support; }
   // False: figures.reason says why.
   bool find(const TrackedFrame& last, const std::optional<SE3>& T_cl, TrackedFrame& frame, PoseSearch& search,
             TrackResult& figures);
@@ -38,10 +39,10 @@ class FirstPose {
   struct Hypothesis {
     TrackMethod method = TrackMethod::none;
     int matches = 0;
-    int inliers = 0;          // matches that agree with the pose
-    double share = 0;         // share of the last frame's points in view that agree
-    std::string_view reason;  // the reason for having no pose; empty when there is one
-    bool ok() const { return reason.empty(); }
+    int inliers = 0;                           // matches that agree with the pose
+    double share = 0;                          // share of the last frame's points in view that agree
+    NoPoseReason reason = NoPoseReason::none;  // none when there is a pose
+    bool ok() const { return reason == NoPoseReason::none; }
     // So many of the last frame's points in view agree that no other pose needs to be looked for.
     bool explains() const { return ok() && share >= 0.2; }
   };
@@ -54,7 +55,7 @@ class FirstPose {
 
   const Sensor sensor_;
   const FirstPoseOptions options_;
-  const Support support_;
+  Support support_;
   const int seed_;
   std::optional<Eigen::Matrix3d> turn_seen_;  // the rotation that the images show; empty: not asked, or not seen
   TrackedFrame best_;                         // the frame as the best hypothesis so far has it

@@ -113,7 +113,7 @@ TEST_F(FirstPoseTest, AViewOfSomethingElseHasNoPose) {
   know_reference(1);
   EXPECT_FALSE(find(turned(180), SE3()));
   EXPECT_EQ(result.method, TrackMethod::none);
-  EXPECT_FALSE(result.reason.empty());
+  EXPECT_NE(result.reason, NoPoseReason::none);
 }
 
 TEST_F(FirstPoseTest, DepthOfTheLastFrameAloneCarriesAPoseOnlyInLocalisation) {

@@ -127,7 +127,7 @@ bool FrameMatcher::find_pose(TrackedFrame& frame, const Pinhole& camera, int see
   return true;
 }
 
-PoseFit FrameMatcher::fit_pose(TrackedFrame& frame, const Pinhole& camera) {
+int FrameMatcher::fit_pose(TrackedFrame& frame, const Pinhole& camera) {
   observations_.clear();
   observed_by_.clear();
   const Features& f = *frame.features;
@@ -139,18 +139,19 @@ PoseFit FrameMatcher::fit_pose(TrackedFrame& frame, const Pinhole& camera) {
   }
   reserve_ahead(inlier_, observed_by_.size());
   const PoseResult pose = optimize_pose(frame.T_cw, observations_, camera, {}, inlier_);
-  if (!pose.ok) return {};
+  frame.information = pose.ok ? pose.information : Matrix6d::Zero();
+  if (!pose.ok) return 0;
   frame.T_cw = pose.T_cw;
-  PoseFit fit{0, pose.information};
+  int on_map = 0;
   for (size_t k = 0; k < observed_by_.size(); ++k) {
     const size_t i = observed_by_[k];
     if (!inlier_[k]) {
       frame.drop_match(i);
     } else if (frame.on_map(i)) {
-      ++fit.on_map;
+      ++on_map;
     }
   }
-  return fit;
+  return on_map;
 }
 
 }  // namespace covis

@@ -15,12 +15,6 @@
 
 namespace covis {
 
-// The result of optimising a frame's pose.
-struct PoseFit {
-  int on_map = 0;                           // map points that agree with the pose; 0 without a pose
-  Matrix6d information = Matrix6d::Zero();  // PoseResult::information
-};
-
 // Keeps its work space between frames: only the searches by descriptor alone, and
 // find_pose(), allocate in a steady state.
 class FrameMatcher {
@@ -45,8 +39,9 @@ class FrameMatcher {
 
   // Finds frame.T_cw from its matches alone, by P3P in RANSAC, and drops those that disagree. False when too few agree.
   static bool find_pose(TrackedFrame& frame, const Pinhole& camera, int seed);
-  // Optimises frame.T_cw over its matches and drops those that disagree.
-  PoseFit fit_pose(TrackedFrame& frame, const Pinhole& camera);
+  // Optimises frame.T_cw over its matches and drops those that disagree. Returns how many map points agree; 0 without a
+  // pose.
+  int fit_pose(TrackedFrame& frame, const Pinhole& camera);
 
   // A flag for each point of the local map: it was in view of the last match_local_map().
   const std::vector<uint8_t>& in_view() const { return projection_.in_view(); }

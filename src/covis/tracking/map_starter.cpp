@@ -29,13 +29,13 @@ MapStarter::Offer MapStarter::offer(const TrackedFrame& frame, const Pinhole& ca
 
 MapStarter::Offer MapStarter::offer_with_depth(const TrackedFrame& frame) const {
   const Features& f = *frame.features;
-  if (f.size() < settings_.options.init_features) return {{}, "too few features for a first key frame"};
+  if (f.size() < settings_.options.init_features) return {{}, NoPoseReason::few_features};
   KeyFrameRequest request = frame.request();
   for (uint32_t i = 0; i < static_cast<uint32_t>(f.size()); ++i) {
     if (f.depth[i] > 0) request.new_points.push_back(i);
   }
   if (static_cast<int>(request.new_points.size()) < settings_.min_close_points)
-    return {{}, "too few features with depth for a first key frame"};
+    return {{}, NoPoseReason::few_features_with_depth};
   return {std::move(request), {}};
 }
 

@@ -12,6 +12,7 @@
 #include "covis/tracking/mono_initializer.h"
 #include "covis/tracking/tracked_frame.h"
 #include "covis/tracking/tracking_options.h"
+#include "covis/types.h"
 
 namespace covis {
 
@@ -32,7 +33,7 @@ class MapStarter {
   // Offers a frame to begin a submap with. Without a request `reason` says why it can't.
   struct Offer {
     MapRequest request;
-    std::string_view reason;
+    NoPoseReason reason = NoPoseReason::none;
     int matches = 0;  // matches of a monocular frame with the first view
   };
   Offer offer(const TrackedFrame& frame, const Pinhole& camera);

@@ -12,12 +12,30 @@ namespace {
 
 constexpr float kRatio = 0.9f;  // best against second-best descriptor distance at one level
 
+NoPoseReason reason_of(TwoViewStatus status) {
+  switch (status) {
+    case TwoViewStatus::ok:
+      return NoPoseReason::none;
+    case TwoViewStatus::too_few_matches:
+      return NoPoseReason::few_matches_for_two_views;
+    case TwoViewStatus::no_model:
+      return NoPoseReason::no_motion_explains_matches;
+    case TwoViewStatus::no_clear_winner:
+      return NoPoseReason::motion_ambiguous;
+    case TwoViewStatus::too_few_points:
+      return NoPoseReason::few_points_of_two_views;
+    case TwoViewStatus::low_parallax:
+      return NoPoseReason::low_parallax;
+  }
+  return NoPoseReason::none;
+}
+
 }  // namespace
 
 void MonoInitializer::reset() {
   reference_ = {};
   matches_ = 0;
-  reason_ = "waiting for a first view";
+  reason_ = NoPoseReason::waiting_for_first_view;
 }
 
 void MonoInitializer::take_reference(const FeaturesPtr& features, int64_t frame, Timestamp stamp) {
@@ -32,10 +50,10 @@ std::optional<InitialMapRequest> MonoInitializer::offer(const Pinhole& camera, c
   matches_ = 0;
   if (!reference_.features) {
     if (features->size() <= o.init_min_matches) {
-      reason_ = "too few features for a first view";
+      reason_ = NoPoseReason::few_features;
     } else {
       take_reference(features, frame, stamp);
-      reason_ = "waiting for parallax";
+      reason_ = NoPoseReason::waiting_for_parallax;
     }
     return std::nullopt;
   }
@@ -43,7 +61,7 @@ std::optional<InitialMapRequest> MonoInitializer::offer(const Pinhole& camera, c
   if (matches_ < o.init_min_matches) {
     reset();
     if (features->size() > o.init_min_matches) take_reference(features, frame, stamp);
-    reason_ = "too few matches with the first view; starting from this one";
+    reason_ = NoPoseReason::few_matches_with_first_view;
     return std::nullopt;
   }
 
@@ -66,7 +84,7 @@ std::optional<InitialMapRequest> MonoInitializer::offer(const Pinhole& camera, c
   options.seed = hash_seed(static_cast<uint64_t>(seed_), RandomStage::mono_initializer, static_cast<uint64_t>(frame));
   const TwoViewResult motion = reconstruct_two_views(pairs, camera, options);
   if (motion.status != TwoViewStatus::ok) {
-    reason_ = name(motion.status);
+    reason_ = reason_of(motion.status);
     return std::nullopt;
   }
   InitialMapRequest request;

@@ -11,6 +11,7 @@
 #include "covis/map/map_requests.h"
 #include "covis/matching/window_match.h"
 #include "covis/tracking/tracking_options.h"
+#include "covis/types.h"
 
 namespace covis {
 
@@ -24,7 +25,7 @@ class MonoInitializer {
                                          Timestamp stamp);
   // Forgets the reference view.
   void reset();
-  std::string_view reason() const { return reason_; }
+  NoPoseReason reason() const { return reason_; }
   int matches() const { return matches_; }
 
  private:
@@ -39,7 +40,7 @@ class MonoInitializer {
   std::vector<int32_t> query_feature_;
   std::vector<int32_t> match_;
   WindowMatcher matcher_;
-  std::string_view reason_ = "waiting for a first view";
+  NoPoseReason reason_ = NoPoseReason::waiting_for_first_view;
   int matches_ = 0;
 };
 

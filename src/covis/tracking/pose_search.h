@@ -36,18 +36,16 @@ struct PoseSearch {
   }
   // Searches the local map from the frame's pose so far, in windows wider by `factor`, and fits the pose to all
   // matches.
-  PoseFit fit_local_map(const LocalMapOptions& o, double factor, TrackedFrame& frame, TrackFigures& figures) {
+  void fit_local_map(const LocalMapOptions& o, double factor, TrackedFrame& frame, TrackFigures& figures) {
     Stopwatch watch;
     const MatchGate gate =
         MatchGate::local_map(o.local_window * factor, o.local_window_frontal * factor, o.local_ratio);
     figures.local_in_view = matcher.match_local_map(local_map, frame, camera, gate);
     figures.local_points = local_map.size();
     figures.ms.local_search += watch.lap();
-    const PoseFit fit = matcher.fit_pose(frame, camera);
-    figures.inliers = fit.on_map;
+    figures.inliers = matcher.fit_pose(frame, camera);
     figures.ms.pose += watch.ms();
     figures.local_expected = look(frame);
-    return fit;
   }
   PlaceCheck::Found found(const TrackedFrame& frame, const SharedMap* live) const {
     return {frame, local_map, view.points(), live};

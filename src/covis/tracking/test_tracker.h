@@ -53,7 +53,8 @@ class TrackerTest : public testing::Test {
   TrackResult track(FeaturesPtr features, int i) {
     const Tracker::Outcome outcome = track_alone(std::move(features), i);
     do_mapping(outcome);
-    EXPECT_EQ(outcome.result.state == TrackState::tracking, outcome.result.reason.empty()) << outcome.result.reason;
+    EXPECT_EQ(outcome.result.state == TrackingState::tracking, outcome.result.reason == NoPoseReason::none)
+        << describe(outcome.result.reason);
     return outcome.result;
   }
   TrackResult track(int i) { return track(frames.features(i), i); }

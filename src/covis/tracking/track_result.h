@@ -6,10 +6,9 @@
 #include <string_view>
 
 #include "covis/map/relative_pose.h"
+#include "covis/types.h"
 
 namespace covis {
-
-enum class TrackState { not_initialised, tracking, lost };
 
 // The source of a tracked frame's first pose. `dead_reckoned`: in localisation only, from the last frame's own depth
 // where the map has too few points. `backtracked`: afterwards, from a later frame (backtrack.h).
@@ -73,11 +72,12 @@ struct TrackFigures {
 };
 
 struct TrackResult : TrackFigures {
-  TrackState state = TrackState::not_initialised;
-  std::string_view reason;  // the reason for having no pose; empty when tracking
-  SE3 T_cw;                 // meaningful when tracking
-  RelativePose pose;        // the same relative to its reference key frame
-  uint32_t submap = 0;      // id of its submap: poses of different submaps have different worlds
+  TrackingState state = TrackingState::not_initialised;
+  NoPoseReason reason = NoPoseReason::none;  // none when tracking
+  SE3 T_cw;                                  // meaningful when tracking
+  Matrix6d information = Matrix6d::Zero();   // of T_cw, given the map; 0 for the frame that begins a submap
+  RelativePose pose;                         // the same relative to its reference key frame
+  uint32_t submap = 0;                       // id of its submap: poses of different submaps have different worlds
 };
 
 }  // namespace covis

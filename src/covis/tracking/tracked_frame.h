@@ -21,9 +21,10 @@ struct TrackedFrame {
   Timestamp stamp = 0;
   FeaturesPtr features;
   SE3 T_cw;
-  std::vector<MapPointId> points;          // by feature: its map point, or an invalid handle
-  std::vector<Eigen::Vector3d> positions;  // by feature: in the world, metres; meaningful where it has a source
-  std::vector<PointSource> source;         // by feature
+  Matrix6d information = Matrix6d::Zero();  // of T_cw, by the last fit (PoseResult::information)
+  std::vector<MapPointId> points;           // by feature: its map point, or an invalid handle
+  std::vector<Eigen::Vector3d> positions;   // by feature: in the world, metres; meaningful where it has a source
+  std::vector<PointSource> source;          // by feature
 
   // A request to make a key frame of it: the image alone, no point and no pose.
   KeyFrameRequest request() const;

@@ -13,8 +13,12 @@ namespace {
 
 MapStarter::Settings starter_settings(const TrackingSettings& s, const Vocabulary* vocabulary) {
   // Without places recognised, or loops closed, two submaps would never be joined.
-  const bool begins_new_maps = vocabulary && s.closes_loops && s.mode == TrackingMode::mapping;
-  return {s.sensor, s.options.start, s.options.key_frame.min_close_points, begins_new_maps, s.seed};
+  const bool joins_maps = vocabulary && s.closes_loops;
+  return {s.sensor, s.options.start, s.options.key_frame.min_close_points, joins_maps, s.seed};
+}
+
+FirstPose::Support support_of(const TrackingSettings& s) {
+  return s.dead_reckons() ? FirstPose::Support::all_points : FirstPose::Support::map_points;
 }
 
 }  // namespace
@@ -23,9 +27,7 @@ Tracker::Tracker(const SharedMap& map, const TrackingSettings& settings, std::sh
     : map_(map),
       settings_(settings),
       search_(settings.options.recovery, Subject::stream),
-      first_pose_(settings.sensor, settings.options.first_pose,
-                  settings.dead_reckons() ? FirstPose::Support::all_points : FirstPose::Support::map_points,
-                  settings.seed),
+      first_pose_(settings.sensor, settings.options.first_pose, support_of(settings), settings.seed),
       key_frames_(settings.sensor, settings.options.key_frame, settings.schedule),
       starter_(starter_settings(settings, vocabulary.get())),
       relocaliser_(map, settings.options, settings.seed, std::move(vocabulary)) {}
@@ -39,7 +41,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
   Outcome outcome;
   TrackResult& result = outcome.result;
   result.features = current_.features->size();
-  if (state_ == TrackState::not_initialised) {
+  if (state_ == TrackingState::not_initialised) {
     search_.refresh_camera(*map_.read());
     begin_submap(outcome);
   } else {
@@ -64,7 +66,9 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       } else {
         backlog_.keep_for_now(current_);
       }
-      if (may_make_key_frame(result) &&
+      const bool sure = !search_.place.tentative() &&
+                        (!health_.recovered_lately(current_.stamp) || result.method == TrackMethod::motion_model);
+      if (sure && settings_.mode == TrackingMode::mapping &&
           key_frames_.is_due(current_, result.inliers, search_.local_map, search_.camera, mapping.load)) {
         KeyFrameRequest request = key_frames_.request(current_, last_.pose, search_.camera);
         request.unlocated = backlog_.take();
@@ -73,7 +77,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       }
     }
   }
-  if (state_ != TrackState::tracking || result.method == TrackMethod::initialised) backlog_.keep(current_);
+  if (state_ != TrackingState::tracking || result.method == TrackMethod::initialised) backlog_.keep(current_);
   result.state = state_;
   constexpr int kNearLoss = 2;  // times the inliers that a pose needs
   health_.near_loss = result.inliers < kNearLoss * settings_.options.local_map.min_inliers;
@@ -83,7 +87,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
 
 bool Tracker::find_pose(TrackResult& result, const SharedMap* live) {
   constexpr int kRelocaliseEvery = 5;  // dead-reckoned frames: dead reckoning drifts
-  if (state_ == TrackState::tracking) {
+  if (state_ == TrackingState::tracking) {
     const int reckoned = health_.dead_reckoned_frames;
     if (reckoned > 0 && reckoned % kRelocaliseEvery == 0 && relocalise(result, live)) return true;
     if (find_first_pose(result) && (track_local_map(result, live) || dead_reckon(result))) return true;
@@ -109,19 +113,19 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
   result.ms.local_update += watch.ms();
   const bool recovered_lately = health_.recovered_lately(current_.stamp);
   const double factor = recovered_lately ? kFactorRecovered : o.window_factor(settings_.sensor);
-  const PoseFit fit = search_.fit_local_map(o, factor, current_, result);
+  search_.fit_local_map(o, factor, current_, result);
   if (result.inliers < (recovered_lately ? settings_.options.recovery.min_inliers_recovered : o.min_inliers)) {
-    result.reason = "too few points of the map agree on a pose";
+    result.reason = NoPoseReason::few_map_points_agree;
     return false;
   }
   const SE3 T_cl = current_.T_cw * last_.frame.T_cw.inverse();
   if (!belief_.explains_view(result, first_pose_.images_agree(T_cl))) {
-    result.reason = "the pose explains too little of the view";
+    result.reason = NoPoseReason::little_of_view_explained;
     return false;
   }
   const bool tentative = search_.place.tentative();
-  if (tentative && !well_determined(fit.information, current_.mean_depth(), search_.camera)) {
-    result.reason = "points of the map agree on a pose, but leave it uncertain";
+  if (tentative && !well_determined(current_.information, current_.mean_depth(), search_.camera)) {
+    result.reason = NoPoseReason::pose_uncertain;
     return false;
   }
   const bool by_descriptors = result.method == TrackMethod::last_frame;
@@ -129,7 +133,7 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
       tentative || recovered_lately || by_descriptors || result.method == TrackMethod::reference_key_frame;
   const Arrival arrival = by_descriptors ? Arrival::recognised : Arrival::tracked;
   if (may_be_elsewhere && !search_.place.is_right(search_.found(current_, live), arrival)) {
-    result.reason = "things match, but not what stands around them";
+    result.reason = NoPoseReason::place_looks_different;
     return false;
   }
   return true;
@@ -153,8 +157,8 @@ bool Tracker::relocalise(TrackResult& result, const SharedMap* live) {
     health_.last_recovery = current_.stamp;
     result.method = TrackMethod::recovered;
     result.first_share = 0;  // that of a hypothesis which was refused
-  } else if (state_ == TrackState::lost) {
-    result.reason = "lost: the view matches no key frame tried";
+  } else if (state_ == TrackingState::lost) {
+    result.reason = NoPoseReason::no_key_frame_matches;
   }
   return found;
 }
@@ -162,13 +166,13 @@ bool Tracker::relocalise(TrackResult& result, const SharedMap* live) {
 void Tracker::accept(TrackResult& result) {
   const KeyFrameView& reference = search_.local_map.reference;
   key_frames_.count(current_, search_.local_map, search_.matcher.in_view());
-  if (state_ == TrackState::tracking && current_.stamp > last_.frame.stamp && reference.submap == last_.submap) {
+  if (state_ == TrackingState::tracking && current_.stamp > last_.frame.stamp && reference.submap == last_.submap) {
     const SE3 T_cl = (current_.T_cw * last_.frame.T_cw.inverse()).normalized();
     motion_.observe(T_cl, current_.stamp - last_.frame.stamp);
   } else {
     motion_.reset();
   }
-  state_ = TrackState::tracking;
+  state_ = TrackingState::tracking;
   if (result.method != TrackMethod::dead_reckoned) belief_.accept(result);
   search_.place.accept(current_, reference.submap);
   const bool tentative = search_.place.tentative();
@@ -182,26 +186,30 @@ void Tracker::accept(TrackResult& result) {
   backlog_.found_at(reference.id);
   result.tentative = tentative;
   result.T_cw = current_.T_cw;
+  result.information = current_.information;
   result.pose = last_.pose;
   result.submap = last_.submap;
-  result.reason = {};
+  result.reason = NoPoseReason::none;
 }
 
 void Tracker::lose(Outcome& outcome, const SharedMap* live) {
-  if (state_ != TrackState::lost) log(LogLevel::warning, std::string("tracking lost: ").append(outcome.result.reason));
-  state_ = TrackState::lost;
+  if (state_ != TrackingState::lost)
+    log(LogLevel::warning, std::string("tracking lost: ").append(describe(outcome.result.reason)));
+  state_ = TrackingState::lost;
   health_.weak = settings_.options.local_map.weak_inliers > 0;
   motion_.reset();
   search_.place.lose();
   backlog_.lost();
+  // In localisation only no submap is begun or given up.
+  if (settings_.mode == TrackingMode::localisation) return;
   const MapStarter::Loss loss = starter_.lose(current_.stamp, last_.pose.key_frame, live);
   using Step = MapStarter::Step;
   if (loss.step == Step::begin_submap || loss.step == Step::replace_submap) begin_submap(outcome);
-  const bool replaced = loss.step == Step::replace_submap && state_ == TrackState::tracking;
+  const bool replaced = loss.step == Step::replace_submap && state_ == TrackingState::tracking;
   if (loss.step != Step::give_up_submap && !replaced) return;
   log(LogLevel::warning, "the initial map was lost at once and is given up; initialising again");
   outcome.discard_submap = loss.submap;
-  if (!replaced && !starter_.is_beginning()) state_ = TrackState::not_initialised;
+  if (!replaced && !starter_.is_beginning()) state_ = TrackingState::not_initialised;
   search_.local_map.clear();
   key_frames_.clear_counts();
 }
@@ -215,7 +223,7 @@ void Tracker::begin_submap(Outcome& outcome) {
   result.reason = offer.reason;
   if (std::holds_alternative<std::monostate>(offer.request)) return;
   outcome.request = std::move(offer.request);
-  state_ = TrackState::tracking;
+  state_ = TrackingState::tracking;
   key_frames_.begin(current_.stamp);
   if (settings_.sensor != Sensor::monocular) current_.T_cw = SE3();
   current_.clear_matches();  // they are matches with an older submap
@@ -224,18 +232,13 @@ void Tracker::begin_submap(Outcome& outcome) {
   result.key_frame = true;
 }
 
-bool Tracker::may_make_key_frame(const TrackResult& result) const {
-  if (settings_.mode == TrackingMode::localisation || search_.place.tentative()) return false;
-  return !health_.recovered_lately(current_.stamp) || result.method == TrackMethod::motion_model;
-}
-
 // ---- The map as it changes ----
 
 void Tracker::key_frame_made(const KeyFrameMade& made) {
   last_.map_changed = true;
   const bool begun = starter_.begun_with(made.frame);  // reports of older key frames may come before it
   if (!made.key_frame.valid()) {
-    if (begun) state_ = starter_.is_beginning() ? TrackState::lost : TrackState::not_initialised;
+    if (begun) state_ = starter_.is_beginning() ? TrackingState::lost : TrackingState::not_initialised;
     return;
   }
   const auto map = map_.read();
@@ -272,8 +275,9 @@ void Tracker::follow_map(const Map& map) {
   if (map.find(last_.pose.key_frame)) search_.local_map.reference.copy(map, last_.pose.key_frame);
 }
 
-void Tracker::start_lost() {
-  state_ = TrackState::lost;
+void Tracker::start_lost(const std::optional<Pinhole>& own_camera) {
+  search_.own_camera = own_camera;
+  state_ = TrackingState::lost;
   health_.weak = settings_.options.local_map.weak_inliers > 0;
   motion_.reset();
   const auto map = map_.read();
@@ -285,9 +289,23 @@ void Tracker::start_lost() {
   key_frames_.clear_counts();
 }
 
+void Tracker::set_mode(TrackingMode mode) {
+  if (mode == settings_.mode) return;
+  settings_.mode = mode;
+  first_pose_.set_support(support_of(settings_));
+  const bool has_map = !map_.read()->submaps().empty();
+  if (mode == TrackingMode::localisation) {
+    if (state_ == TrackingState::not_initialised) start_lost(search_.own_camera);
+  } else if (!has_map) {
+    state_ = TrackingState::not_initialised;
+  } else if (health_.dead_reckoned_frames > 0) {
+    start_lost(search_.own_camera);
+  }
+}
+
 bool Tracker::wants_more_features() const {
   const bool monocular = settings_.sensor == Sensor::monocular;
-  if (state_ == TrackState::not_initialised) return monocular;
+  if (state_ == TrackingState::not_initialised) return monocular;
   // A tentative place was found with twice the features, and is held against what that showed.
   return health_.weak || search_.place.tentative() || (starter_.is_beginning() && monocular);
 }

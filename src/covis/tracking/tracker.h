@@ -75,11 +75,13 @@ class Tracker {
   void key_frame_made(const KeyFrameMade& made);
   // The map was changed beside mapping.
   void map_moved() { last_.map_changed = true; }
-  // A map was put in place that this tracker knows nothing of: the camera is to be found in it.
-  void start_lost();
-  // The frames are of another camera than the map: only for localisation in it.
-  void use_camera(const Pinhole& camera) { search_.own_camera = search_.camera = camera; }
-  // That camera; nothing: the map's.
+  // A map was put in place that this tracker knows nothing of: the camera is to be found in it. `own_camera`: the
+  // frames', when the map was made by another; only for localisation.
+  void start_lost(const std::optional<Pinhole>& own_camera = {});
+  // Changes between mapping and localisation only. A pose that dead reckoning carried is given up when mapping begins:
+  // the camera is to be found in the map first.
+  void set_mode(TrackingMode mode);
+  // The frames' camera; nothing: the map's.
   const std::optional<Pinhole>& own_camera() const { return search_.own_camera; }
 
   // True when the next frame should get twice the features: for the monocular initialiser, and while tracking has few
@@ -87,7 +89,9 @@ class Tracker {
   bool wants_more_features() const;
   // True when the last frame had so few points that the next should have all that mapping can give.
   bool near_loss() const { return health_.near_loss; }
-  TrackState state() const { return state_; }
+  TrackingState state() const { return state_; }
+  // The last frame, with the points that it shows when it was tracked.
+  const TrackedFrame& last_frame() const { return last_.frame; }
   // Frames without a pose before places where the camera was found, newest first, for backtrack(): at the end, when no
   // key frame takes them along. None while the last of these places is tentative.
   std::vector<UnlocatedFrame> unlocated() const {
@@ -105,7 +109,6 @@ class Tracker {
   void begin_submap(Outcome& outcome);
 
   void follow_map(const Map& map);
-  bool may_make_key_frame(const TrackResult& result) const;
 
   // The frame before the current one, and the map as that saw it.
   struct LastFrame {
@@ -133,8 +136,8 @@ class Tracker {
   };
 
   const SharedMap& map_;
-  const TrackingSettings settings_;
-  TrackState state_ = TrackState::not_initialised;
+  TrackingSettings settings_;
+  TrackingState state_ = TrackingState::not_initialised;
   TrackedFrame current_;
   LastFrame last_;
   Health health_;

@@ -24,7 +24,7 @@ class SeveralMapsTest : public TrackerTest {
   int lose_for_long(int i) {
     const Timestamp since = frames.stamp(i);
     for (; frames.stamp(i) - since < from_seconds(settings.options.start.new_map_after); ++i) {
-      EXPECT_EQ(track_blank(i).state, TrackState::lost);
+      EXPECT_EQ(track_blank(i).state, TrackingState::lost);
     }
     return i;
   }
@@ -46,7 +46,7 @@ class NoMotionModelTest : public TrackerTest {
 };
 
 TEST_F(NoMotionModelTest, TheReferenceKeyFrameIsWhereTheMapMovedIt) {
-  for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
+  for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackingState::tracking);
   const SE3 S(so3_exp({0, 0, std::numbers::pi / 2}), {30, 10, 0});
   {
     const auto map = shared.write();
@@ -58,20 +58,20 @@ TEST_F(NoMotionModelTest, TheReferenceKeyFrameIsWhereTheMapMovedIt) {
   }
   tracker.map_moved();
   const TrackResult result = track(frames.features(0), 6);
-  ASSERT_EQ(result.state, TrackState::tracking) << result.reason;
+  ASSERT_EQ(result.state, TrackingState::tracking) << describe(result.reason);
   EXPECT_EQ(result.method, TrackMethod::reference_key_frame);
   EXPECT_LT(distance(result, frames.T_cw(0) * S.inverse()), 0.01);
 }
 
 TEST_F(SeveralMapsTest, AGapIsNotLocatedFromAPlaceThatProvesWrongWithoutALoss) {
-  for (int i = 0; i < frames.count(); ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
+  for (int i = 0; i < frames.count(); ++i) ASSERT_EQ(track(i).state, TrackingState::tracking);
   int i = frames.count();
   const auto show = [&](FeaturesPtr features) {
     const Tracker::Outcome outcome = track_alone(std::move(features), i++);
     do_mapping(outcome);
     return outcome;
   };
-  ASSERT_EQ(show(frames.blank()).result.state, TrackState::lost);
+  ASSERT_EQ(show(frames.blank()).result.state, TrackingState::lost);
   const TrackResult first = show(frames.features(0)).result;
   ASSERT_TRUE(first.tentative);
   EXPECT_TRUE(tracker.unlocated().empty()) << "the place is in doubt";
@@ -80,7 +80,7 @@ TEST_F(SeveralMapsTest, AGapIsNotLocatedFromAPlaceThatProvesWrongWithoutALoss) {
   ASSERT_TRUE(second.result.tentative);
   TrackResult last = second.result;
   for (int k = 2; last.tentative && k < frames.count(); ++k) last = show(frames.features(frames.count() - k)).result;
-  ASSERT_EQ(last.state, TrackState::tracking);
+  ASSERT_EQ(last.state, TrackingState::tracking);
   const std::vector<UnlocatedFrame> waiting = tracker.unlocated();
   ASSERT_EQ(waiting.size(), 2u) << "the blank one, and the one whose pose was taken back";
   EXPECT_EQ(waiting.front().near, second.result.pose.key_frame);
@@ -96,13 +96,13 @@ TEST_F(SeveralMapsTest, ANewMapThatDoesNotHoldLeavesTheOldOneInUse) {
   older.key_frame = shared.read()->root();
   tracker.key_frame_made(older);
   tracker.key_frame_made({.frame = i});
-  EXPECT_EQ(tracker.state(), TrackState::lost);
+  EXPECT_EQ(tracker.state(), TrackingState::lost);
   const size_t key_frames = shared.read()->key_frame_count();
   TrackResult result = track(frames.features(3), ++i);
   EXPECT_EQ(result.method, TrackMethod::recovered);
   for (int k = 4; k < frames.count(); ++k) {
     result = track(frames.features(k), ++i);
-    EXPECT_EQ(result.state, TrackState::tracking) << "frame " << k;
+    EXPECT_EQ(result.state, TrackingState::tracking) << "frame " << k;
   }
   EXPECT_GT(shared.read()->key_frame_count(), key_frames) << "it goes on growing";
 }
@@ -129,7 +129,7 @@ TEST_F(SeveralMapsTest, AReportOfTheOldMapDoesNotPassForTheNewOnes) {
   tracker.key_frame_made(late);
   tracker.key_frame_made(report);
   const TrackResult result = track(frames.elsewhere(1), i + 1);
-  ASSERT_EQ(result.state, TrackState::tracking) << result.reason;
+  ASSERT_EQ(result.state, TrackingState::tracking) << describe(result.reason);
   EXPECT_EQ(result.submap, shared.read()->at(report.key_frame).submap);
   EXPECT_EQ(result.pose.key_frame, report.key_frame);
   EXPECT_LT(distance(result, frames.T_cw(1)), 0.01);
@@ -156,7 +156,7 @@ TEST_F(SeveralMapsTest, AKeyFrameOfAnotherSubmapDoesNotBecomeTheReference) {
   tracker.key_frame_made(mapper.process(*withheld, nullptr));
   for (int k = 2; k < 5; ++k) {
     result = track(frames.features(k), ++i);
-    ASSERT_EQ(result.state, TrackState::tracking) << result.reason;
+    ASSERT_EQ(result.state, TrackingState::tracking) << describe(result.reason);
     EXPECT_NE(result.method, TrackMethod::recovered);
     EXPECT_EQ(result.submap, 0u);
     EXPECT_LT(distance(result, frames.T_cw(k)), 0.01);
@@ -166,7 +166,7 @@ TEST_F(SeveralMapsTest, AKeyFrameOfAnotherSubmapDoesNotBecomeTheReference) {
 // Localisation where the map knows too little: depth carries the pose. The map is looked for again meanwhile, in vain;
 // a submap that looks the same, with its own world, must not become the pose's.
 TEST_F(TrackerTest, DeadReckoningIsLeftAsItIsByALookForTheMap) {
-  for (int i = 0; i < 12; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
+  for (int i = 0; i < 12; ++i) ASSERT_EQ(track(i).state, TrackingState::tracking);
   KeyFrameRequest same_place;
   same_place.frame = 100;
   same_place.features = frames.features(14);
@@ -183,7 +183,7 @@ TEST_F(TrackerTest, DeadReckoningIsLeftAsItIsByALookForTheMap) {
   localizer.start_lost();
   int i = 0;
   const auto follow = [&](int k) { return localizer.track(frames.features(k), i, frames.stamp(i), {}).result; };
-  for (; i < 10; ++i) ASSERT_EQ(follow(i).state, TrackState::tracking) << "frame " << i;  // for more than a second
+  for (; i < 10; ++i) ASSERT_EQ(follow(i).state, TrackingState::tracking) << "frame " << i;  // for more than a second
   {  // Too few points for a pose are left, in each submap enough to be looked at.
     const auto map = shared.write();
     std::vector<std::vector<MapPointId>> points(2);
@@ -200,7 +200,7 @@ TEST_F(TrackerTest, DeadReckoningIsLeftAsItIsByALookForTheMap) {
   int reckoned = 0;
   for (; i < 17; ++i) {
     const TrackResult result = follow(i);
-    ASSERT_EQ(result.state, TrackState::tracking) << "frame " << i << ": " << result.reason;
+    ASSERT_EQ(result.state, TrackingState::tracking) << "frame " << i << ": " << describe(result.reason);
     reckoned += result.method == TrackMethod::dead_reckoned;
     EXPECT_EQ(result.submap, 0u) << "frame " << i;
     EXPECT_LT(distance(result, frames.T_cw(i)), 0.03) << "frame " << i;

@@ -17,7 +17,7 @@ using testing::HasSubstr;
 TEST_F(TrackerTest, FollowsTheTruth) {
   for (int i = 0; i < frames.count(); ++i) {
     const TrackResult result = track(i);
-    ASSERT_EQ(result.state, TrackState::tracking) << "frame " << i << ": " << result.reason;
+    ASSERT_EQ(result.state, TrackingState::tracking) << "frame " << i << ": " << describe(result.reason);
     if (i == 0) {
       EXPECT_EQ(result.method, TrackMethod::initialised);
       continue;
@@ -36,7 +36,7 @@ TEST_F(TrackerTest, FollowsTheTruth) {
 TEST_F(TrackerTest, FramesLeftOutDoNotEndTheMotionModel) {
   for (const int i : {0, 2, 4, 6, 9, 10, 11}) {
     const TrackResult result = track(i);
-    ASSERT_EQ(result.state, TrackState::tracking) << "frame " << i << ": " << result.reason;
+    ASSERT_EQ(result.state, TrackingState::tracking) << "frame " << i << ": " << describe(result.reason);
     if (i < 4) continue;
     EXPECT_EQ(result.method, TrackMethod::motion_model) << "frame " << i;
     EXPECT_LT((result.T_cw.inverse().t() - frames.T_cw(i).inverse().t()).norm(), 0.01) << "frame " << i;
@@ -44,9 +44,9 @@ TEST_F(TrackerTest, FramesLeftOutDoNotEndTheMotionModel) {
 }
 
 TEST_F(TrackerTest, AfterAPauseNoMotionIsExpected) {
-  for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
+  for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackingState::tracking);
   const auto later = tracker.track(frames.features(6), 6, frames.stamp(5) + from_seconds(10.0), {}).result;
-  ASSERT_EQ(later.state, TrackState::tracking) << later.reason;
+  ASSERT_EQ(later.state, TrackingState::tracking) << describe(later.reason);
   EXPECT_EQ(later.method, TrackMethod::reference_key_frame);
   EXPECT_LT((later.T_cw.inverse().t() - frames.T_cw(6).inverse().t()).norm(), 0.01);
 }
@@ -54,13 +54,13 @@ TEST_F(TrackerTest, AfterAPauseNoMotionIsExpected) {
 // A camera of 5 % more focal length sees the same from 5 % farther away; its depths, which are measured without the
 // focal length, hold it a little.
 TEST_F(TrackerTest, TheFirstFrameAfterARefinementIsTrackedByTheRefinedCamera) {
-  for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
+  for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackingState::tracking);
   Pinhole longer = frames.camera();
   for (double* value : {&longer.fx, &longer.fy, &longer.bf}) *value *= 1.05;
   shared.write()->set_camera(longer);
   tracker.map_moved();
   const TrackResult result = track(6);
-  ASSERT_EQ(result.state, TrackState::tracking) << result.reason;
+  ASSERT_EQ(result.state, TrackingState::tracking) << describe(result.reason);
   double depth = 0;
   int points = 0;
   shared.read()->for_each_point([&](MapPointId, const MapPoint& p) {
@@ -93,7 +93,7 @@ TEST_P(TurningTest, AKeyFrameIsDueWhereTheViewHasTurnedAwayFromItsReference) {
   track(0);
   for (int i = 1; i < frames.count(); ++i) {
     const TrackResult result = track(i);
-    ASSERT_EQ(result.state, TrackState::tracking) << "frame " << i << ": " << result.reason;
+    ASSERT_EQ(result.state, TrackingState::tracking) << "frame " << i << ": " << describe(result.reason);
     const double turned = std::acos(result.pose.T_cr.R()(2, 2));
     EXPECT_EQ(result.key_frame, turned > GetParam() * view) << "frame " << i << ": " << turned;
     due += result.key_frame;
@@ -121,23 +121,23 @@ TEST_P(NewPointsTest, AKeyFrameIsDueWhereTooFewOfAllPointsOfTheReferenceAreLeft)
   for (int i = 0; i < frames.count(); ++i) {
     const Tracker::Outcome outcome = track_alone(frames.features(i), i);
     const TrackResult& result = outcome.result;
-    if (result.state == TrackState::tracking && result.method != TrackMethod::initialised) {
+    if (result.state == TrackingState::tracking && result.method != TrackMethod::initialised) {
       const int all = shared.read()->tracked_points(result.pose.key_frame, 2);
       EXPECT_EQ(result.key_frame, result.inliers < GetParam() * all) << "frame " << i;
       due += result.key_frame;
     }
     do_mapping(outcome);
   }
-  ASSERT_EQ(tracker.state(), TrackState::tracking);
+  ASSERT_EQ(tracker.state(), TrackingState::tracking);
   EXPECT_EQ(due >= 2, GetParam() > 0) << due;
 }
 
 TEST_F(TrackerTest, NothingToSeeIsNoFirstKeyFrame) {
   const TrackResult result = track_blank(0);
-  EXPECT_EQ(result.state, TrackState::not_initialised);
-  EXPECT_EQ(result.reason, "too few features for a first key frame");
+  EXPECT_EQ(result.state, TrackingState::not_initialised);
+  EXPECT_EQ(result.reason, NoPoseReason::few_features);
   EXPECT_EQ(shared.read()->key_frame_count(), 0u);
-  EXPECT_EQ(track(1).state, TrackState::tracking) << "the next one may be";
+  EXPECT_EQ(track(1).state, TrackingState::tracking) << "the next one may be";
 }
 
 TEST_F(TrackerTest, FeaturesWithoutDepthAreNoFirstKeyFrame) {
@@ -145,19 +145,19 @@ TEST_F(TrackerTest, FeaturesWithoutDepthAreNoFirstKeyFrame) {
   std::fill(flat.depth.begin(), flat.depth.end(), 0.0f);
   std::fill(flat.u_right.begin(), flat.u_right.end(), -1.0f);
   const TrackResult result = track(std::make_shared<Features>(flat), 0);
-  EXPECT_EQ(result.state, TrackState::not_initialised);
-  EXPECT_EQ(result.reason, "too few features with depth for a first key frame");
+  EXPECT_EQ(result.state, TrackingState::not_initialised);
+  EXPECT_EQ(result.reason, NoPoseReason::few_features_with_depth);
 }
 
 TEST_F(TrackerTest, LossKeepsTheMapSaysWhyAndEndsWhenAKnownViewComes) {
-  for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackState::tracking);
+  for (int i = 0; i < 6; ++i) ASSERT_EQ(track(i).state, TrackingState::tracking);
   EXPECT_FALSE(tracker.wants_more_features());
   EXPECT_FALSE(tracker.near_loss());
   const size_t points = shared.read()->point_count();
   for (int i = 6; i < 9; ++i) {
     const TrackResult lost = track_blank(i);
-    EXPECT_EQ(lost.state, TrackState::lost);
-    EXPECT_THAT(std::string(lost.reason), HasSubstr("matches"));
+    EXPECT_EQ(lost.state, TrackingState::lost);
+    EXPECT_THAT(std::string(describe(lost.reason)), HasSubstr("matches"));
     EXPECT_EQ(lost.inliers, 0);
     EXPECT_FALSE(lost.key_frame);
   }
@@ -165,7 +165,7 @@ TEST_F(TrackerTest, LossKeepsTheMapSaysWhyAndEndsWhenAKnownViewComes) {
   EXPECT_TRUE(tracker.near_loss());
   EXPECT_EQ(shared.read()->point_count(), points);
   const TrackResult found = track(frames.features(5), 9);
-  EXPECT_EQ(found.state, TrackState::tracking);
+  EXPECT_EQ(found.state, TrackingState::tracking);
   EXPECT_EQ(found.method, TrackMethod::recovered);
   EXPECT_GE(found.inliers, settings.options.recovery.min_inliers_recovered);
   EXPECT_LT((found.T_cw.inverse().t() - frames.T_cw(5).inverse().t()).norm(), 0.01);
@@ -174,22 +174,22 @@ TEST_F(TrackerTest, LossKeepsTheMapSaysWhyAndEndsWhenAKnownViewComes) {
 TEST_F(TrackerTest, AJumpOfTheCameraIsSurvivedByTheReferenceKeyFrame) {
   for (int i = 0; i < 6; ++i) track(i);
   const TrackResult jumped = track(frames.features(0), 6);
-  ASSERT_EQ(jumped.state, TrackState::tracking) << jumped.reason;
+  ASSERT_EQ(jumped.state, TrackingState::tracking) << describe(jumped.reason);
   EXPECT_LT((jumped.T_cw.inverse().t() - frames.T_cw(0).inverse().t()).norm(), 0.01);
 }
 
 TEST_F(MonocularTrackerTest, SaysWhatItWaitsFor) {
-  EXPECT_EQ(track_blank(0).reason, "too few features for a first view");
+  EXPECT_EQ(track_blank(0).reason, NoPoseReason::few_features);
   EXPECT_TRUE(tracker.wants_more_features());
   const TrackResult still = track(frames.features(0), 1);
-  EXPECT_EQ(still.state, TrackState::not_initialised);
-  EXPECT_THAT(std::string(track(frames.features(0), 2).reason), HasSubstr("parallax")) << "the same view twice";
+  EXPECT_EQ(still.state, TrackingState::not_initialised);
+  EXPECT_EQ(track(frames.features(0), 2).reason, NoPoseReason::low_parallax) << "the same view twice";
   EXPECT_EQ(shared.read()->key_frame_count(), 0u);
 }
 
 TEST_F(MonocularTrackerTest, FramesBeforeTheMapWaitUntilItWillStay) {
   int begun = 0;
-  while (begun < frames.count() && track(begun).state != TrackState::tracking) ++begun;
+  while (begun < frames.count() && track(begun).state != TrackingState::tracking) ++begun;
   ASSERT_GT(begun, 0);
   for (int i = begun + 1; i < frames.count(); ++i) {
     const size_t key_frames = shared.read()->key_frame_count();
@@ -210,8 +210,8 @@ TEST_F(MonocularTrackerTest, FramesBeforeTheMapWaitUntilItWillStay) {
 
 TEST_F(MonocularTrackerTest, AYoungMapThatIsLostIsGivenUp) {
   int i = 0;
-  while (i < frames.count() - 1 && track(i).state != TrackState::tracking) ++i;
-  ASSERT_EQ(tracker.state(), TrackState::tracking);
+  while (i < frames.count() - 1 && track(i).state != TrackingState::tracking) ++i;
+  ASSERT_EQ(tracker.state(), TrackingState::tracking);
   ASSERT_GE(shared.read()->key_frame_count(), 2u);
   EXPECT_FALSE(tracker.unlocated().empty());
   track_blank(i + 1);
@@ -220,20 +220,20 @@ TEST_F(MonocularTrackerTest, AYoungMapThatIsLostIsGivenUp) {
   const int first_lost = ++i;
   TrackResult last;
   for (; i < first_lost + 16; ++i) last = track(frames.blank(), i);
-  EXPECT_EQ(last.state, TrackState::not_initialised);
+  EXPECT_EQ(last.state, TrackingState::not_initialised);
   EXPECT_EQ(shared.read()->key_frame_count(), 0u);
 }
 
 TEST_F(MonocularTrackerTest, AYoungMapThatIsLostIsReplacedAsSoonAsAnotherCanBegin) {
   int begun = 0;
-  while (begun < frames.count() / 2 && track(begun).state != TrackState::tracking) ++begun;
+  while (begun < frames.count() / 2 && track(begun).state != TrackingState::tracking) ++begun;
   int away = begun + 1;  // the first frame in another place
   TrackResult last = track(away++);
   while (last.key_frame) last = track(away++);
-  ASSERT_EQ(last.state, TrackState::tracking) << "its points are counted, and no key frame took the counts";
+  ASSERT_EQ(last.state, TrackingState::tracking) << "its points are counted, and no key frame took the counts";
   const uint32_t first = shared.read()->submaps().front().id;
   for (int i = 0; i <= begun; ++i) last = track(frames.elsewhere(i), away + i);
-  EXPECT_EQ(last.state, TrackState::tracking) << last.reason;
+  EXPECT_EQ(last.state, TrackingState::tracking) << describe(last.reason);
   ASSERT_EQ(shared.read()->submaps().size(), 1u);
   EXPECT_NE(shared.read()->submaps().front().id, first);
   EXPECT_EQ(shared.read()->check(), "");
@@ -251,16 +251,16 @@ TEST_F(MonocularTrackerTest, AYoungMapThatIsLostIsReplacedAsSoonAsAnotherCanBegi
 
 TEST_F(MonocularTrackerTest, AllBeginsAnewWhereWhatReplacesAYoungMapDoesNotHold) {
   int begun = 0;
-  while (begun < frames.count() / 2 && track(begun).state != TrackState::tracking) ++begun;
-  ASSERT_EQ(tracker.state(), TrackState::tracking);
+  while (begun < frames.count() / 2 && track(begun).state != TrackingState::tracking) ++begun;
+  ASSERT_EQ(tracker.state(), TrackingState::tracking);
   for (int i = 0; i <= begun; ++i) {
     const Tracker::Outcome outcome = track_alone(frames.elsewhere(i), begun + 1 + i);
     if (!outcome.discard_submap) continue;
     shared.write()->erase_submap(*outcome.discard_submap);
     tracker.key_frame_made({.frame = begun + 1 + i});
   }
-  EXPECT_EQ(tracker.state(), TrackState::not_initialised);
-  EXPECT_EQ(track(frames.elsewhere(begun + 1), 2 * begun + 2).reason, "waiting for parallax");
+  EXPECT_EQ(tracker.state(), TrackingState::not_initialised);
+  EXPECT_EQ(track(frames.elsewhere(begun + 1), 2 * begun + 2).reason, NoPoseReason::waiting_for_parallax);
 }
 
 }  // namespace

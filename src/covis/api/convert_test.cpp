@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/api/convert.h"
+
+#include <gtest/gtest.h>
+
+#include "covis/core/random.h"
+#include "covis/geometry/lie.h"
+
+namespace covis {
+namespace {
+
+SE3 random_pose(Random& random) {
+  const auto draw = [&] { return Eigen::Vector3d(random.normal(), random.normal(), random.normal()); };
+  return SE3(so3_exp(draw()), draw());
+}
+
+TEST(Convert, APoseComesBack) {
+  Random random(1);
+  for (int k = 0; k < 10; ++k) {
+    const SE3 T = random_pose(random), back = to_se3(to_pose(T));
+    EXPECT_LT((T.t() - back.t()).norm(), 1e-12);
+    EXPECT_LT((T.R() - back.R()).norm(), 1e-12);
+  }
+}
+
+TEST(Convert, OnlyAFrameWithAPoseHasItsFigures) {
+  TrackResult track;
+  track.state = TrackingState::lost;
+  track.reason = NoPoseReason::few_map_points_agree;
+  track.information = Matrix6d::Identity();
+  const FrameResult lost = to_result(track);
+  EXPECT_EQ(lost.reason, NoPoseReason::few_map_points_agree);
+  EXPECT_FALSE(lost.covariance);
+  track.state = TrackingState::tracking;
+  EXPECT_TRUE(to_result(track).covariance);
+  track.information = Matrix6d::Zero();
+  EXPECT_FALSE(to_result(track).covariance) << "nothing is known";
+}
+
+// Poses drawn from the information about T_cw scatter, as T_wc, with the covariance that is given for them.
+TEST(Convert, TheCovarianceIsThatOfThePoseInTheWorld) {
+  Random random(2);
+  TrackResult track;
+  track.state = TrackingState::tracking;
+  track.T_cw = random_pose(random);
+  Matrix6d root = Matrix6d::Random() * 1e-3 + Matrix6d::Identity() * 2e-3;
+  track.information = (root * root.transpose()).inverse();
+  const auto covariance = to_result(track).covariance;
+  ASSERT_TRUE(covariance);
+  const SE3 T_wc = track.T_cw.inverse();
+  Matrix6d seen = Matrix6d::Zero();
+  constexpr int kDraws = 20000;
+  for (int k = 0; k < kDraws; ++k) {
+    Vector6d unit;
+    for (int i = 0; i < 6; ++i) unit[i] = random.normal();
+    const SE3 drawn = (SE3::exp(root * unit) * track.T_cw).inverse();
+    Vector6d d;
+    d << drawn.t() - T_wc.t(), so3_log(drawn.R() * T_wc.R().transpose());
+    seen += d * d.transpose() / kDraws;
+  }
+  const Matrix6d told = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(covariance->data());
+  EXPECT_LT((seen - told).norm(), 0.05 * told.norm());
+  EXPECT_EQ(told, told.transpose());
+}
+
+}  // namespace
+}  // namespace covis

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/api/events.h"
+
+#include <utility>
+
+namespace covis {
+namespace {
+
+using Kind = Event::Kind;
+
+// A key frame that was erased meanwhile is nothing to tell of.
+void tell_key_frame(KeyFrameId id, const Map& map, std::vector<Event>& events) {
+  const KeyFrame* key_frame = map.find(id);
+  if (!key_frame) return;
+  events.push_back({.kind = Kind::key_frame_made,
+                    .stamp = key_frame->stamp,
+                    .submap = static_cast<int>(key_frame->submap),
+                    .key_frame = key_frame->serial});
+}
+
+void tell_loop(const MappingReport& report, const Map& map, std::vector<Event>& events) {
+  if (!report.loop.changed_map()) return;
+  const KeyFrame *key_frame = map.find(report.key_frame), *place = map.find(report.loop.loop);
+  Event event{.kind = report.loop.outcome == LoopOutcome::joined ? Kind::submaps_joined : Kind::loop_closed};
+  if (place) {
+    event.submap = static_cast<int>(place->submap);
+    event.place = place->serial;
+  }
+  if (key_frame) {
+    event.stamp = key_frame->stamp;
+    event.submap = static_cast<int>(key_frame->submap);
+    event.key_frame = key_frame->serial;
+  }
+  events.push_back(event);
+}
+
+}  // namespace
+
+std::vector<Event> EventTeller::of_mapping(const std::vector<MappingReport>& reports, const SharedMap& map) {
+  std::vector<Event> events;
+  if (reports.empty()) return events;
+  const auto guard = map.read();
+  for (const MappingReport& report : reports) {
+    tell_key_frame(report.first, *guard, events);
+    tell_key_frame(report.key_frame, *guard, events);
+    tell_loop(report, *guard, events);
+  }
+  return events;
+}
+
+std::vector<Event> EventTeller::of_frame(int64_t stamp, const FrameReport& report, const SharedMap& map) {
+  const TrackResult& track = report.track;
+  const TrackingState before = std::exchange(state_, track.state);
+  std::vector<Event> events = of_mapping(report.mapping, map);
+  const auto tell = [&](Kind kind, uint32_t submap) {
+    events.push_back({.kind = kind, .stamp = stamp, .submap = static_cast<int>(submap), .reason = track.reason});
+  };
+  if (report.discarded_submap) tell(Kind::submap_discarded, *report.discarded_submap);
+  if (track.state == TrackingState::tracking && track.method == TrackMethod::initialised) {
+    tell(Kind::submap_begun, track.submap);
+  } else if (track.state == TrackingState::tracking && before == TrackingState::lost) {
+    tell(Kind::found, track.submap);
+  } else if (track.state != TrackingState::tracking && before == TrackingState::tracking) {
+    tell(Kind::lost, 0);
+  }
+  return events;
+}
+
+}  // namespace covis

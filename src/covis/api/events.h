@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tells what happened from what tracking and mapping report.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "covis/covis.h"
+#include "covis/slam/system.h"
+
+namespace covis {
+
+class EventTeller {
+ public:
+  // `state`: that before the first frame.
+  explicit EventTeller(TrackingState state) : state_(state) {}
+
+  // The events of a frame in their order: mapping's first, then the camera's.
+  std::vector<Event> of_frame(int64_t stamp, const FrameReport& report, const SharedMap& map);
+  // Mapping's events.
+  static std::vector<Event> of_mapping(const std::vector<MappingReport>& reports, const SharedMap& map);
+
+ private:
+  TrackingState state_;
+};
+
+}  // namespace covis

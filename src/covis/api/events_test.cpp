@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/api/events.h"
+
+#include <gtest/gtest.h>
+
+#include "covis/map/test_map.h"
+
+namespace covis {
+namespace {
+
+using Kind = Event::Kind;
+
+// A map with three key frames; the reports name them.
+class EventsTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    MapFixture made;
+    a = made.frame(0);
+    b = made.frame(1);
+    c = made.frame(2);
+    *shared.write() = std::move(made.map);
+  }
+  uint32_t serial(KeyFrameId id) const { return shared.read()->at(id).serial; }
+  static MappingReport mapped(KeyFrameId key_frame) {
+    MappingReport report;
+    report.key_frame = key_frame;
+    return report;
+  }
+  static std::vector<Kind> kinds(const std::vector<Event>& events) {
+    std::vector<Kind> kinds;
+    for (const Event& event : events) kinds.push_back(event.kind);
+    return kinds;
+  }
+  std::vector<Kind> show(EventTeller& teller, TrackingState state, TrackMethod method = TrackMethod::motion_model) {
+    FrameReport report;
+    report.track.state = state;
+    report.track.method = method;
+    return kinds(teller.of_frame(stamp_ += 10, report, shared));
+  }
+
+  KeyFrameId a, b, c;
+  SharedMap shared;
+
+ private:
+  int64_t stamp_ = 0;
+};
+
+TEST_F(EventsTest, KeyFramesOfAnInitialMapAreToldInTheirOrder) {
+  MappingReport report = mapped(b);
+  report.first = a;
+  const auto events = EventTeller::of_mapping({report}, shared);
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[0].key_frame, serial(a));
+  EXPECT_EQ(events[1].key_frame, serial(b));
+  EXPECT_EQ(events[1].stamp, shared.read()->at(b).stamp);
+}
+
+TEST_F(EventsTest, AKeyFrameThatWasRefusedIsNotTold) {
+  EXPECT_TRUE(EventTeller::of_mapping({mapped({})}, shared).empty());
+  EXPECT_TRUE(EventTeller::of_mapping({}, shared).empty());
+}
+
+TEST_F(EventsTest, ALoopNamesBothKeyFrames) {
+  for (const auto& [outcome, kind] :
+       {std::pair{LoopOutcome::closed, Kind::loop_closed}, std::pair{LoopOutcome::joined, Kind::submaps_joined}}) {
+    MappingReport report = mapped(c);
+    report.loop.outcome = outcome;
+    report.loop.loop = a;
+    const auto events = EventTeller::of_mapping({report}, shared);
+    EXPECT_EQ(kinds(events), (std::vector{Kind::key_frame_made, kind}));
+    EXPECT_EQ(events[1].key_frame, serial(c));
+    EXPECT_EQ(events[1].place, serial(a));
+  }
+  MappingReport fused = mapped(c);
+  fused.loop.outcome = LoopOutcome::fused;
+  EXPECT_EQ(EventTeller::of_mapping({fused}, shared).size(), 1u) << "no pose has moved";
+}
+
+TEST_F(EventsTest, LossesAndFindsAreToldOnce) {
+  EventTeller teller(TrackingState::not_initialised);
+  using S = TrackingState;
+  EXPECT_TRUE(show(teller, S::not_initialised).empty());
+  EXPECT_EQ(show(teller, S::tracking, TrackMethod::initialised), std::vector{Kind::submap_begun});
+  EXPECT_TRUE(show(teller, S::tracking).empty());
+  EXPECT_EQ(show(teller, S::lost), std::vector{Kind::lost});
+  EXPECT_TRUE(show(teller, S::lost).empty());
+  EXPECT_EQ(show(teller, S::tracking, TrackMethod::recovered), std::vector{Kind::found});
+  EXPECT_EQ(show(teller, S::lost), std::vector{Kind::lost});
+  EXPECT_EQ(show(teller, S::tracking, TrackMethod::initialised), std::vector{Kind::submap_begun})
+      << "the camera was not found: it is in a submap of its own";
+
+  EventTeller loaded(TrackingState::lost);
+  EXPECT_EQ(show(loaded, S::tracking, TrackMethod::recovered), std::vector{Kind::found});
+}
+
+TEST_F(EventsTest, ASubmapGivenUpIsTold) {
+  EventTeller teller(TrackingState::tracking);
+  FrameReport report;
+  report.track.state = TrackingState::not_initialised;
+  report.track.reason = NoPoseReason::few_map_points_agree;
+  report.discarded_submap = 3;
+  const auto events = teller.of_frame(70, report, shared);
+  EXPECT_EQ(kinds(events), (std::vector{Kind::submap_discarded, Kind::lost}));
+  EXPECT_EQ(events[0].submap, 3);
+  EXPECT_EQ(events[1].reason, NoPoseReason::few_map_points_agree);
+  EXPECT_EQ(events[1].stamp, 70);
+}
+
+}  // namespace
+}  // namespace covis
