@@ -63,7 +63,7 @@ FORBIDDEN_CALLS = [
 # Public headers of plain values, which the library works with too.
 PLAIN_PUBLIC = {'covis/types.h', 'covis/snapshot.h', 'covis/log.h'}
 
-SOURCE_FOLDERS = ['src', 'include', 'synth', 'apps', 'bench', 'tests', 'tools', 'cmake', '.ci']
+SOURCE_FOLDERS = ['src', 'include', 'examples', 'python', 'synth', 'apps', 'bench', 'tests', 'tools', 'cmake', '.ci']
 SOURCE_SUFFIXES = {'.h', '.hpp', '.cpp', '.cmake', '.py', '.sh'}
 INCLUDE = re.compile(r'\s*#\s*include\s*([<"])([^>"]+)[>"]')
 COMMENT_OR_STRING = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"', re.DOTALL)

@@ -21,6 +21,18 @@ Distortion to_distortion(LensType lens) {
   return Distortion::none;
 }
 
+LensType to_lens(Distortion distortion) {
+  switch (distortion) {
+    case Distortion::none:
+      return LensType::none;
+    case Distortion::brown_conrady:
+      return LensType::brown_conrady;
+    case Distortion::kannala_brandt:
+      return LensType::kannala_brandt;
+  }
+  return LensType::none;
+}
+
 // The problem of an impossible lens or size, of any camera.
 std::optional<std::string> lens_problem(const CameraParameters& c) {
   if (c.width < 64 || c.height < 64) return "width and height must be at least 64 pixels";
@@ -140,15 +152,20 @@ Camera to_camera(const CameraParameters& parameters, SensorType sensor) {
   return camera;
 }
 
-CameraParameters to_parameters(const Camera& rectified) {
-  const Pinhole& p = rectified.pinhole;
-  return {.width = rectified.width,
-          .height = rectified.height,
-          .fx = p.fx,
-          .fy = p.fy,
-          .cx = p.cx,
-          .cy = p.cy,
-          .baseline = p.baseline()};
+CameraParameters to_parameters(const Camera& camera) {
+  const Pinhole& p = camera.pinhole;
+  CameraParameters made{.width = camera.width,
+                        .height = camera.height,
+                        .fx = p.fx,
+                        .fy = p.fy,
+                        .cx = p.cx,
+                        .cy = p.cy,
+                        .baseline = p.baseline(),
+                        .depth_sigma_a = p.depth_noise.a,
+                        .depth_sigma_b = p.depth_noise.b,
+                        .lens = to_lens(camera.distortion)};
+  std::copy(camera.coefficients.begin(), camera.coefficients.end(), std::begin(made.distortion));
+  return made;
 }
 
 CameraParameters in_use(CameraParameters given, const Pinhole& now) {

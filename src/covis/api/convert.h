@@ -26,8 +26,7 @@ inline ImageView<const float> to_view(const DepthImage& i) { return {i.data, i.w
 // The problem of options with an impossible camera; nothing for a possible one.
 std::optional<std::string> camera_problem(const SlamOptions& options);
 Camera to_camera(const CameraParameters& parameters, SensorType sensor);
-// Of a rectified stereo pair.
-CameraParameters to_parameters(const Camera& rectified);
+CameraParameters to_parameters(const Camera& camera);
 // `given` with the figures in use now.
 CameraParameters in_use(CameraParameters given, const Pinhole& now);
 

@@ -23,6 +23,27 @@ TEST(Convert, APoseComesBack) {
   }
 }
 
+TEST(Convert, ACameraComesBack) {
+  const CameraParameters given{.width = 640,
+                               .height = 480,
+                               .fx = 500,
+                               .fy = 510,
+                               .cx = 320,
+                               .cy = 240,
+                               .baseline = 0.1,
+                               .depth_sigma_a = 0.001,
+                               .depth_sigma_b = 0.002,
+                               .lens = LensType::kannala_brandt,
+                               .distortion = {0.1, 0.2, 0.3, 0.4, 0}};
+  const CameraParameters back = to_parameters(to_camera(given, SensorType::rgbd));
+  EXPECT_EQ(back.height, given.height);
+  EXPECT_EQ(back.fy, given.fy);
+  EXPECT_NEAR(back.baseline, given.baseline, 1e-12);
+  EXPECT_EQ(back.depth_sigma_b, given.depth_sigma_b);
+  EXPECT_EQ(back.lens, given.lens);
+  EXPECT_EQ(back.distortion[3], given.distortion[3]);
+}
+
 TEST(Convert, OnlyAFrameWithAPoseHasItsFigures) {
   TrackResult track;
   track.state = TrackingState::lost;

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A picture of a path, with matplotlib."""
+
+
+def plot(trajectory, truth=None, ax=None, align='se3'):
+    """Draws a Trajectory from above (x to the right, z up), and the truth if it is given, to which it is aligned.
+
+    Returns the matplotlib axes: `covis.plot(path).figure.savefig('path.png')`. Matplotlib is needed for this alone.
+    """
+    from . import _covis
+    if ax is None:
+        from matplotlib.figure import Figure
+        ax = Figure(figsize=(7, 7)).add_subplot()
+    if truth is None:
+        position = trajectory.positions
+        ax.plot(position[:, 0], position[:, 2], label='Covis')
+    else:
+        compared = _covis.evaluate(trajectory, truth, align=align)
+        # The plane in which the true path goes farthest.
+        first, second = sorted(range(3), key=lambda k: -float(compared.truth[:, k].ptp()))[:2]
+        first, second = min(first, second), max(first, second)
+        ax.plot(compared.truth[:, first], compared.truth[:, second], color='0.6', label='truth')
+        ax.plot(compared.estimate[:, first], compared.estimate[:, second], label=f'Covis, ATE {compared.ate_rmse:.4f} m')
+    ax.set_aspect('equal', adjustable='datalim')
+    ax.set_xlabel('metres')
+    ax.legend()
+    return ax

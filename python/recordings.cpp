@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recordings, trajectories and errors for the Python module: what the command has, as objects.
+#include <pybind11/stl.h>
+
+#include <nlohmann/json.hpp>
+
+#include "arrays.h"
+#include "covis/api/convert.h"
+#include "covis/eval/evaluation.h"
+#include "covis/io/sequence.h"
+
+namespace covis::python {
+namespace {
+
+template <class T>
+T value(Result<T> result) {
+  if (!result) throw CovisError(result.error().message);
+  if constexpr (!std::is_void_v<T>) return std::move(*result);
+}
+
+template <class Enum>
+Enum choose(const char* what, const std::string& text, const std::vector<std::pair<const char*, Enum>>& choices) {
+  std::string known;
+  for (const auto& [name, choice] : choices) {
+    if (text == name) return choice;
+    known += (known.empty() ? "" : ", ") + std::string(name);
+  }
+  throw py::value_error(std::string(what) + ": '" + text + "' is none of " + known);
+}
+
+// ---- Trajectories ----
+
+io::TrajectoryFormat format_of(const std::string& text) {
+  using F = io::TrajectoryFormat;
+  return choose<F>("format", text,
+                   {{"automatic", F::automatic}, {"tum", F::tum}, {"kitti", F::kitti}, {"euroc", F::euroc}});
+}
+
+// Flat copies of a trajectory, for NumPy.
+struct PyTrajectory {
+  std::vector<TrajectoryPose> poses;
+
+  static PyTrajectory of(const Trajectory& trajectory) {
+    PyTrajectory made;
+    for (const StampedPose& pose : trajectory) made.poses.push_back({pose.stamp, to_pose(pose.T_wc), 0});
+    return made;
+  }
+  Trajectory internal() const {
+    Trajectory trajectory;
+    for (const TrajectoryPose& pose : poses) trajectory.push_back({pose.stamp, to_se3(pose.pose)});
+    return trajectory;
+  }
+};
+
+PyTrajectory from_arrays(const std::vector<int64_t>& stamps,
+                         const py::array_t<double, py::array::c_style | py::array::forcecast>& positions,
+                         const py::array_t<double, py::array::c_style | py::array::forcecast>& quaternions) {
+  const auto n = static_cast<py::ssize_t>(stamps.size());
+  if (positions.ndim() != 2 || positions.shape(0) != n || positions.shape(1) != 3)
+    throw py::value_error("positions: a shape (n, 3) with a row for each stamp is wanted");
+  if (quaternions.ndim() != 2 || quaternions.shape(0) != n || quaternions.shape(1) != 4)
+    throw py::value_error("quaternions: a shape (n, 4) with a row for each stamp is wanted");
+  const auto p = positions.unchecked<2>(), q = quaternions.unchecked<2>();
+  PyTrajectory made;
+  for (py::ssize_t i = 0; i < n; ++i) {
+    const Pose pose{p(i, 0), p(i, 1), p(i, 2), q(i, 0), q(i, 1), q(i, 2), q(i, 3)};
+    if (!to_se3(pose).all_finite()) throw py::value_error("row " + std::to_string(i) + " is not finite");
+    made.poses.push_back({stamps[static_cast<size_t>(i)], pose, 0});
+  }
+  return made;
+}
+
+void bind_trajectory(py::module_& m) {
+  const auto column = [](size_t columns, auto member) {
+    return [=](const py::object& self) {
+      return column_of(self.cast<const PyTrajectory&>().poses, columns, member, self);
+    };
+  };
+  py::class_<PyTrajectory>(m, "Trajectory", "Stamped poses, camera to world.")
+      .def(py::init(&from_arrays), py::arg("stamps"), py::arg("positions"), py::arg("quaternions"))
+      .def_static(
+          "load",
+          [](const std::string& file, const std::string& format, const std::string& stamps) {
+            return PyTrajectory::of(value(io::read_trajectory(file, format_of(format), stamps)));
+          },
+          py::arg("file"), py::arg("format") = "automatic", py::arg("stamps") = "")
+      .def(
+          "save",
+          [](const PyTrajectory& t, const std::string& file, const std::string& format) {
+            value(io::write_trajectory(file, t.internal(), format_of(format)));
+          },
+          py::arg("file"), py::arg("format") = "tum")
+      .def("__len__", [](const PyTrajectory& t) { return t.poses.size(); })
+      .def("__getitem__",
+           [](const PyTrajectory& t, py::ssize_t i) {
+             const auto n = static_cast<py::ssize_t>(t.poses.size());
+             if (i < -n || i >= n) throw py::index_error();
+             return t.poses[static_cast<size_t>(i < 0 ? i + n : i)].pose;
+           })
+      .def_property_readonly("stamps",
+                             column(
+                                 0, [](auto& t) -> auto& { return t.stamp; }),
+                             "(n), int64, nanoseconds.")
+      .def_property_readonly("positions",
+                             column(
+                                 3, [](auto& t) -> auto& { return t.pose.x; }),
+                             "(n, 3), metres.")
+      .def_property_readonly("quaternions",
+                             column(
+                                 4, [](auto& t) -> auto& { return t.pose.qx; }),
+                             "(n, 4), x y z w.")
+      .def_property_readonly("submaps", column(
+                                            0, [](auto& t) -> auto& { return t.submap; }));
+  m.def(
+      "_trajectory_of", [](const Slam& slam) { return PyTrajectory{slam.trajectory()}; },
+      py::call_guard<py::gil_scoped_release>());
+}
+
+// ---- Errors ----
+
+struct PyEvaluation {
+  Evaluation evaluation;
+  std::vector<std::array<double, 3>> estimate, truth;
+  std::vector<double> errors;
+};
+
+PyEvaluation evaluate_both(const PyTrajectory& estimate, const PyTrajectory& truth, const std::string& align,
+                           double max_difference) {
+  EvaluationOptions options;
+  options.align = choose<AlignMode>("align", align,
+                                    {{"se3", AlignMode::se3},
+                                     {"sim3", AlignMode::sim3},
+                                     {"none", AlignMode::none},
+                                     {"first", AlignMode::first},
+                                     {"first-sim3", AlignMode::first_sim3}});
+  options.max_difference = max_difference;
+  PyEvaluation made;
+  {
+    const py::gil_scoped_release released;
+    made.evaluation = value(evaluate(estimate.internal(), truth.internal(), options));
+  }
+  for (const ComparedPose& pose : made.evaluation.compared) {
+    const auto put = [](const SE3& T) { return std::array{T.t().x(), T.t().y(), T.t().z()}; };
+    made.estimate.push_back(put(pose.estimate));
+    made.truth.push_back(put(pose.truth));
+    made.errors.push_back(pose.error);
+  }
+  return made;
+}
+
+void bind_evaluation(py::module_& m) {
+  const auto positions = [](auto list) {
+    return [=](const py::object& self) {
+      return column_of(
+          self.cast<const PyEvaluation&>().*list, 3, [](auto& p) -> auto& { return p[0]; }, self);
+    };
+  };
+  const auto figure = [](auto get) { return [=](const PyEvaluation& e) { return get(e.evaluation); }; };
+  py::class_<PyEvaluation>(m, "Evaluation", "How far a trajectory is from the truth.")
+      .def_property_readonly("ate_rmse", figure([](const Evaluation& e) { return e.ate.rmse; }), "Metres.")
+      .def_property_readonly("scale", figure([](const Evaluation& e) { return e.scale; }))
+      .def_property_readonly("coverage", figure([](const Evaluation& e) { return e.coverage; }),
+                             "Share of the true poses that have an estimate.")
+      .def_property_readonly("path_length", figure([](const Evaluation& e) { return e.path_length; }), "Metres.")
+      .def_property_readonly(
+          "figures",
+          [](const PyEvaluation& e) { return py::module_::import("json").attr("loads")(to_json(e.evaluation).dump()); },
+          "All figures, as `covis eval --json` gives them.")
+      .def_property_readonly("estimate", positions(&PyEvaluation::estimate), "(n, 3), aligned to the truth, metres.")
+      .def_property_readonly("truth", positions(&PyEvaluation::truth), "(n, 3), metres.")
+      .def_property_readonly(
+          "errors",
+          [](const py::object& self) {
+            const auto& e = self.cast<const PyEvaluation&>().errors;
+            return view_of(e.data(), e.size(), 0, sizeof(double), self);
+          },
+          "(n), metres.")
+      .def("__str__", figure([](const Evaluation& e) { return to_text(e); }));
+  m.def("evaluate", &evaluate_both, py::arg("estimate"), py::arg("truth"), py::arg("align") = "se3",
+        py::arg("max_difference") = 0.02);
+}
+
+// ---- Recordings ----
+
+struct PyRecording {
+  std::shared_ptr<io::Sequence> sequence;
+};
+
+PyRecording open(const std::string& path, const std::string& kind, const std::string& sensor,
+                 const std::string& camera_file, int64_t first, int64_t count, int stride) {
+  io::SequenceOptions options;
+  using K = io::SequenceKind;
+  options.kind = choose<K>("kind", kind,
+                           {{"automatic", K::automatic},
+                            {"tum", K::tum},
+                            {"kitti", K::kitti},
+                            {"euroc", K::euroc},
+                            {"images", K::images},
+                            {"video", K::video},
+                            {"camera", K::camera}});
+  if (!sensor.empty())
+    options.sensor = choose<Sensor>("sensor", sensor,
+                                    {{"mono", Sensor::monocular}, {"stereo", Sensor::stereo}, {"rgbd", Sensor::rgbd}});
+  options.camera_file = camera_file;
+  options.first = first;
+  options.count = count;
+  options.stride = stride;
+  const py::gil_scoped_release released;
+  return {value(io::open_sequence(path, options))};
+}
+
+SensorType public_sensor(Sensor sensor) {
+  return sensor == Sensor::monocular ? SensorType::monocular
+         : sensor == Sensor::stereo  ? SensorType::stereo
+                                     : SensorType::rgbd;
+}
+
+// The arrays of a frame are views of its images, which live as long as they.
+template <class Image>
+py::object array_of(const Image& image, const py::object& self) {
+  if (image.empty()) return py::none();
+  using T = std::remove_cvref_t<decltype(*image.row(0))>;
+  return view_of<T>(image.row(0), static_cast<size_t>(image.height()), static_cast<size_t>(image.width()),
+                    static_cast<size_t>(image.stride()) * sizeof(T), self);
+}
+
+}  // namespace
+
+void bind_recordings(py::module_& m) {
+  bind_trajectory(m);
+  bind_evaluation(m);
+  const auto image = [](auto member) {
+    return [=](const py::object& self) { return array_of(self.cast<const io::Frame&>().*member, self); };
+  };
+  py::class_<io::Frame>(m, "RecordedFrame", "Arrays are views that can't be written.")
+      .def_readonly("index", &io::Frame::index)
+      .def_readonly("stamp", &io::Frame::stamp, "Nanoseconds.")
+      .def_property_readonly("image", image(&io::Frame::image), "(height, width), uint8.")
+      .def_property_readonly("right", image(&io::Frame::right), "The same; None but for stereo.")
+      .def_property_readonly("depth", image(&io::Frame::depth),
+                             "(height, width), float32, metres; None but for RGB-D.");
+  py::class_<PyRecording>(m, "Recording", "A recording, a video or a camera as a stream of frames: iterate over it.")
+      .def(py::init(&open), py::arg("path"), py::kw_only(), py::arg("kind") = "automatic", py::arg("sensor") = "",
+           py::arg("camera_file") = "", py::arg("first") = 0, py::arg("count") = -1, py::arg("stride") = 1)
+      .def_property_readonly("camera", [](const PyRecording& r) { return to_parameters(r.sequence->camera()); })
+      .def_property_readonly("sensor", [](const PyRecording& r) { return public_sensor(r.sequence->sensor()); })
+      .def_property_readonly(
+          "frame_rate", [](const PyRecording& r) { return r.sequence->frame_rate(); }, "Hz.")
+      .def_property_readonly("description", [](const PyRecording& r) { return r.sequence->description(); })
+      .def_property_readonly("notes", [](const PyRecording& r) { return r.sequence->notes(); })
+      .def(
+          "truth",
+          [](const PyRecording& r) -> std::optional<PyTrajectory> {
+            if (!r.sequence->truth()) return std::nullopt;
+            return PyTrajectory::of(value(io::load_truth(*r.sequence)));
+          },
+          "The true trajectory; None where there is none.")
+      .def("__iter__", [](const py::object& self) { return self; })
+      .def("__next__", [](PyRecording& r) {
+        auto frame = [&] {
+          const py::gil_scoped_release released;
+          return value(r.sequence->next());
+        }();
+        if (!frame) throw py::stop_iteration();
+        return std::move(*frame);
+      });
+}
+
+}  // namespace covis::python

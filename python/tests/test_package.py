@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The documentation's example, and the package as pip installs it."""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+import covis
+from conftest import ROOT
+
+sys.path.insert(0, str(ROOT / 'python'))
+import backend  # noqa: E402
+
+
+def test_the_example_of_the_documentation_runs(recording, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / 'office').symlink_to(recording('desk_rgbd'))
+    for example in re.findall(r'```python\n(.*?)```', (ROOT / 'docs' / 'python.md').read_text(), re.DOTALL):
+        exec(compile(example, 'docs/python.md', 'exec'), {})
+    said = capsys.readouterr().out
+    assert 'ATE' in said and 'not recognised' not in said
+    assert (tmp_path / 'path.png').stat().st_size > 5000
+    assert (tmp_path / 'trajectory.txt').exists() and (tmp_path / 'office.m').exists()
+
+
+def test_the_wheel_can_be_installed(tmp_path, monkeypatch):
+    """With the module that is built already; pip install . compiles it."""
+    monkeypatch.setattr(backend, 'build_package', lambda: pathlib.Path(covis.__file__).parent)
+    name = backend.build_wheel(str(tmp_path))
+    assert name.startswith(f'covis-{covis.__version__}-cp3')
+    target = tmp_path / 'site'
+    subprocess.run([sys.executable, '-m', 'pip', 'install', '--quiet', '--no-deps', '--no-index', '--target', target,
+                    tmp_path / name], check=True)
+    environment = {**os.environ, 'PYTHONPATH': str(target)}
+    said = subprocess.run([sys.executable, '-c', 'import covis; print(covis.__file__, covis.default_vocabulary())'],
+                          check=True, env=environment, capture_output=True, text=True, cwd=tmp_path).stdout
+    assert said.count(str(target)) == 2
+    assert pathlib.Path(said.split()[1]).exists()
