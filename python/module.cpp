@@ -49,6 +49,11 @@ Pose pose_of_matrix(const py::array_t<double, py::array::c_style | py::array::fo
   return {r(0, 3), r(1, 3), r(2, 3), q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm};
 }
 
+py::object to_array(const std::optional<PoseCovariance>& covariance) {
+  if (!covariance) return py::none();
+  return py::array_t<double>({6, 6}, covariance->data());
+}
+
 CameraParameters make_camera(int width, int height, double fx, double fy, double cx, double cy, double baseline,
                              LensType lens, const std::vector<double>& distortion, double depth_sigma_a,
                              double depth_sigma_b) {
@@ -190,24 +195,29 @@ void bind_values(py::module_& m) {
           "None without a pose.")
       .def_readonly("submap", &FrameResult::submap)
       .def_readonly("tentative", &FrameResult::tentative)
+      .def_readonly("dead_reckoned", &FrameResult::dead_reckoned)
+      .def_readonly("retracted_from", &FrameResult::retracted_from,
+                    "Frames from this stamp on have lost their poses: the place proved wrong.")
       .def_readonly("inliers", &FrameResult::inliers)
       .def_readonly("key_frame", &FrameResult::key_frame)
       .def_property_readonly(
-          "covariance",
-          [](const FrameResult& r) -> py::object {
-            if (!r.covariance) return py::none();
-            return py::array_t<double>({6, 6}, r.covariance->data());
-          },
+          "covariance", [](const FrameResult& r) { return to_array(r.covariance); },
           "6 x 6 of x, y, z (metres) and turns about the world's axes (radians); None where it is not known.")
       .def("__repr__", [](const FrameResult& r) {
         return r.tracked() ? "FrameResult(tracking, " + text(r.pose) + ")"
                            : std::string("FrameResult(") + name(r.state) + ": " + describe(r.reason) + ")";
       });
-  py::class_<Location>(m, "Location").def_readonly("pose", &Location::pose).def_readonly("submap", &Location::submap);
+  py::class_<Location>(m, "Location")
+      .def_readonly("pose", &Location::pose)
+      .def_readonly("submap", &Location::submap)
+      .def_readonly("inliers", &Location::inliers)
+      .def_property_readonly(
+          "covariance", [](const Location& l) { return to_array(l.covariance); }, "As FrameResult.covariance.");
   py::class_<Event>(m, "Event")
       .def_readonly("kind", &Event::kind)
       .def_readonly("stamp", &Event::stamp)
       .def_readonly("submap", &Event::submap)
+      .def_readonly("ended", &Event::ended, "submaps_joined: id of the submap that is none any more.")
       .def_readonly("key_frame", &Event::key_frame)
       .def_readonly("place", &Event::place)
       .def_readonly("reason", &Event::reason);
@@ -325,7 +335,7 @@ void bind_slam(py::module_& m) {
           "The Location of one image in the present map; None when its place is not recognised.")
       .def(
           "tracked_points",
-          [](const Slam& slam) {
+          [](Slam& slam) {
             auto* points = new std::vector<TrackedPoint>(slam.tracked_points());
             const py::capsule owner(points, [](void* p) { delete static_cast<std::vector<TrackedPoint>*>(p); });
             return py::make_tuple(column_of(

@@ -88,7 +88,7 @@ json loops_json(const std::vector<LoopSummary>& loops) {
 json merges_json(const std::vector<LoopSummary>& merges) {
   json list = json::array();
   for (const LoopSummary& merge : merges)
-    list.emplace_back(to_json(merge))["key_frames_moved"] = merge.report.joined_key_frames;
+    list.emplace_back(to_json(merge))["key_frames_moved"] = merge.report.joined ? merge.report.joined->key_frames : 0;
   return list;
 }
 

@@ -71,7 +71,7 @@ struct SlamOptions {
   std::vector<std::pair<std::string, std::string>> settings = {};
 };
 
-// Something that happened.
+// Something that happened. Key frames that are culled are not reported: a snapshot has those that are left.
 struct Event {
   enum class Kind {
     key_frame_made,
@@ -84,7 +84,8 @@ struct Event {
   };
   Kind kind = Kind::key_frame_made;
   int64_t stamp = 0;                       // of the frame or key frame that it happened with, nanoseconds
-  int submap = 0;                          // id; of two joined the one that remains
+  int submap = 0;                          // id; of two joined the one that remains; lost: where the camera was
+  std::optional<int> ended = {};           // submaps_joined: id of the other
   std::optional<uint64_t> key_frame = {};  // key_frame_made, loop_closed, submaps_joined: MapSnapshot::KeyFrame::id
   std::optional<uint64_t> place = {};  // loop_closed, submaps_joined: the key frame of the place that was seen again
   NoPoseReason reason = NoPoseReason::none;  // lost
@@ -95,7 +96,7 @@ COVIS_API const char* name(Event::Kind kind);
 class COVIS_API Slam {
  public:
   // Errors: an impossible camera, an unknown setting, a value out of range, a file that can't be read, a map that does
-  // not fit (another sensor or other features; to continue it, another camera), localisation without a map.
+  // not fit (made with depth or without, other features; to continue it, another camera), localisation without a map.
   static tl::expected<std::unique_ptr<Slam>, std::string> create(const SlamOptions& options);
   ~Slam();
   Slam(const Slam&) = delete;
@@ -107,18 +108,18 @@ class COVIS_API Slam {
   // image of another size than the camera's, images that do not fit the sensor. An error changes nothing: the next
   // frame is tracked as if there had been no call.
   tl::expected<FrameResult, std::string> track(const Frame& frame);
-  // The points of the map that the last frame shows; none when it has no pose.
-  std::vector<TrackedPoint> tracked_points() const;
+  // The keypoints of the last frame that show points of the map; none when it has no pose.
+  std::vector<TrackedPoint> tracked_points();
 
   // The pose of one image in the present map, from nothing but the image (the stamp is not read); no pose when its
   // place is not recognised. Leaves tracking and mapping as they are; waits until the key frames asked for are mapped.
   // Without a vocabulary it tries the five oldest key frames only. Errors as above.
   tl::expected<std::optional<Location>, std::string> locate(const Frame& frame);
 
-  // Changes between mapping and localisation only, from the next frame on; waits until everything asked of mapping is
-  // done. Errors: localisation without a map; mapping in a map that another camera made.
+  // Changes between mapping and localisation only, from the next frame on, after finish(). When mapping begins from a
+  // pose that dead reckoning carried, the camera is to be found in the map first. Errors: localisation without a map;
+  // mapping in a map that another camera made.
   tl::expected<void, std::string> set_mode(Mode mode);
-  Mode mode() const;
 
   // Waits until everything asked of mapping is done, and locates frames that got no pose where the map reaches them
   // now; frames may be tracked afterwards.
@@ -130,15 +131,17 @@ class COVIS_API Slam {
   tl::expected<void, std::string> load_map(const std::string& file);
 
   // Calls `handler` for each event, in their order, from inside track(), set_mode() and finish(), after the work and
-  // before the result is returned. It may call the const members. An empty one ends it.
+  // before the result is returned. It may call the const members and on_event(). An exception that it throws comes out
+  // of the call; the work has been done, and the events after it are lost. An empty handler ends it.
   void on_event(std::function<void(const Event&)> handler);
 
   // ---- From any thread, at any time ----
 
-  // The map and the trajectory as they are now. It is made anew only when something changed since the last one; mapping
-  // waits while the map is copied, tracking does not.
+  Mode mode() const;
+  // The map and the trajectory as they are now. It is made anew only when something changed since the last one. Mapping
+  // waits while the map is copied, tracking while the list of frames is.
   std::shared_ptr<const MapSnapshot> snapshot() const;
-  // MapSnapshot::trajectory by itself.
+  // MapSnapshot::trajectory by itself, without the copy of the map.
   std::vector<TrajectoryPose> trajectory() const;
   // Saves the map to one file, from which it can be loaded by create(), load_map() and `covis run --map`. At any moment
   // the file is either the complete old or the complete new one. Call finish() before to have all of it.
@@ -146,6 +149,7 @@ class COVIS_API Slam {
   // The camera in use: fx, fy and the noise of depth as they were estimated so far, the rest as given; of a pair that
   // is rectified here the rectified camera. The focal length of a monocular or RGB-D camera is refined, by 5 % at most,
   // where the map tells it surely; {"mapper.refine_focal", "false"} keeps the one given.
+  // To continue a saved map give the camera that it was begun with, not this one.
   CameraParameters camera() const;
   // The pose of the rectified left camera in the given left camera's coordinates, a rotation: where pairs are rectified
   // here all poses are the rectified camera's. Without a `right` camera the identity.
@@ -155,7 +159,7 @@ class COVIS_API Slam {
 
  private:
   struct COVIS_HIDDEN Impl;
-  explicit Slam(std::unique_ptr<Impl> impl);
+  COVIS_HIDDEN explicit Slam(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

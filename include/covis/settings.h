@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The settings of the system by name, as `covis run --dump-config` lists them.
+// The settings of the system by name, as `covis run --dump-config` lists them. Timing and mode are members of
+// SlamOptions.
 #pragma once
 
 #include <string>

@@ -70,7 +70,7 @@ COVIS_API const char* name(TrackingState state);
 // The reason why a frame has no pose.
 enum class NoPoseReason {
   none,  // it has one
-  // There is no map yet.
+  // A map is to be begun.
   waiting_for_first_view,
   few_features,                 // for a first view or key frame
   few_features_with_depth,      // for a first key frame
@@ -114,16 +114,21 @@ struct FrameResult {
   // The camera was found far from its last place, less than a second ago. If the frames of that second do not confirm
   // the place, they lose their poses (the trajectory leaves them out), and a later frame is lost or found elsewhere.
   bool tentative = false;
+  // In localisation only: the frame shows too few points of the map, and its own depth carried the pose on. It drifts.
+  bool dead_reckoned = false;
   int inliers = 0;         // map points that agree with the pose
   bool key_frame = false;  // a key frame was asked for
-  // How well this frame's points determine the pose, with the map taken as exact; nothing for the frame that begins a
-  // submap.
+  // Frames from this stamp on had poses at a place that proved wrong; they have none any more.
+  std::optional<int64_t> retracted_from = {};
+  // How well this frame's points determine the pose, with the map taken as exact. Nothing for the frame that begins a
+  // submap, and where they do not determine it.
   std::optional<PoseCovariance> covariance = {};
 
   bool tracked() const { return state == TrackingState::tracking; }
 };
 
-// A keypoint of a frame that shows a point of the map.
+// A keypoint of a frame that shows a point of the map, as the map was when it was tracked: a snapshot taken later may
+// have the point no more. Two keypoints may show one point.
 struct TrackedPoint {
   double u = 0, v = 0;         // pixels of the image as it was given (of the rectified one where pairs are rectified)
   uint64_t point = 0;          // id of the point (MapSnapshot::Point)
@@ -133,7 +138,9 @@ struct TrackedPoint {
 // Result of locating one image.
 struct Location {
   Pose pose;
-  int submap = 0;  // id of the submap whose world the pose is in
+  int submap = 0;                                 // id of the submap whose world the pose is in
+  int inliers = 0;                                // map points that agree with the pose
+  std::optional<PoseCovariance> covariance = {};  // as FrameResult::covariance
 };
 
 struct TrajectoryPose {

@@ -14,8 +14,8 @@ Images are NumPy arrays (height, width): uint8 for grey images, float32 metres f
 Arrays that come out are views which can't be written; copy them to change them. Stamps are in nanoseconds, lengths in
 metres; a pose is T_wc, camera to world, with the camera's x to the right, y down and z forward.
 
-One thread calls what is not a question: track, locate, mode, finish, reset, load_map, on_event. Any thread may ask for
-snapshot, trajectory, save_map, camera and settings meanwhile. The interpreter's lock is released while Covis works.
+One thread calls what is not a question: track, tracked_points, locate, finish, reset, load_map, on_event, and sets mode. Any
+thread may ask for snapshot, trajectory, save_map, mode, camera and settings meanwhile. The interpreter's lock is released while Covis works.
 """
 from ._covis import *  # noqa: F401,F403
 from ._covis import Slam, __version__, _trajectory_of  # noqa: F401

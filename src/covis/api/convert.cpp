@@ -37,9 +37,10 @@ LensType to_lens(Distortion distortion) {
 std::optional<std::string> lens_problem(const CameraParameters& c) {
   if (c.width < 64 || c.height < 64) return "width and height must be at least 64 pixels";
   if (!(c.fx > 0) || !(c.fy > 0) || !std::isfinite(c.fx) || !std::isfinite(c.fy)) return "fx and fy must be positive";
-  if (!std::isfinite(c.cx) || !std::isfinite(c.cy)) return "cx and cy must be finite";
+  if (!(c.cx > 0 && c.cx < c.width && c.cy > 0 && c.cy < c.height)) return "cx and cy must be in the image";
   for (const double k : c.distortion) {
     if (!std::isfinite(k)) return "distortion must be finite";
+    if (k != 0 && c.lens == LensType::none) return "distortion has figures, and lens is none";
   }
   return std::nullopt;
 }
@@ -100,6 +101,12 @@ SettingType type_of(const Field& field) {
 }
 
 }  // namespace
+
+const char* member_of_options(std::string_view setting) {
+  if (setting == "system.realtime") return "SlamOptions::timing";
+  if (setting == "system.localize") return "SlamOptions::mode";
+  return nullptr;
+}
 
 Pose to_pose(const SE3& T) {
   const Eigen::Quaterniond q = T.q();
@@ -176,18 +183,26 @@ CameraParameters in_use(CameraParameters given, const Pinhole& now) {
   return given;
 }
 
-FrameResult to_result(const TrackResult& track) {
+FrameResult to_result(const FrameReport& report) {
+  const TrackResult& track = report.track;
   FrameResult result;
   result.state = track.state;
   result.reason = track.reason;
   result.inliers = track.inliers;
   result.key_frame = track.key_frame;
+  result.retracted_from = report.retracted_from;
   if (!result.tracked()) return result;
   result.pose = to_pose(track.T_cw.inverse());
   result.submap = static_cast<int>(track.submap);
   result.tentative = track.tentative;
+  result.dead_reckoned = track.method == TrackMethod::dead_reckoned;
   result.covariance = covariance_of(track.information, track.T_cw);
   return result;
+}
+
+Location to_location(const LocatedImage& located) {
+  return {to_pose(located.T_wc), static_cast<int>(located.submap), located.inliers,
+          covariance_of(located.information, located.T_wc.inverse())};
 }
 
 std::vector<TrajectoryPose> to_trajectory(const std::vector<PoseOfFrame>& poses) {
@@ -200,12 +215,14 @@ std::vector<TrajectoryPose> to_trajectory(const std::vector<PoseOfFrame>& poses)
 
 std::vector<Setting> to_settings(const Fields& fields) {
   std::vector<Setting> settings;
-  for (const Field& field : fields)
+  for (const Field& field : fields) {
+    if (member_of_options(field.name)) continue;
     settings.push_back({field.name, type_of(field), field_text(field), field.min, field.max, field.doc});
+  }
   return settings;
 }
 
-std::shared_ptr<const MapSnapshot> PublicSnapshots::get(const System& system, const CameraParameters& given) const {
+std::shared_ptr<const MapSnapshot> PublicSnapshots::get(const System& system, const CameraParameters& given) {
   const std::lock_guard lock(mutex_);
   const std::shared_ptr<const Snapshot> source = system.snapshot();
   if (source != source_) {

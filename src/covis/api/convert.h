@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "covis/core/image.h"
@@ -30,20 +31,24 @@ CameraParameters to_parameters(const Camera& camera);
 // `given` with the figures in use now.
 CameraParameters in_use(CameraParameters given, const Pinhole& now);
 
-FrameResult to_result(const TrackResult& track);
+FrameResult to_result(const FrameReport& report);
+Location to_location(const LocatedImage& located);
 std::vector<TrajectoryPose> to_trajectory(const std::vector<PoseOfFrame>& poses);
+// Without those that are members of SlamOptions.
 std::vector<Setting> to_settings(const Fields& fields);
+// The member of SlamOptions that says what this setting does; null for the others.
+const char* member_of_options(std::string_view setting);
 
 // Snapshots as the public interface gives them, made anew only when the system's is another. All calls are safe from
 // any thread.
 class PublicSnapshots {
  public:
-  std::shared_ptr<const MapSnapshot> get(const System& system, const CameraParameters& given) const;
+  std::shared_ptr<const MapSnapshot> get(const System& system, const CameraParameters& given);
 
  private:
-  mutable std::mutex mutex_;  // guards what follows
-  mutable std::shared_ptr<const Snapshot> source_;
-  mutable std::shared_ptr<const MapSnapshot> latest_;
+  std::mutex mutex_;  // guards what follows
+  std::shared_ptr<const Snapshot> source_;
+  std::shared_ptr<const MapSnapshot> latest_;
 };
 
 }  // namespace covis

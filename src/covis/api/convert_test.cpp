@@ -45,28 +45,35 @@ TEST(Convert, ACameraComesBack) {
 }
 
 TEST(Convert, OnlyAFrameWithAPoseHasItsFigures) {
-  TrackResult track;
+  FrameReport report;
+  TrackResult& track = report.track;
   track.state = TrackingState::lost;
   track.reason = NoPoseReason::few_map_points_agree;
   track.information = Matrix6d::Identity();
-  const FrameResult lost = to_result(track);
+  const FrameResult lost = to_result(report);
   EXPECT_EQ(lost.reason, NoPoseReason::few_map_points_agree);
   EXPECT_FALSE(lost.covariance);
   track.state = TrackingState::tracking;
-  EXPECT_TRUE(to_result(track).covariance);
+  EXPECT_TRUE(to_result(report).covariance);
+  EXPECT_FALSE(to_result(report).dead_reckoned || to_result(report).retracted_from);
+  track.method = TrackMethod::dead_reckoned;
+  report.retracted_from = 70;
+  EXPECT_TRUE(to_result(report).dead_reckoned);
+  EXPECT_EQ(to_result(report).retracted_from, 70);
   track.information = Matrix6d::Zero();
-  EXPECT_FALSE(to_result(track).covariance) << "nothing is known";
+  EXPECT_FALSE(to_result(report).covariance) << "nothing is known";
 }
 
 // Poses drawn from the information about T_cw scatter, as T_wc, with the covariance that is given for them.
 TEST(Convert, TheCovarianceIsThatOfThePoseInTheWorld) {
   Random random(2);
-  TrackResult track;
+  FrameReport report;
+  TrackResult& track = report.track;
   track.state = TrackingState::tracking;
   track.T_cw = random_pose(random);
   Matrix6d root = Matrix6d::Random() * 1e-3 + Matrix6d::Identity() * 2e-3;
   track.information = (root * root.transpose()).inverse();
-  const auto covariance = to_result(track).covariance;
+  const auto covariance = to_result(report).covariance;
   ASSERT_TRUE(covariance);
   const SE3 T_wc = track.T_cw.inverse();
   Matrix6d seen = Matrix6d::Zero();

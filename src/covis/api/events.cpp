@@ -26,6 +26,7 @@ void tell_loop(const MappingReport& report, const Map& map, std::vector<Event>& 
     event.submap = static_cast<int>(place->submap);
     event.place = place->serial;
   }
+  if (report.loop.joined) event.ended = static_cast<int>(report.loop.joined->id);
   if (key_frame) {
     event.stamp = key_frame->stamp;
     event.submap = static_cast<int>(key_frame->submap);
@@ -50,19 +51,19 @@ std::vector<Event> EventTeller::of_mapping(const std::vector<MappingReport>& rep
 
 std::vector<Event> EventTeller::of_frame(int64_t stamp, const FrameReport& report, const SharedMap& map) {
   const TrackResult& track = report.track;
+  const bool tracked = track.state == TrackingState::tracking;
+  const bool begun = tracked && track.method == TrackMethod::initialised;
   const TrackingState before = std::exchange(state_, track.state);
-  std::vector<Event> events = of_mapping(report.mapping, map);
+  std::vector<Event> events;
   const auto tell = [&](Kind kind, uint32_t submap) {
     events.push_back({.kind = kind, .stamp = stamp, .submap = static_cast<int>(submap), .reason = track.reason});
   };
+  if (begun) tell(Kind::submap_begun, track.submap);
+  for (Event& event : of_mapping(report.mapping, map)) events.push_back(event);
   if (report.discarded_submap) tell(Kind::submap_discarded, *report.discarded_submap);
-  if (track.state == TrackingState::tracking && track.method == TrackMethod::initialised) {
-    tell(Kind::submap_begun, track.submap);
-  } else if (track.state == TrackingState::tracking && before == TrackingState::lost) {
-    tell(Kind::found, track.submap);
-  } else if (track.state != TrackingState::tracking && before == TrackingState::tracking) {
-    tell(Kind::lost, 0);
-  }
+  if (tracked && !begun && before == TrackingState::lost) tell(Kind::found, track.submap);
+  if (!tracked && before == TrackingState::tracking) tell(Kind::lost, submap_);
+  if (tracked) submap_ = track.submap;
   return events;
 }
 

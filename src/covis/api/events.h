@@ -15,13 +15,14 @@ class EventTeller {
   // `state`: that before the first frame.
   explicit EventTeller(TrackingState state) : state_(state) {}
 
-  // The events of a frame in their order: mapping's first, then the camera's.
+  // The events of a frame in their order: a submap that begins, then mapping's, then the camera's.
   std::vector<Event> of_frame(int64_t stamp, const FrameReport& report, const SharedMap& map);
   // Mapping's events.
   static std::vector<Event> of_mapping(const std::vector<MappingReport>& reports, const SharedMap& map);
 
  private:
   TrackingState state_;
+  uint32_t submap_ = 0;  // of the last frame with a pose
 };
 
 }  // namespace covis

@@ -66,10 +66,12 @@ TEST_F(EventsTest, ALoopNamesBothKeyFrames) {
     MappingReport report = mapped(c);
     report.loop.outcome = outcome;
     report.loop.loop = a;
+    if (outcome == LoopOutcome::joined) report.loop.joined = JoinedSubmap{3, 7};
     const auto events = EventTeller::of_mapping({report}, shared);
     EXPECT_EQ(kinds(events), (std::vector{Kind::key_frame_made, kind}));
     EXPECT_EQ(events[1].key_frame, serial(c));
     EXPECT_EQ(events[1].place, serial(a));
+    EXPECT_EQ(events[1].ended, outcome == LoopOutcome::joined ? std::optional(3) : std::nullopt);
   }
   MappingReport fused = mapped(c);
   fused.loop.outcome = LoopOutcome::fused;
@@ -91,6 +93,28 @@ TEST_F(EventsTest, LossesAndFindsAreToldOnce) {
 
   EventTeller loaded(TrackingState::lost);
   EXPECT_EQ(show(loaded, S::tracking, TrackMethod::recovered), std::vector{Kind::found});
+}
+
+TEST_F(EventsTest, ALossNamesTheSubmapTheCameraWasIn) {
+  EventTeller teller(TrackingState::not_initialised);
+  FrameReport report;
+  report.track.state = TrackingState::tracking;
+  report.track.submap = 4;
+  teller.of_frame(10, report, shared);
+  report.track.state = TrackingState::lost;
+  report.track.submap = 0;
+  const auto events = teller.of_frame(20, report, shared);
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].submap, 4);
+}
+
+TEST_F(EventsTest, ASubmapBeginsBeforeItsKeyFrames) {
+  EventTeller teller(TrackingState::not_initialised);
+  FrameReport report;
+  report.track.state = TrackingState::tracking;
+  report.track.method = TrackMethod::initialised;
+  report.mapping.push_back(mapped(a));
+  EXPECT_EQ(kinds(teller.of_frame(10, report, shared)), (std::vector{Kind::submap_begun, Kind::key_frame_made}));
 }
 
 TEST_F(EventsTest, ASubmapGivenUpIsTold) {

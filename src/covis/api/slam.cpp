@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <atomic>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -20,17 +21,12 @@ using Failure = tl::unexpected<std::string>;
 template <class T>
 using Expected = tl::expected<T, std::string>;
 
-// Timing and mode have members of their own.
-constexpr const char* kSaidElsewhere[][2] = {{"system.realtime", "SlamOptions::timing"},
-                                             {"system.localize", "SlamOptions::mode"}};
-
 Expected<SystemOptions> to_system_options(const SlamOptions& given) {
   SystemOptions options;
   const Fields known = fields(options);
   for (const auto& [name, value] : given.settings) {
-    for (const auto& [setting, member] : kSaidElsewhere) {
-      if (name == setting) return Failure(name + ": it is not a setting here; " + member + " says it");
-    }
+    if (const char* member = member_of_options(name))
+      return Failure(name + ": it is not a setting here; " + member + " says it");
     if (const auto done = set_field(known, name, value); !done) return Failure(done.error().message);
   }
   options.sensor = to_sensor(given.sensor);
@@ -73,8 +69,8 @@ struct Slam::Impl {
   using SessionPtr = std::shared_ptr<Session>;
 
   // With the map of a file, or without a map for an empty name.
-  Expected<SessionPtr> make_session(const std::string& file, Mode mode) const;
-  void begin(SessionPtr made, TrackingState state);
+  Expected<SessionPtr> make_session(const std::string& file, Mode now) const;
+  void begin(SessionPtr made, Mode now, TrackingState state);
   // Any thread may hold on to what it gets.
   SessionPtr current() const {
     const std::lock_guard lock(mutex);
@@ -84,8 +80,10 @@ struct Slam::Impl {
   // Checks the images of a frame, and rectifies a pair where it is to be.
   Expected<System::Input> input(const Frame& frame);
   void tell(const std::vector<Event>& events) const {
-    if (!handler) return;
-    for (const Event& event : events) handler(event);
+    const auto told = handler;  // which may put another in its place
+    for (const Event& event : events) {
+      if (told) told(event);
+    }
   }
 
   SystemOptions options;
@@ -95,6 +93,7 @@ struct Slam::Impl {
   std::shared_ptr<const Vocabulary> vocabulary;
   SessionPtr session;        // the tracking thread alone puts another in its place
   mutable std::mutex mutex;  // held when it does, and when another thread takes it
+  std::atomic<Mode> mode = Mode::mapping;
   PublicSnapshots snapshots;
   EventTeller teller{TrackingState::not_initialised};
   std::function<void(const Event&)> handler;
@@ -102,28 +101,29 @@ struct Slam::Impl {
   int64_t last_stamp = std::numeric_limits<int64_t>::min();
 };
 
-auto Slam::Impl::make_session(const std::string& file, Mode mode) const -> Expected<SessionPtr> {
-  SystemOptions now = options;
-  now.localize = mode == Mode::localisation;
-  auto made = std::make_shared<Session>(camera, now, vocabulary);
+auto Slam::Impl::make_session(const std::string& file, Mode now) const -> Expected<SessionPtr> {
+  SystemOptions set = options;
+  set.localize = now == Mode::localisation;
+  auto made = std::make_shared<Session>(camera, set, vocabulary);
   if (file.empty()) {
-    if (mode == Mode::localisation) return Failure("localisation needs a map: SlamOptions::map is empty");
+    if (now == Mode::localisation) return Failure("localisation needs a map: SlamOptions::map is empty");
     return made;
   }
-  const auto use = now.localize ? storage::MapUse::localization : storage::MapUse::continuation;
+  const auto use = set.localize ? storage::MapUse::localization : storage::MapUse::continuation;
   auto saved = storage::load_compatible_map(file, made->header, use);
   if (!saved) return Failure(saved.error().message);
   made->header.camera = saved->header.camera;
-  if (const auto set = made->system.set_map(std::move(saved->map), saved->header.camera); !set)
-    return Failure(file + ": " + set.error().message);
+  if (const auto placed = made->system.set_map(std::move(saved->map), saved->header.camera); !placed)
+    return Failure(file + ": " + placed.error().message);
   return made;
 }
 
-void Slam::Impl::begin(SessionPtr made, TrackingState state) {
+void Slam::Impl::begin(SessionPtr made, Mode now, TrackingState state) {
   {
     const std::lock_guard lock(mutex);
     session.swap(made);
   }
+  mode = now;
   teller = EventTeller(state);
   next_frame = 0;
   last_stamp = std::numeric_limits<int64_t>::min();
@@ -175,7 +175,8 @@ Expected<std::unique_ptr<Slam>> Slam::create(const SlamOptions& options) {
   }
   auto session = impl->make_session(options.map, options.mode);
   if (!session) return Failure(session.error());
-  impl->begin(std::move(*session), options.map.empty() ? TrackingState::not_initialised : TrackingState::lost);
+  impl->begin(std::move(*session), options.mode,
+              options.map.empty() ? TrackingState::not_initialised : TrackingState::lost);
   return std::unique_ptr<Slam>(new Slam(std::move(impl)));
 }
 
@@ -187,17 +188,17 @@ Expected<FrameResult> Slam::track(const Frame& frame) {
   ++impl_->next_frame;
   const FrameReport report = impl_->system().process(*input);
   impl_->tell(impl_->teller.of_frame(frame.stamp, report, impl_->system().map()));
-  return to_result(report.track);
+  return to_result(report);
 }
 
-std::vector<TrackedPoint> Slam::tracked_points() const { return impl_->system().tracked_points(); }
+std::vector<TrackedPoint> Slam::tracked_points() { return impl_->system().tracked_points(); }
 
 Expected<std::optional<Location>> Slam::locate(const Frame& frame) {
   const auto input = impl_->input(frame);
   if (!input) return Failure(input.error());
   const auto found = impl_->system().locate(*input);
   if (!found) return std::nullopt;
-  return Location{to_pose(found->T_wc), static_cast<int>(found->submap)};
+  return to_location(*found);
 }
 
 Expected<void> Slam::set_mode(Mode mode) {
@@ -206,24 +207,27 @@ Expected<void> Slam::set_mode(Mode mode) {
     return Failure("localisation needs a map, and there is none yet");
   const auto reports = system.set_mode(to_tracking_mode(mode));
   if (!reports) return Failure(reports.error().message);
+  impl_->mode = mode;
   impl_->tell(EventTeller::of_mapping(*reports, system.map()));
   return {};
 }
 
-Mode Slam::mode() const { return impl_->system().mode() == TrackingMode::mapping ? Mode::mapping : Mode::localisation; }
+Mode Slam::mode() const { return impl_->mode; }
 
 void Slam::finish() {
   const std::vector<MappingReport> reports = impl_->system().finish();
   impl_->tell(EventTeller::of_mapping(reports, impl_->system().map()));
 }
 
-void Slam::reset() { impl_->begin(*impl_->make_session("", Mode::mapping), TrackingState::not_initialised); }
+void Slam::reset() {
+  impl_->begin(*impl_->make_session("", Mode::mapping), Mode::mapping, TrackingState::not_initialised);
+}
 
 Expected<void> Slam::load_map(const std::string& file) {
   if (file.empty()) return Failure("load_map: the name of the file is empty");
   auto session = impl_->make_session(file, mode());
   if (!session) return Failure(session.error());
-  impl_->begin(std::move(*session), TrackingState::lost);
+  impl_->begin(std::move(*session), mode(), TrackingState::lost);
   return {};
 }
 

@@ -65,6 +65,9 @@ TEST(SlamCreate, RefusesAnImpossibleCamera) {
       {[](SlamOptions& o) { o.camera.fx = kNaN; }, SensorType::monocular, "fx and fy"},
       {[](SlamOptions& o) { o.camera.fy = -130; }, SensorType::monocular, "fx and fy"},
       {[](SlamOptions& o) { o.camera.cx = kNaN; }, SensorType::rgbd, "cx and cy"},
+      {[](SlamOptions& o) { o.camera.cx = o.camera.cy = 0; }, SensorType::rgbd, "cx and cy"},
+      {[](SlamOptions& o) { o.camera.cy = 120; }, SensorType::rgbd, "cx and cy"},
+      {[](SlamOptions& o) { o.camera.distortion[0] = 0.1; }, SensorType::rgbd, "lens is none"},
       {[](SlamOptions& o) { o.camera.distortion[4] = kNaN; }, SensorType::rgbd, "distortion"},
       {[](SlamOptions& o) { o.camera.baseline = 0; }, SensorType::stereo, "baseline"},
       {[](SlamOptions& o) { o.camera.baseline = -0.1; }, SensorType::rgbd, "baseline"},
@@ -123,7 +126,7 @@ TEST(SlamSettings, AreListedWithTheirRangesAndCanBeGivenBack) {
   SlamOptions options = options_of(SensorType::monocular);
   for (const Setting& setting : default_settings()) {
     EXPECT_FALSE(setting.description.empty()) << setting.name;
-    if (setting.name.rfind("system.", 0) != 0) options.settings.emplace_back(setting.name, setting.value);
+    options.settings.emplace_back(setting.name, setting.value);
   }
   EXPECT_GT(options.settings.size(), 40u);
   EXPECT_EQ(error_of(Slam::create(options)), "");

@@ -68,8 +68,8 @@ bool LoopCloser::confirmed(KeyFrameId current, const Loop& claim, RefusedPlace& 
 
 bool LoopCloser::correct(KeyFrameId current, const Loop& loop, LoopReport& report) {
   if (loop.relation == LoopRelation::other_submap) {
-    report.joined_key_frames = join_at_loop(map_, current, loop);
-    if (report.joined_key_frames == 0) return false;
+    report.joined = join_at_loop(map_, current, loop);
+    if (!report.joined) return false;
     report.fused = fuse_loop(map_, current, loop, fuser_);
     report.outcome = LoopOutcome::joined;
   } else if (nothing_to_correct(loop, report.drift, map_.read()->camera())) {

@@ -130,7 +130,9 @@ TEST_F(LoopCloserTest, JoinsASubmapToTheOlderOne) {
   around.go_twice(12, shift);
   const LoopReport report = process();
   ASSERT_EQ(report.outcome, LoopOutcome::joined);
-  EXPECT_EQ(report.joined_key_frames, 12);
+  ASSERT_TRUE(report.joined);
+  EXPECT_EQ(report.joined->key_frames, 12);
+  EXPECT_EQ(report.joined->id, 1u);
   const auto map = around.world.shared.read();
   EXPECT_EQ(map->submaps().size(), 1u);
   for (size_t k = 0; k < 12; ++k) {

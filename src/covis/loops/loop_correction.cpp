@@ -143,15 +143,16 @@ LoopCorrection correct_loop(SharedMap& shared, KeyFrameId current, const Loop& l
 
 // The submap goes to the other's world as a whole. Nothing contradicts its new place, so that there is no error to
 // spread by a pose graph; the full bundle adjustment that follows does the rest.
-int join_at_loop(SharedMap& shared, KeyFrameId current, const Loop& loop) {
+std::optional<JoinedSubmap> join_at_loop(SharedMap& shared, KeyFrameId current, const Loop& loop) {
   const auto map = shared.write();
   const KeyFrameId place = loop.place.key_frame;
   const uint32_t here = map->at(current).submap, there = map->at(place).submap;
   const Sim3 S = loop.S_cw.inverse() * Sim3(map->at(current).T_cw);  // from the current world to that of the place
-  const auto key_frames = static_cast<int>(map->submap(std::max(here, there))->key_frames);
+  const uint32_t moved = std::max(here, there);
+  const auto key_frames = static_cast<int>(map->submap(moved)->key_frames);
   const bool joined =
       here > there ? map->join_submaps(current, place, S) : map->join_submaps(place, current, S.inverse());
-  return joined ? key_frames : 0;
+  return joined ? std::optional(JoinedSubmap{moved, key_frames}) : std::nullopt;
 }
 
 int fuse_loop(SharedMap& shared, KeyFrameId current, const Loop& loop, PointFuser& fuser) {

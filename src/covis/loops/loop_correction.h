@@ -6,11 +6,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "covis/core/sensor.h"
 #include "covis/loops/loop_candidate.h"
+#include "covis/loops/loop_report.h"
 #include "covis/map/shared_map.h"
 #include "covis/matching/point_fuser.h"
 #include "covis/optimization/pose_graph.h"
@@ -63,9 +65,8 @@ struct LoopCorrection {
 LoopCorrection correct_loop(SharedMap& map, KeyFrameId current, const Loop& loop, Sensor sensor, PointFuser& fuser,
                             int weak_link = 0);
 
-// Moves the younger submap to the older one's world. Returns the number of key frames that were moved; 0 when the map
-// refused.
-int join_at_loop(SharedMap& map, KeyFrameId current, const Loop& loop);
+// Moves the younger submap to the older one's world, and returns it; nothing when the map refused.
+std::optional<JoinedSubmap> join_at_loop(SharedMap& map, KeyFrameId current, const Loop& loop);
 
 // Fuses the place's points with those of the current key frame and of those beside it. Returns the number of points
 // fused or observations added.

@@ -70,6 +70,12 @@ struct LoopTimes {
   double query = 0, verify = 0, correct = 0, pose_graph = 0;
 };
 
+// A submap that was moved into the world of another and became a part of it.
+struct JoinedSubmap {
+  uint32_t id = 0;  // no submap has it any more
+  int key_frames = 0;
+};
+
 struct LoopReport {
   LoopOutcome outcome = LoopOutcome::none;
   KeyFrameId loop;  // closed, joined: the key frame it was tied to
@@ -81,7 +87,7 @@ struct LoopReport {
   bool unexplained = false;           // no drift explains its correction
   int fused = 0;                      // points
   int new_edges = 0;                  // closed: edges that the pose graph got from points fused
-  int joined_key_frames = 0;          // key frames of the submap that was moved
+  std::optional<JoinedSubmap> joined;
   LoopTimes ms;
 
   // The map was corrected or joined.

@@ -159,6 +159,13 @@ Pinhole SnapshotSource::camera() const {
   return frames_camera_.value_or(map_.read()->camera());
 }
 
+std::vector<PoseOfFrame> SnapshotSource::trajectory() const {
+  const std::vector<FrameRecord> records = log_.records();
+  Snapshot snapshot;
+  add_frames(references_of(*map_.read(), records), records, snapshot);
+  return std::move(snapshot.trajectory);
+}
+
 std::shared_ptr<const Snapshot> SnapshotSource::get() const {
   const std::lock_guard lock(mutex_);
   // Neither count falls, so the sum is the same only when both are. Both are read before what they count: a change in

@@ -72,8 +72,9 @@ class SnapshotSource {
   // The newest one. A thread that asks while one is made waits for it. Making one first copies the log's
   // records, then holds a read guard of the map: do not call it under a guard.
   std::shared_ptr<const Snapshot> get() const;
-  // Snapshot::camera, without making one.
+  // Members of it by themselves, without making one.
   Pinhole camera() const;
+  std::vector<PoseOfFrame> trajectory() const;
 
  private:
   const SharedMap& map_;

@@ -43,6 +43,8 @@ TEST_F(SnapshotTest, HasWhatMapAndLogHave) {
   append(3, b);
   log.append({.frame = 4, .stamp = 40, .pose = {}, .online = {}});
   const auto snapshot = source.get();
+  ASSERT_EQ(source.trajectory().size(), 1u);
+  EXPECT_EQ(source.trajectory()[0].T_wc.t(), snapshot->trajectory.at(0).T_wc.t());
   ASSERT_EQ(snapshot->key_frames.size(), 3u);
   EXPECT_EQ(snapshot->key_frames[1].id, b);
   EXPECT_EQ(snapshot->key_frames[1].parent, a);

@@ -94,7 +94,7 @@ FrameReport System::process(const Input& input) {
   report.track = outcome.result;
   report.timing.track_ms = tracking.ms();
 
-  record(input, outcome);
+  record(input, outcome, report);
   if (outcome.discard_submap) {
     apply_all_mapping(report);
     discard(*outcome.discard_submap);
@@ -110,13 +110,13 @@ FrameReport System::process(const Input& input) {
   return report;
 }
 
-std::optional<SubmapPose> System::locate(const Input& input) {
+std::optional<LocatedImage> System::locate(const Input& input) {
   mapping_.wait_idle();
   Relocaliser relocaliser(map_, options_.tracker, options_.seed, vocabulary_);
   const int budget = (options_.tracker.local_map.weak_inliers > 0 ? 2 : 1) * options_.orb.features;
   const auto found = relocaliser.locate(extract(input, budget), input.frame, tracker_.own_camera());
   if (!found) return std::nullopt;
-  return SubmapPose{found->T_cw.inverse(), found->submap};
+  return LocatedImage{{found->T_cw.inverse(), found->submap}, found->inliers, found->information};
 }
 
 std::vector<MappingReport> System::finish() {
@@ -246,8 +246,8 @@ void System::submit(MapRequest request) {
 }
 
 // The frame that begins a submap gets its pose when mapping has made the submap.
-void System::record(const Input& input, const Tracker::Outcome& outcome) {
-  if (outcome.retract_from) log_.retract(*outcome.retract_from);
+void System::record(const Input& input, const Tracker::Outcome& outcome, FrameReport& report) {
+  if (outcome.retract_from) report.retracted_from = log_.retract(*outcome.retract_from);
   const TrackResult& result = outcome.result;
   FrameRecord record{.frame = input.frame, .stamp = input.stamp, .pose = {}, .online = {}};
   if (result.state == TrackingState::tracking && result.method != TrackMethod::initialised) {

@@ -42,7 +42,14 @@ struct FrameReport {
   TrackResult track;
   FrameTiming timing;
   std::vector<MappingReport> mapping;        // of key frames whose mapping became visible
+  std::optional<Timestamp> retracted_from;   // frames from here on have lost their poses: the place proved wrong
   std::optional<uint32_t> discarded_submap;  // a monocular submap that was lost in its first moments
+};
+
+// The place of one image.
+struct LocatedImage : SubmapPose {
+  int inliers = 0;       // map points that agree with the pose
+  Matrix6d information;  // of T_cw, given the map
 };
 
 class System {
@@ -69,7 +76,7 @@ class System {
   FrameReport process(const Input& input);
   // Relocalisation alone: where one image was taken, from nothing but the image; nothing when its place is not
   // recognised. Waits until key frames asked for are mapped; leaves tracking and mapping as they are.
-  std::optional<SubmapPose> locate(const Input& input);
+  std::optional<LocatedImage> locate(const Input& input);
   // Changes between mapping and localisation only (tracker.h), from the next frame on; waits for mapping to end. Error:
   // mapping in a map that another camera made.
   Result<std::vector<MappingReport>> set_mode(TrackingMode mode);
@@ -86,7 +93,7 @@ class System {
   // Members of it by themselves. Online: poses as they were given when tracked, of the first submap alone.
   Pinhole camera() const { return snapshots_.camera(); }
   std::vector<SubmapSummary> submaps() const { return snapshot()->submaps; }
-  std::vector<PoseOfFrame> trajectory() const { return snapshot()->trajectory; }
+  std::vector<PoseOfFrame> trajectory() const { return snapshots_.trajectory(); }
   std::vector<PoseOfFrame> online_trajectory() const;
 
   struct MapSize {
@@ -108,7 +115,7 @@ class System {
   void apply(MappingReport made, FrameReport& report);
   void anchor(const KeyFrameMade& made);
   void anchor_in(const Map& map, const KeyFrameMade& made);
-  void record(const Input& input, const Tracker::Outcome& outcome);
+  void record(const Input& input, const Tracker::Outcome& outcome, FrameReport& report);
   void discard(uint32_t submap);
   void report_begun_map(FrameReport& report) const;
   void explain_missing_map(TrackResult& result) const;

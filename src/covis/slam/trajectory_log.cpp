@@ -52,11 +52,15 @@ void TrajectoryLog::anchor(int64_t frame, const RelativePose& pose, const std::o
   record->pose = pose;
 }
 
-void TrajectoryLog::retract(int64_t from) {
+std::optional<Timestamp> TrajectoryLog::retract(int64_t from) {
   const std::lock_guard lock(mutex_);
   ++revision_;
-  for (auto record = records_.rbegin(); record != records_.rend() && record->frame >= from; ++record)
+  std::optional<Timestamp> first;
+  for (auto record = records_.rbegin(); record != records_.rend() && record->frame >= from; ++record) {
+    if (record->pose) first = record->stamp;
     take_back(*record);
+  }
+  return first;
 }
 
 void TrajectoryLog::forget(const Map& map, uint32_t submap) {

@@ -45,8 +45,9 @@ class TrajectoryLog {
   void anchor(int64_t frame, const RelativePose& pose, const std::optional<SubmapPose>& online = {});
   // A frame without a pose was located afterwards; one that has a pose keeps it.
   void locate(const LocatedFrame& located);
-  // Takes back the poses of this frame and all later ones: the place proved wrong.
-  void retract(int64_t from);
+  // Takes back the poses of this frame and all later ones: the place proved wrong. Returns the stamp of the first that
+  // had one.
+  std::optional<Timestamp> retract(int64_t from);
   // Takes back the poses of all frames that are in this submap. Call before the submap is erased.
   void forget(const Map& map, uint32_t submap);
 

@@ -27,8 +27,8 @@ class FirstPose {
   FirstPose(Sensor sensor, const FirstPoseOptions& options, Support support, int seed)
       : sensor_(sensor), options_(options), support_(support), seed_(seed) {}
 
-  // Finds the pose of `frame` and its matches. `T_cl` is the predicted motion since the last frame, if there is one.
   void set_support(Support support) { support_ = support; }
+  // Finds the pose of `frame` and its matches. `T_cl` is the predicted motion since the last frame, if there is one.
   // False: figures.reason says why.
   bool find(const TrackedFrame& last, const std::optional<SE3>& T_cl, TrackedFrame& frame, PoseSearch& search,
             TrackResult& figures);

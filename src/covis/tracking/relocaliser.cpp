@@ -24,7 +24,7 @@ std::optional<Relocaliser::Located> Relocaliser::locate(FeaturesPtr features, in
   image.start(std::move(features), frame, 0);
   TrackFigures figures;
   if (!find(image, search, &map_, {}, figures)) return std::nullopt;
-  return Located{image.T_cw, search.local_map.reference.submap};
+  return Located{image.T_cw, search.local_map.reference.submap, figures.inliers, image.information};
 }
 
 bool Relocaliser::find(TrackedFrame& frame, PoseSearch& search, const SharedMap* live, KeyFrameId near,

@@ -31,6 +31,8 @@ class Relocaliser {
   struct Located {
     SE3 T_cw;
     uint32_t submap = 0;
+    int inliers = 0;       // map points that agree with the pose
+    Matrix6d information;  // of T_cw, given the map
   };
   std::optional<Located> locate(FeaturesPtr features, int64_t frame, const std::optional<Pinhole>& own_camera);
 

@@ -87,7 +87,9 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
 
 bool Tracker::find_pose(TrackResult& result, const SharedMap* live) {
   constexpr int kRelocaliseEvery = 5;  // dead-reckoned frames: dead reckoning drifts
-  if (state_ == TrackingState::tracking) {
+  // Dead reckoning drifts: the camera is to be found in the map before it is mapped from there.
+  const bool carried = settings_.mode == TrackingMode::mapping && health_.dead_reckoned_frames > 0;
+  if (state_ == TrackingState::tracking && !carried) {
     const int reckoned = health_.dead_reckoned_frames;
     if (reckoned > 0 && reckoned % kRelocaliseEvery == 0 && relocalise(result, live)) return true;
     if (find_first_pose(result) && (track_local_map(result, live) || dead_reckon(result))) return true;
@@ -157,7 +159,7 @@ bool Tracker::relocalise(TrackResult& result, const SharedMap* live) {
     health_.last_recovery = current_.stamp;
     result.method = TrackMethod::recovered;
     result.first_share = 0;  // that of a hypothesis which was refused
-  } else if (state_ == TrackingState::lost) {
+  } else if (state_ == TrackingState::lost || result.reason == NoPoseReason::none) {
     result.reason = NoPoseReason::no_key_frame_matches;
   }
   return found;
@@ -197,6 +199,7 @@ void Tracker::lose(Outcome& outcome, const SharedMap* live) {
     log(LogLevel::warning, std::string("tracking lost: ").append(describe(outcome.result.reason)));
   state_ = TrackingState::lost;
   health_.weak = settings_.options.local_map.weak_inliers > 0;
+  health_.dead_reckoned_frames = 0;
   motion_.reset();
   search_.place.lose();
   backlog_.lost();
@@ -220,8 +223,12 @@ void Tracker::begin_submap(Outcome& outcome) {
   motion_.reset();
   MapStarter::Offer offer = starter_.offer(current_, search_.camera);
   if (settings_.sensor == Sensor::monocular) result.predicted_matches = offer.matches;
-  result.reason = offer.reason;
-  if (std::holds_alternative<std::monostate>(offer.request)) return;
+  if (std::holds_alternative<std::monostate>(offer.request)) {
+    // A lost camera keeps the reason of its loss.
+    if (result.reason == NoPoseReason::none) result.reason = offer.reason;
+    return;
+  }
+  result.reason = NoPoseReason::none;
   outcome.request = std::move(offer.request);
   state_ = TrackingState::tracking;
   key_frames_.begin(current_.stamp);
@@ -298,8 +305,6 @@ void Tracker::set_mode(TrackingMode mode) {
     if (state_ == TrackingState::not_initialised) start_lost(search_.own_camera);
   } else if (!has_map) {
     state_ = TrackingState::not_initialised;
-  } else if (health_.dead_reckoned_frames > 0) {
-    start_lost(search_.own_camera);
   }
 }
 

@@ -206,6 +206,60 @@ TEST_F(TrackerTest, DeadReckoningIsLeftAsItIsByALookForTheMap) {
     EXPECT_LT(distance(result, frames.T_cw(i)), 0.03) << "frame " << i;
   }
   EXPECT_GE(reckoned, 5) << "the map is looked for at the fifth";
+
+  // Where mapping begins, the camera is to be found in the map first.
+  localizer.set_mode(TrackingMode::mapping);
+  for (; i < 20; ++i) {
+    const Tracker::Outcome outcome = localizer.track(frames.features(i), i, frames.stamp(i), {});
+    EXPECT_EQ(outcome.result.state, TrackingState::lost) << "frame " << i;
+    EXPECT_EQ(outcome.result.reason, NoPoseReason::no_key_frame_matches);
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(outcome.request));
+  }
+}
+
+TEST_F(TrackerTest, NothingIsAskedOfMappingWhileItIsSwitchedOff) {
+  int i = 0;
+  for (; i < 6; ++i) ASSERT_EQ(track(i).state, TrackingState::tracking);
+  tracker.set_mode(TrackingMode::localisation);
+  tracker.set_mode(TrackingMode::localisation);  // again, which changes nothing
+  for (; i < 20; ++i) {
+    const Tracker::Outcome outcome = track_alone(frames.features(i), i);
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(outcome.request)) << "frame " << i;
+    if (outcome.result.method == TrackMethod::dead_reckoned) break;
+    EXPECT_EQ(outcome.result.state, TrackingState::tracking) << "frame " << i;
+  }
+  EXPECT_GT(i, 6);
+  const size_t before = shared.read()->key_frame_count();
+  tracker.set_mode(TrackingMode::mapping);
+  for (int k = 5; k >= 0; --k) track(frames.features(k), ++i);  // back to where the map is
+  for (int k = 0; k < 20; ++k) track(frames.features(k), ++i);
+  EXPECT_EQ(tracker.state(), TrackingState::tracking);
+  EXPECT_GT(shared.read()->key_frame_count(), before);
+  EXPECT_EQ(shared.read()->submaps().size(), 1u);
+}
+
+TEST_F(TrackerTest, WithoutAMapLocalisationIsLostAndMappingBeginsOne) {
+  tracker.set_mode(TrackingMode::localisation);
+  EXPECT_EQ(track(0).state, TrackingState::lost);
+  EXPECT_EQ(track(1).reason, NoPoseReason::no_key_frame_matches);
+  tracker.set_mode(TrackingMode::mapping);
+  EXPECT_EQ(tracker.state(), TrackingState::not_initialised);
+  EXPECT_EQ(track(2).state, TrackingState::tracking);
+}
+
+// Lost in localisation only, a young map is neither given up nor replaced; it is when mapping goes on.
+TEST_F(MonocularTrackerTest, AYoungMapIsKeptWhileMappingIsSwitchedOff) {
+  int i = 0;
+  while (tracker.state() == TrackingState::not_initialised && i < 30) track(i), ++i;
+  ASSERT_EQ(tracker.state(), TrackingState::tracking);
+  tracker.set_mode(TrackingMode::localisation);
+  for (int k = 0; k < 40; ++k) {
+    const Tracker::Outcome outcome = track_alone(frames.blank(), ++i);
+    EXPECT_EQ(outcome.result.state, TrackingState::lost);
+    EXPECT_FALSE(outcome.discard_submap);
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(outcome.request));
+  }
+  EXPECT_EQ(shared.read()->submaps().size(), 1u);
 }
 
 }  // namespace
