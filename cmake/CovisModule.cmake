@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-# covis_module(NAME DEPS … [DIR …] [TEST_DEPS …] [TEST_NAME …] [ONE_TEST] [THREADED FILTER] [ONE_THREAD]): a static library
+# covis_module(NAME DEPS … [DIR …] [TEST_DEPS …] [TEST_NAME …] [ONE_TEST] [ADDRESSED FILTER] [THREADED FILTER] [ONE_THREAD]): a static library
 # covis_NAME of the *.cpp files below src/covis/NAME, and a test of the *_test.cpp files among them.
 #   DIR         the folder of the sources, from the project's root, when it is another
 #   TEST_NAME   the test's name, where it is not to be NAME_test
 #   ONE_TEST    the cases share what is dear to make or to load (OpenCV), so ctest runs them in one process
+#   ADDRESSED   of such a test, the cases (a GoogleTest filter) the address sanitizer is to run; without it all
 #   THREADED    of such a test, the cases (a GoogleTest filter) the thread sanitizer is to run; without it all
 #   ONE_THREAD  the module starts no thread and shares nothing: its test is not built with the thread sanitizer
 function(covis_module name)
-  cmake_parse_arguments(M "ONE_TEST;ONE_THREAD" "DIR;TEST_NAME;THREADED" "DEPS;TEST_DEPS" ${ARGN})
+  cmake_parse_arguments(M "ONE_TEST;ONE_THREAD" "DIR;TEST_NAME;ADDRESSED;THREADED" "DEPS;TEST_DEPS" ${ARGN})
   if(NOT M_DIR)
     set(M_DIR src/covis/${name})
   endif()
@@ -45,6 +46,8 @@ function(covis_module name)
       set(filter *)
       if(M_THREADED AND COVIS_SANITIZE MATCHES thread)
         set(filter ${M_THREADED})
+      elseif(M_ADDRESSED AND COVIS_SANITIZE MATCHES address)
+        set(filter ${M_ADDRESSED})
       endif()
       covis_one_test(${test} ${test} ${name} ${filter})
     else()
