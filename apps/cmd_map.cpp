@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// covis map: describes a saved map and checks its integrity.
+// covis map: describes a saved map, checks its integrity, and writes it for other programs.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
@@ -9,13 +9,17 @@
 
 #include "commands.h"
 #include "common.h"
+#include "covis/core/atomic_file.h"
 #include "covis/storage/map_file.h"
+#include "map_export.h"
+#include "map_import.h"
+#include "map_picture.h"
 
 namespace covis::app {
 namespace {
 
 struct MapArguments {
-  std::string file;
+  std::string file, picture;
   bool json = false;
 };
 
@@ -55,6 +59,14 @@ void print(const std::string& file, const storage::MapInfo& info, const nlohmann
 int run_info(const MapArguments& a) {
   const auto info = storage::read_map_info(a.file);
   if (!info) return fail_with(info.error());
+  if (!a.picture.empty()) {
+    const auto loaded = storage::load_map(a.file);
+    if (!loaded) return fail_with(loaded.error());
+    if (const auto written =
+            write_atomically(a.picture, picture_from_above(loaded->map, loaded->header.camera, a.file));
+        !written)
+      return fail_with(written.error());
+  }
   const nlohmann::json json = to_json(a.file, *info);
   if (a.json) {
     std::cout << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
@@ -77,17 +89,21 @@ int run_check(const MapArguments& a) {
 void add_map_command(CLI::App& app, int& exit_code) {
   using namespace covis::app;
   auto a = std::make_shared<MapArguments>();
-  CLI::App* command = app.add_subcommand("map", "Describe a saved map, or check its integrity");
+  CLI::App* command = app.add_subcommand("map", "Describe a saved map, check it, or write it for other programs");
   command->require_subcommand(1);
   CLI::App* info = command->add_subcommand("info", "Version, camera, sensor, counts, extent, duration and size");
   info->add_option("FILE", a->file, "a saved map")->required();
   info->add_flag("--json", a->json, "JSON on stdout");
+  info->add_option("--picture", a->picture, "PNG file for a picture of the map from above");
   info->callback([a, &exit_code] { exit_code = run_info(*a); });
   CLI::App* check = command->add_subcommand("check", "Load the map, check all of it, and report what is wrong");
   check->add_option("FILE", a->file, "a saved map")->required();
   check->callback([a, &exit_code] { exit_code = run_check(*a); });
+  add_map_export(*command, exit_code);
+  add_map_import(*command, exit_code);
   command->footer(
-      "Examples:\n  covis map info office.covis --json\n  covis map check office.covis\nExit code 1 when the file "
-      "can't "
-      "be read or is not whole.");
+      "Examples:\n  covis map info office.covis --picture office.png\n  covis map check office.covis\n"
+      "  covis map export office.covis --to colmap --out office_colmap\n"
+      "  covis map import sparse/0 --images images --out office.covis\n"
+      "Exit code 1 when the file can't be read or is not whole.");
 }

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/run/key_frame_pictures.h"
 #include "apps/run/resources.h"
 #include "apps/run/run_json.h"
 #include "apps/run/run_loop.h"
@@ -39,6 +40,7 @@ struct RunArguments {
   std::vector<std::string> settings;
   int features = 0;
   bool realtime = false, localize = false, quiet = false, json = false, dump_config = false;
+  bool no_colours = false, keep_images = false;
 };
 
 const std::map<std::string, io::TrajectoryFormat> kWriteFormats{
@@ -81,8 +83,9 @@ std::optional<Trajectory> read_truth(const io::Sequence& sequence) {
 }
 
 // Computes the summary and writes the run's files, and the map if requested.
+// `first_own`: the serial of the first key frame of this run.
 Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, const System& system,
-                        const io::Sequence& sequence, const storage::MapHeader& header) {
+                        io::Sequence& sequence, const storage::MapHeader& header, uint32_t first_own) {
   const std::optional<Trajectory> truth = read_truth(sequence);
   OutputOptions output;
   output.directory = arguments.out;
@@ -93,8 +96,14 @@ Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, 
   RunSummary summary = summarise(record, *snapshot, output.truth, peak_rss_mb());
   const Result<void> written = write_outputs(record, *snapshot, summary, output);
   if (!arguments.save_map.empty()) {
-    if (const auto saved = storage::save_map(arguments.save_map, system.map_state(), header); !saved)
+    const MapState map = system.map_state();
+    if (const auto saved = storage::save_map(arguments.save_map, map, header); !saved)
       return tl::unexpected(saved.error());
+    if (arguments.keep_images) {
+      const std::filesystem::path earlier = arguments.map.empty() ? "" : image_folder(arguments.map);
+      if (auto kept = keep_images(sequence, map, first_own, earlier, image_folder(arguments.save_map)); !kept)
+        return tl::unexpected(kept.error());
+    }
   }
   if (!written) return tl::unexpected(written.error());
   return summary;
@@ -123,6 +132,7 @@ PlayOptions play_options(const RunArguments& arguments, const SystemOptions& opt
   if (arguments.realtime && kind != io::SequenceKind::camera) play.pacing = Pacing::recorded;
   if (options.localize) play.mode = RunMode::localization;
   play.show_progress = !arguments.quiet;
+  play.colours = !arguments.no_colours && !options.localize;
   play.stop = &interrupted;
   return play;
 }
@@ -148,6 +158,8 @@ int run(const RunArguments& arguments) {
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
   storage::MapHeader header = storage::header_of((*sequence)->camera(), options.sensor, options.orb, vocabulary->get());
+  if (arguments.keep_images && arguments.save_map.empty())
+    return fail_with("--keep-images: the images are kept beside a saved map, --save-map FILE");
   std::optional<storage::SavedMap> map;
   if (!arguments.map.empty()) {
     const auto use = options.localize ? storage::MapUse::localization : storage::MapUse::continuation;
@@ -163,6 +175,7 @@ int run(const RunArguments& arguments) {
   record.sensor = options.sensor;
   record.given = (*sequence)->camera().pinhole;
   if (!arguments.quiet) log(LogLevel::info, record.source);
+  const uint32_t first_own = map ? map->map.next_serial() : 0;
   System system((*sequence)->camera(), options, *vocabulary);
   if (map) {
     if (const auto set = system.set_map(std::move(map->map), map->header.camera); !set)
@@ -171,7 +184,7 @@ int run(const RunArguments& arguments) {
   track_all(**sequence, system, play_options(arguments, options, (*sequence)->kind()), record);
   if (record.frames.empty() && !record.interrupted) return fail_with(arguments.path + ": no frame could be read");
 
-  const auto summary = save(arguments, record, system, **sequence, header);
+  const auto summary = save(arguments, record, system, **sequence, header, first_own);
   if (!summary) return fail_with(summary.error());
   return conclude(arguments, *summary, (*sequence)->kind());
 }
@@ -190,6 +203,10 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_option("--map", arguments->map, "saved map to continue; the camera is located in it");
   command->add_flag("--localize", arguments->localize, "localise only: the map given by --map is not changed");
   command->add_option("--save-map", arguments->save_map, "file to save the map to (docs/map-format.md)");
+  command->add_flag("--keep-images", arguments->keep_images,
+                    "keep the key frames' images in the folder FILE.images beside the saved map, for covis map export");
+  command->add_flag("--no-colours", arguments->no_colours,
+                    "do not read key frames again for their colours; the map's points stay grey");
   command->add_option("--vocabulary", arguments->vocabulary,
                       "vocabulary for recognising places; none: do not recognise any (default: the one that ships)");
   command->add_flag("--realtime", arguments->realtime,

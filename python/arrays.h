@@ -45,6 +45,16 @@ Image to_image(const py::object& object, const char* which, const char* wanted) 
 inline GreyImage to_grey(const py::object& object, const char* which) {
   return to_image<GreyImage, uint8_t>(object, which, "uint8");
 }
+// Red, green and blue of each pixel, or blue first.
+inline ColourImage to_colour(const py::object& object, ColourOrder order) {
+  if (!py::isinstance<py::array_t<uint8_t>>(object)) throw py::type_error("colour: a NumPy array of uint8 is wanted");
+  const auto array = py::reinterpret_borrow<py::array>(object);
+  if (array.ndim() != 3 || array.shape(2) != 3) throw py::value_error("colour: a shape (height, width, 3) is wanted");
+  if (array.strides(2) != 1 || array.strides(1) != 3 || array.strides(0) < 0)
+    throw py::value_error("colour: rows must be contiguous and in order; numpy.ascontiguousarray() makes them so");
+  return {static_cast<const uint8_t*>(array.data()), static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)),
+          array.strides(0), order};
+}
 inline DepthImage to_depth(const py::object& object) { return to_image<DepthImage, float>(object, "depth", "float32"); }
 
 // An array that can't be written, of `owner`'s memory: `count` rows of `columns` values, each row `stride` bytes after

@@ -73,10 +73,12 @@ CameraParameters make_camera(int width, int height, double fx, double fy, double
   return c;
 }
 
-Frame to_frame(int64_t stamp, const py::object& image, const py::object& right, const py::object& depth) {
+Frame to_frame(int64_t stamp, const py::object& image, const py::object& right, const py::object& depth,
+               const py::object& colour, ColourOrder order) {
   Frame frame;
   frame.stamp = stamp;
-  frame.image = to_grey(image, "image");
+  if (!image.is_none() || colour.is_none()) frame.image = to_grey(image, "image");
+  if (!colour.is_none()) frame.colour = to_colour(colour, order);
   if (!right.is_none()) frame.right = to_grey(right, "right");
   if (!depth.is_none()) frame.depth = to_depth(depth);
   return frame;
@@ -128,6 +130,7 @@ void bind_enums(py::module_& m) {
       .value("kannala_brandt", LensType::kannala_brandt);
   py::enum_<Timing>(m, "Timing").value("realtime", Timing::realtime).value("deterministic", Timing::deterministic);
   py::enum_<Mode>(m, "Mode").value("mapping", Mode::mapping).value("localisation", Mode::localisation);
+  py::enum_<ColourOrder>(m, "ColourOrder").value("rgb", ColourOrder::rgb).value("bgr", ColourOrder::bgr);
   py::enum_<TrackingState> state(m, "TrackingState");
   for (const auto s : {TrackingState::not_initialised, TrackingState::tracking, TrackingState::lost})
     state.value(name(s), s);
@@ -254,6 +257,10 @@ void bind_snapshot(py::module_& m) {
                                               &S::points, 0, [](auto& p) -> auto& { return p.id; }))
       .def_property_readonly("point_submaps", column(
                                                   &S::points, 0, [](auto& p) -> auto& { return p.submap; }))
+      .def_property_readonly("point_colours",
+                             column(
+                                 &S::points, 3, [](auto& p) -> auto& { return p.colour[0]; }),
+                             "(n, 3), uint8: red, green, blue; grey where no image came with colours.")
       .def_property_readonly("key_frame_ids", column(
                                                   &S::key_frames, 0, [](auto& k) -> auto& { return k.id; }))
       .def_property_readonly("key_frame_stamps",
@@ -316,22 +323,27 @@ void bind_slam(py::module_& m) {
            py::arg("vocabulary") = "", py::arg("settings") = py::dict())
       .def(
           "track",
-          [](Slam& slam, int64_t stamp, const py::object& image, const py::object& right, const py::object& depth) {
-            const Frame frame = to_frame(stamp, image, right, depth);
+          [](Slam& slam, int64_t stamp, const py::object& image, const py::object& right, const py::object& depth,
+             const py::object& colour, ColourOrder order) {
+            const Frame frame = to_frame(stamp, image, right, depth, colour, order);
             const py::gil_scoped_release released;
             return value_of(slam.track(frame));
           },
-          py::arg("stamp"), py::arg("image"), py::kw_only(), py::arg("right") = py::none(),
-          py::arg("depth") = py::none(),
-          "Tracks one frame: stamp in nanoseconds; image and right (height, width) uint8; depth float32, metres.")
+          py::arg("stamp"), py::arg("image") = py::none(), py::kw_only(), py::arg("right") = py::none(),
+          py::arg("depth") = py::none(), py::arg("colour") = py::none(), py::arg("order") = ColourOrder::rgb,
+          "Tracks one frame: stamp in nanoseconds; image and right (height, width) uint8; depth float32, metres; "
+          "colour "
+          "(height, width, 3) uint8, for the colours of the map's points, and in place of image where that is None.")
       .def(
           "locate",
-          [](Slam& slam, const py::object& image, const py::object& right, const py::object& depth) {
-            const Frame frame = to_frame(0, image, right, depth);
+          [](Slam& slam, const py::object& image, const py::object& right, const py::object& depth,
+             const py::object& colour, ColourOrder order) {
+            const Frame frame = to_frame(0, image, right, depth, colour, order);
             const py::gil_scoped_release released;
             return value_of(slam.locate(frame));
           },
-          py::arg("image"), py::kw_only(), py::arg("right") = py::none(), py::arg("depth") = py::none(),
+          py::arg("image") = py::none(), py::kw_only(), py::arg("right") = py::none(), py::arg("depth") = py::none(),
+          py::arg("colour") = py::none(), py::arg("order") = ColourOrder::rgb,
           "The Location of one image in the present map; None when its place is not recognised.")
       .def(
           "tracked_points",

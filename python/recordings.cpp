@@ -224,6 +224,17 @@ py::object array_of(const Image& image, const py::object& self) {
                     static_cast<size_t>(image.stride()) * sizeof(T), self);
 }
 
+py::object picture_array(const PyRecording& recording, int64_t frame) {
+  auto* picture = new io::Picture([&] {
+    const py::gil_scoped_release released;
+    return value(recording.sequence->picture(frame));
+  }());
+  const py::capsule owner(picture, [](void* p) { delete static_cast<io::Picture*>(p); });
+  std::vector<py::ssize_t> shape{picture->height, picture->width};
+  if (picture->coloured()) shape.push_back(3);
+  return py::array_t<uint8_t>(shape, picture->bytes.data(), owner);
+}
+
 }  // namespace
 
 void bind_recordings(py::module_& m) {
@@ -242,6 +253,9 @@ void bind_recordings(py::module_& m) {
   py::class_<PyRecording>(m, "Recording", "A recording, a video or a camera as a stream of frames: iterate over it.")
       .def(py::init(&open), py::arg("path"), py::kw_only(), py::arg("kind") = "automatic", py::arg("sensor") = "",
            py::arg("camera_file") = "", py::arg("first") = 0, py::arg("count") = -1, py::arg("stride") = 1)
+      .def("picture", &picture_array, py::arg("frame"),
+           "The image of the frame with this index as recorded: (height, width, 3) red, green, blue, or (height, "
+           "width).")
       .def_property_readonly("camera", [](const PyRecording& r) { return to_parameters(r.sequence->camera()); })
       .def_property_readonly("sensor", [](const PyRecording& r) { return public_sensor(r.sequence->sensor()); })
       .def_property_readonly(

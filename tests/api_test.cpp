@@ -53,6 +53,39 @@ TEST_P(Api, TracksLocatesAndRefusesWhatDoesNotFit) {
   EXPECT_EQ(slam->trajectory().size(), trajectory.size());
 }
 
+// In colour the poses are those of the grey images, and the points have the colours of what they show.
+TEST_P(Api, PointsHaveTheColoursOfTheImages) {
+  Recording& recording = shared_recording(GetParam(), 30, 15, "desk");
+  const auto grey = Slam::create(options_of(recording)).value(), coloured = Slam::create(options_of(recording)).value();
+  std::vector<uint8_t> bytes;
+  for (int i = 0; i < recording.size(); ++i) {
+    Frame frame = frame_of(recording.frame(i));
+    const auto plain = grey->track(frame);
+    const GreyImage& image = frame.image;
+    bytes.clear();
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        const uint8_t value = image.data[y * image.stride + x];
+        bytes.insert(bytes.end(), {30, static_cast<uint8_t>(255 - value), value});
+      }
+    }
+    frame.colour = {bytes.data(), image.width, image.height, 3 * static_cast<ptrdiff_t>(image.width), ColourOrder::bgr};
+    const auto result = coloured->track(frame);
+    ASSERT_TRUE(plain && result) << error_of(result);
+    EXPECT_EQ(apart(plain->pose, result->pose), 0);
+  }
+  grey->finish();
+  coloured->finish();
+  for (const MapSnapshot::Point& point : grey->snapshot()->points) EXPECT_EQ(point.colour, kNoColour);
+  const auto snapshot = coloured->snapshot();
+  ASSERT_GT(snapshot->points.size(), 100u);
+  for (const MapSnapshot::Point& point : snapshot->points) {
+    const auto& [red, green, blue] = point.colour;
+    EXPECT_EQ(blue, 30);
+    EXPECT_NEAR(red + green, 255, 1);
+  }
+}
+
 // The points of the last frame project, by its pose, to where they were seen; its covariance is small and positive.
 TEST_P(Api, AFrameTellsItsPointsAndItsCovariance) {
   Recording& recording = shared_recording(GetParam(), 30, 15, "desk");

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // `covis run` as people use it: its files, and that they do not depend on how busy the machine is.
 #include <algorithm>
+#include <set>
 
 #include "command_results.h"
+#include "covis/storage/map_file.h"
 
 namespace covis {
 namespace {
@@ -38,6 +40,36 @@ TEST_F(CommandRun, WritesAllItsFilesForEachSensor) {
     EXPECT_LT(summary["ate_m"].get<double>(), 0.05) << "truth lies beside the recording";
     EXPECT_EQ(text_of(out / "trajectory.png").substr(1, 3), "PNG");
   }
+}
+
+// The key frames' images are kept beside the map, under their ids, and no others.
+TEST_F(CommandRun, KeepsTheImagesOfKeyFramesBesideTheMap) {
+  const fs::path recording = render("rgbd", 40), map = folder / "m.covis", images = folder / "m.covis.images";
+  ASSERT_EQ(covis({"run", recording, "--quiet", "--out", folder / "out", "--keep-images"}).code, 1)
+      << "there is no map to keep them beside";
+  fs::create_directories(images);
+  std::ofstream(images / "000999.png") << "of an earlier map";
+  const auto run = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all{"run",          recording,    "--quiet", "--out",
+                                 folder / "out", "--save-map", map,       "--keep-images"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome outcome = covis(all);
+    ASSERT_EQ(outcome.code, 0) << outcome.error;
+    const auto saved = storage::load_map(map);
+    ASSERT_TRUE(saved) << saved.error().message;
+    std::set<std::string> wanted, found;
+    for (const KeyFrameId& id : saved->map.key_frames()) {
+      char name[16];
+      std::snprintf(name, sizeof name, "%06u.png", saved->map.at(id).serial);
+      wanted.insert(name);
+      EXPECT_FALSE(saved->map.at(id).colours) << "rendered recordings are grey";
+    }
+    for (const auto& entry : fs::directory_iterator(images)) found.insert(entry.path().filename());
+    EXPECT_EQ(found, wanted);
+    EXPECT_GE(found.size(), 2u);
+  };
+  run({"--count", "30"});
+  run({"--map", map});  // continued: the images of the earlier key frames stay
 }
 
 TEST_F(CommandRun, WritesTheFormatAskedFor) {

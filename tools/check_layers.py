@@ -32,6 +32,7 @@ LAYERS = {
     'api': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'tracking', 'mapping', 'loops', 'slam', 'storage'},
     'storage': {'core', 'geometry', 'features', 'vocabulary', 'map'},
     'io': {'core', 'geometry', 'features'},
+    'exchange': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'mapping', 'io'},
     'eval': {'core', 'geometry', 'io'},
     'synth/render': {'core', 'geometry'},
     'synth/things': {'core', 'geometry', 'synth/render'},

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "apps/run/key_frame_pictures.h"
 #include "apps/run/pace.h"
 #include "apps/run/progress.h"
 #include "apps/run/resources.h"
@@ -22,6 +23,8 @@ void track_all(io::Sequence& sequence, System& system, const PlayOptions& option
   Progress progress(options.show_progress ? sequence.size() : Progress::kHidden);
   std::optional<Stopwatch> since_first;
   Pace pace(*options.stop);
+  std::optional<KeyFrameColouring> colouring;
+  if (options.colours) colouring.emplace(sequence, system);
   io::Frame frame;
   int64_t expected = options.first;
   while (*options.stop == 0) {
@@ -54,11 +57,13 @@ void track_all(io::Sequence& sequence, System& system, const PlayOptions& option
     stats.cpu_ms = thread_cpu_ms() - cpu_start;
     if (run.frames.size() % kMemoryEvery == 0) stats.rss_mb = resident_mb();
     run.frames.push_back(std::move(stats));
+    if (colouring && report.track.key_frame) colouring->wake();
     const System::MapSize map = system.map_size();
     progress.show(name(run.frames.back().state), run.frames.size(), map.key_frames, map.points);
   }
   const std::vector<MappingReport> rest = system.finish();
   run.mapping.insert(run.mapping.end(), rest.begin(), rest.end());
+  if (colouring) colouring->finish();
   settle_states(*system.snapshot(), options.mode, run.frames);
   run.wall_seconds = wall.ms() / 1000;
   run.interrupted = *options.stop != 0;

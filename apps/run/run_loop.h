@@ -18,6 +18,7 @@ struct PlayOptions {
   Pacing pacing = Pacing::free;
   RunMode mode = RunMode::mapping;
   bool show_progress = true;
+  bool colours = true;                     // key frames get the colours of the recording's images
   const std::atomic<int>* stop = nullptr;  // ends the loop when it is not zero
 };
 

@@ -40,7 +40,7 @@ ReportInput report_of(const RunRecord& run, MainSubmap results, const RunSummary
   report.key_frames = std::move(results.key_frames);
   report.truth = options.truth;
   report.align = alignment_of(run.sensor);
-  report.points = std::move(results.points);
+  for (const io::CloudPoint& point : results.points) report.points.push_back(point.position);
   report.frames = report_frames(run);
   report.summary = summary_rows(summary);
   return report;

@@ -117,7 +117,7 @@ MainSubmap main_submap(const Snapshot& snapshot) {
                   of_main_submap(snapshot.key_frames, snapshot),
                   {}};
   for (const Snapshot::Point& point : snapshot.points) {
-    if (snapshot.index_of(point.submap) == 0) main.points.push_back(point.position_w);
+    if (snapshot.index_of(point.submap) == 0) main.points.push_back({point.position_w, point.colour});
   }
   return main;
 }

@@ -11,13 +11,14 @@
 
 #include "apps/run/run_record.h"
 #include "covis/eval/evaluation.h"
+#include "covis/io/outputs.h"
 
 namespace covis::app {
 
 // The main submap: what is not joined to it has a world of its own.
 struct MainSubmap {
   Trajectory trajectory, online_trajectory, key_frames;
-  std::vector<Eigen::Vector3d> points;
+  std::vector<io::CloudPoint> points;
 };
 MainSubmap main_submap(const Snapshot& snapshot);
 

@@ -40,6 +40,7 @@ struct MapSnapshot {
     uint64_t id = 0;             // of this run: a map saved and loaded again has other ids
     double x = 0, y = 0, z = 0;  // metres
     int submap = 0;              // id
+    Colour colour = kNoColour;   // the mean over the key frames that see it and whose images came with colours
   };
 
   // A key frame observes a point. Indices into key_frames and points.

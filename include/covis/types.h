@@ -51,12 +51,27 @@ struct DepthImage {
   ptrdiff_t stride = 0;
 };
 
+// Red, green, blue.
+using Colour = std::array<uint8_t, 3>;
+inline constexpr Colour kNoColour{128, 128, 128};  // stands for an unknown colour: all images were grey
+enum class ColourOrder { rgb, bgr };
+// Three bytes a pixel. stride: bytes from a row to the next.
+struct ColourImage {
+  const uint8_t* data = nullptr;
+  int width = 0, height = 0;
+  ptrdiff_t stride = 0;
+  ColourOrder order = ColourOrder::rgb;
+};
+
 // The images of one moment.
 struct Frame {
   int64_t stamp = 0;      // nanoseconds
-  GreyImage image = {};   // the left one of a stereo pair
+  GreyImage image = {};   // the left one of a stereo pair; empty: it is made of `colour`
   GreyImage right = {};   // stereo only
   DepthImage depth = {};  // RGB-D only
+  // The same picture as `image` in colour, from which the map's points get their colours; may be empty. Poses depend on
+  // the grey image alone.
+  ColourImage colour = {};
 };
 
 enum class TrackingState {

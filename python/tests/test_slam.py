@@ -239,6 +239,32 @@ def test_rows_may_be_part_of_a_wider_array(small):
     assert small.track(0, wide[:, :WIDTH], depth=DEPTH).reason == covis.NoPoseReason.few_features
 
 
+def test_points_have_the_colours_of_the_images(recording):
+    source = covis.Recording(recording('desk_rgbd'))
+    slam = system(source)
+    for frame in source:
+        picture = source.picture(frame.index)
+        assert np.array_equal(picture, frame.image), 'rendered recordings are grey'
+        tinted = np.dstack([picture, 255 - picture, np.full_like(picture, 30)])
+        slam.track(frame.stamp, frame.image, depth=frame.depth, colour=tinted[:, :, ::-1].copy(),
+                   order=covis.ColourOrder.bgr)
+    slam.finish()
+    colours = slam.snapshot().point_colours.astype(int)
+    assert colours.shape == (len(slam.snapshot().points), 3) and (colours[:, 2] == 30).all()
+    assert (abs(colours[:, 0] + colours[:, 1] - 255) <= 1).all() and np.ptp(colours[:, 0]) > 50
+
+
+@pytest.mark.parametrize('colour, error, message', [
+    (IMAGE, ValueError, r'colour: a shape \(height, width, 3\)'),
+    (np.dstack([IMAGE] * 3).astype(float), TypeError, 'colour: a NumPy array of uint8'),
+    (np.dstack([IMAGE] * 3)[:, :, ::-1], ValueError, 'colour: rows must be contiguous'),
+    (np.zeros((10, 10, 3), np.uint8), covis.Error, 'colour: the image is empty or is 10x10'),
+])
+def test_colours_that_are_wrong_are_named(small, colour, error, message):
+    with pytest.raises(error, match=message):
+        small.track(0, IMAGE, depth=DEPTH, colour=colour)
+
+
 def test_depth_that_is_not_finite_is_no_depth(small):
     depth = DEPTH.copy()
     depth[::2] = np.nan

@@ -45,11 +45,18 @@ int main() {
   MEMBER(DepthImage, width);
   MEMBER(DepthImage, height);
   MEMBER(DepthImage, stride);
+  STRUCT(ColourImage);
+  MEMBER(ColourImage, data);
+  MEMBER(ColourImage, width);
+  MEMBER(ColourImage, height);
+  MEMBER(ColourImage, stride);
+  MEMBER(ColourImage, order);
   STRUCT(Frame);
   MEMBER(Frame, stamp);
   MEMBER(Frame, image);
   MEMBER(Frame, right);
   MEMBER(Frame, depth);
+  MEMBER(Frame, colour);
   STRUCT(FrameResult);
   MEMBER(FrameResult, state);
   MEMBER(FrameResult, reason);
@@ -125,6 +132,7 @@ int main() {
   MEMBER(MapSnapshot::Point, y);
   MEMBER(MapSnapshot::Point, z);
   MEMBER(MapSnapshot::Point, submap);
+  MEMBER(MapSnapshot::Point, colour);
   STRUCT(MapSnapshot::Observation);
   MEMBER(MapSnapshot::Observation, key_frame);
   MEMBER(MapSnapshot::Observation, point);
@@ -143,6 +151,8 @@ int main() {
   VALUE(SensorType::monocular);
   VALUE(SensorType::stereo);
   VALUE(SensorType::rgbd);
+  VALUE(ColourOrder::rgb);
+  VALUE(ColourOrder::bgr);
   VALUE(LensType::none);
   VALUE(LensType::brown_conrady);
   VALUE(LensType::kannala_brandt);

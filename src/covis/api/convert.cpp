@@ -85,8 +85,8 @@ MapSnapshot to_public(const Snapshot& from) {
                              parent == index.end() ? -1 : parent->second});
   }
   to.points.reserve(from.points.size());
-  for (const auto& [id, p, submap] : from.points)
-    to.points.push_back({id_number(id), p.x(), p.y(), p.z(), static_cast<int>(submap)});
+  for (const auto& [id, p, submap, colour] : from.points)
+    to.points.push_back({id_number(id), p.x(), p.y(), p.z(), static_cast<int>(submap), colour});
   to.edges = from.edges;
   to.observations = from.observations;
   to.trajectory = to_trajectory(from.trajectory);

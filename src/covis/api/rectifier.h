@@ -17,6 +17,8 @@ class Rectifier {
   Pose rectified_left() const;
   // The views become those of the rectified images, which the next call overwrites.
   void rectify(ImageView<const uint8_t>& left, ImageView<const uint8_t>& right);
+  // Rectifies an image of the left camera alone.
+  void left(ImageView<const uint8_t> from, ImageU8& to) const { rectification_.left(from, to); }
 
  private:
   explicit Rectifier(StereoRectification rectification) : rectification_(std::move(rectification)) {}

@@ -7,6 +7,7 @@
 
 #include "covis/api/convert.h"
 #include "covis/api/events.h"
+#include "covis/api/frame_colours.h"
 #include "covis/api/rectifier.h"
 #include "covis/core/fields.h"
 #include "covis/covis.h"
@@ -39,15 +40,16 @@ TrackingMode to_tracking_mode(Mode mode) {
   return mode == Mode::mapping ? TrackingMode::mapping : TrackingMode::localisation;
 }
 
+// `row`: elements that a row has at least.
 template <class Image>
-std::optional<std::string> image_problem(const Image& image, const Camera& camera, const char* which) {
+std::optional<std::string> image_problem(const Image& image, const Camera& camera, const char* which, ptrdiff_t row) {
   const auto size = [](int width, int height) { return std::to_string(width) + "x" + std::to_string(height); };
   std::string problem(which);
   if (!image.data || image.width != camera.width || image.height != camera.height) {
     problem.append(": the image is empty or is ").append(size(image.width, image.height));
     problem.append("; the camera is ").append(size(camera.width, camera.height));
-  } else if (image.stride < image.width) {
-    problem.append(": the stride, ").append(std::to_string(image.stride)).append(", is less than the width");
+  } else if (image.stride < row) {
+    problem.append(": the stride, ").append(std::to_string(image.stride)).append(", is less than a row of pixels");
   } else {
     return std::nullopt;
   }
@@ -77,8 +79,10 @@ struct Slam::Impl {
     return session;
   }
   System& system() { return session->system; }
-  // Checks the images of a frame, and rectifies a pair where it is to be.
+  // Checks the images of a frame, makes a grey one of the colour image where there is none, and rectifies a pair where
+  // it is to be.
   Expected<System::Input> input(const Frame& frame);
+  std::optional<std::string> problem_of(const Frame& frame) const;
   void tell(const std::vector<Event>& events) const {
     const auto told = handler;  // which may put another in its place
     for (const Event& event : events) {
@@ -90,6 +94,7 @@ struct Slam::Impl {
   CameraParameters given;  // of rectified pairs the rectified camera
   Camera camera;
   std::optional<Rectifier> rectifier;
+  FrameColours colours;
   std::shared_ptr<const Vocabulary> vocabulary;
   SessionPtr session;        // the tracking thread alone puts another in its place
   mutable std::mutex mutex;  // held when it does, and when another thread takes it
@@ -125,28 +130,34 @@ void Slam::Impl::begin(SessionPtr made, Mode now, TrackingState state) {
   }
   mode = now;
   teller = EventTeller(state);
+  colours = {};
   next_frame = 0;
   last_stamp = std::numeric_limits<int64_t>::min();
 }
 
-Expected<System::Input> Slam::Impl::input(const Frame& frame) {
+std::optional<std::string> Slam::Impl::problem_of(const Frame& frame) const {
   const bool stereo = options.sensor == Sensor::stereo, rgbd = options.sensor == Sensor::rgbd;
-  if (!stereo && frame.right.data) return Failure("right: only a stereo pair has a right image");
-  if (!rgbd && frame.depth.data) return Failure("depth: only an RGB-D camera has depth");
-  if (const auto problem = image_problem(frame.image, camera, "image")) return Failure(*problem);
+  if (!stereo && frame.right.data) return "right: only a stereo pair has a right image";
+  if (!rgbd && frame.depth.data) return "depth: only an RGB-D camera has depth";
+  const ptrdiff_t width = camera.width;
+  std::optional<std::string> problem;
+  if (frame.colour.data) problem = image_problem(frame.colour, camera, "colour", 3 * width);
+  if (!problem && (frame.image.data || !frame.colour.data))
+    problem = image_problem(frame.image, camera, "image", width);
+  if (!problem && stereo) problem = image_problem(frame.right, camera, "right", width);
+  if (!problem && rgbd) problem = image_problem(frame.depth, camera, "depth", width);
+  return problem;
+}
+
+Expected<System::Input> Slam::Impl::input(const Frame& frame) {
+  if (const auto problem = problem_of(frame)) return Failure(*problem);
   System::Input input;
   input.frame = next_frame;
   input.stamp = frame.stamp;
-  input.image = to_view(frame.image);
-  if (stereo) {
-    if (const auto problem = image_problem(frame.right, camera, "right")) return Failure(*problem);
-    input.right = to_view(frame.right);
-    if (rectifier) rectifier->rectify(input.image, input.right);
-  }
-  if (rgbd) {
-    if (const auto problem = image_problem(frame.depth, camera, "depth")) return Failure(*problem);
-    input.depth = to_view(frame.depth);
-  }
+  input.image = frame.image.data ? to_view(frame.image) : colours.grey(frame.colour);
+  input.right = to_view(frame.right);
+  input.depth = to_view(frame.depth);
+  if (rectifier) rectifier->rectify(input.image, input.right);
   return input;
 }
 
@@ -187,6 +198,9 @@ Expected<FrameResult> Slam::track(const Frame& frame) {
   impl_->last_stamp = frame.stamp;
   ++impl_->next_frame;
   const FrameReport report = impl_->system().process(*input);
+  if (report.track.key_frame && frame.colour.data)
+    impl_->colours.keep(input->frame, frame.colour, impl_->rectifier ? &*impl_->rectifier : nullptr);
+  impl_->colours.give(impl_->system());
   impl_->tell(impl_->teller.of_frame(frame.stamp, report, impl_->system().map()));
   return to_result(report);
 }
@@ -216,6 +230,7 @@ Mode Slam::mode() const { return impl_->mode; }
 
 void Slam::finish() {
   const std::vector<MappingReport> reports = impl_->system().finish();
+  impl_->colours.give(impl_->system());
   impl_->tell(EventTeller::of_mapping(reports, impl_->system().map()));
 }
 

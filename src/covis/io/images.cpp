@@ -3,9 +3,12 @@
 
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string_view>
 
+#include "covis/core/atomic_file.h"
 #include "covis/io/files.h"
+#include "covis/io/opencv_picture.h"
 
 namespace covis::io {
 namespace {
@@ -67,6 +70,28 @@ Result<void> ImageReader::grey(const std::filesystem::path& file, ImageU8& image
   image.resize(decoded->cols, decoded->rows);
   decoded->copyTo(as_mat(image, CV_8UC1));
   return {};
+}
+
+Result<Picture> read_picture(const std::filesystem::path& file) {
+  std::string bytes;
+  const auto decoded = decode(file, bytes, cv::IMREAD_ANYCOLOR, {});
+  if (!decoded) return tl::unexpected(decoded.error());
+  return picture_of(*decoded);
+}
+
+Result<void> write_picture(const std::filesystem::path& file, const Picture& picture) {
+  if (picture.channels == 0) return fail(file.string() + ": there is no picture to write");
+  cv::Mat image(picture.height, picture.width, picture.coloured() ? CV_8UC3 : CV_8UC1,
+                const_cast<uint8_t*>(picture.bytes.data()));
+  if (picture.coloured()) {
+    cv::Mat bgr;
+    cv::cvtColor(image, bgr, cv::COLOR_RGB2BGR);
+    image = bgr;
+  }
+  std::vector<uint8_t> bytes;
+  if (!cv::imencode(file.extension() == ".jpg" ? ".jpg" : ".png", image, bytes, {cv::IMWRITE_JPEG_QUALITY, 95}))
+    return fail(file.string() + ": the picture can't be encoded");
+  return write_atomically(file, std::string(bytes.begin(), bytes.end()));
 }
 
 Result<void> ImageReader::depth(const std::filesystem::path& file, double scale, ImageF& depth) {

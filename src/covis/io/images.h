@@ -2,13 +2,54 @@
 // Reading of image files.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "covis/core/error.h"
 #include "covis/core/image.h"
+#include "covis/types.h"
 
 namespace covis::io {
+
+// An image as people look at it: grey, or red, green and blue. Rows follow each other without gaps.
+struct Picture {
+  int width = 0, height = 0, channels = 0;  // channels: 1 or 3; 0: there is no picture
+  std::vector<uint8_t> bytes;
+  std::filesystem::path file = {};  // an image file that holds just this picture; empty: there is none
+
+  bool coloured() const { return channels == 3; }
+  uint8_t* row(int y) { return bytes.data() + static_cast<size_t>(y) * row_bytes(); }
+  const uint8_t* row(int y) const { return bytes.data() + static_cast<size_t>(y) * row_bytes(); }
+  size_t row_bytes() const { return static_cast<size_t>(width) * static_cast<size_t>(channels); }
+  // Valid for a coloured one.
+  ColourImage colours() const { return {bytes.data(), width, height, static_cast<ptrdiff_t>(row_bytes())}; }
+};
+
+Result<Picture> read_picture(const std::filesystem::path& file);
+// Writes a PNG, or a JPEG of quality 95, as the name's ending says; completely or not at all.
+Result<void> write_picture(const std::filesystem::path& file, const Picture& picture);
+// Calls resample(from, to) for each channel, and returns what it made, of one size for all.
+template <class Resample>
+Picture resampled(const Picture& picture, Resample&& resample) {
+  Picture made;
+  ImageU8 from(picture.width, picture.height), to;
+  for (int channel = 0; channel < picture.channels; ++channel) {
+    for (int y = 0; y < picture.height; ++y) {
+      for (int x = 0; x < picture.width; ++x) from.row(y)[x] = picture.row(y)[picture.channels * x + channel];
+    }
+    resample(ImageView<const uint8_t>(from.view()), to);
+    made.width = to.width();
+    made.height = to.height();
+    made.channels = picture.channels;
+    made.bytes.resize(made.row_bytes() * static_cast<size_t>(made.height));
+    for (int y = 0; y < made.height; ++y) {
+      for (int x = 0; x < made.width; ++x) made.row(y)[made.channels * x + channel] = to.row(y)[x];
+    }
+  }
+  return made;
+}
 
 // Reads images into reused memory: in the steady state only the decoders allocate memory of an image's size. Not
 // thread-safe.

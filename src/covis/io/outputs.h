@@ -7,10 +7,18 @@
 #include <vector>
 
 #include "covis/core/error.h"
+#include "covis/types.h"
 
 namespace covis::io {
 
-// Writes a binary little-endian PLY file with float x, y, z, completely or not at all.
-Result<void> write_ply(const std::filesystem::path& file, const std::vector<Eigen::Vector3d>& points);
+struct CloudPoint {
+  Eigen::Vector3d position;  // metres
+  Colour colour = kNoColour;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit length, or zero: not known
+};
+
+// Writes a binary little-endian PLY file, completely or not at all: float x, y, z; float nx, ny, nz where any point has
+// a normal; uchar red, green, blue where any has a colour.
+Result<void> write_ply(const std::filesystem::path& file, const std::vector<CloudPoint>& points);
 
 }  // namespace covis::io

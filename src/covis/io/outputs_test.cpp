@@ -15,7 +15,7 @@ using testing::HasSubstr;
 class Outputs : public RecordingTest {};
 
 TEST_F(Outputs, PointCloudsHoldEveryPoint) {
-  const std::vector<Eigen::Vector3d> points{{1, 2, 3}, {-0.5, 1e-3, 7e4}};
+  const std::vector<CloudPoint> points{{{1, 2, 3}}, {{-0.5, 1e-3, 7e4}}};
   ASSERT_TRUE(write_ply(folder / "map.ply", points));
   const std::string text = *read_text(folder / "map.ply");
   EXPECT_THAT(text, AllOf(testing::StartsWith("ply\nformat binary_little_endian 1.0\n"),
@@ -25,8 +25,22 @@ TEST_F(Outputs, PointCloudsHoldEveryPoint) {
   for (size_t i = 0; i < 6; ++i) {
     float value;
     std::memcpy(&value, text.data() + body + i * sizeof value, sizeof value);
-    EXPECT_EQ(value, static_cast<float>(points[i / 3][static_cast<Eigen::Index>(i % 3)]));
+    EXPECT_EQ(value, static_cast<float>(points[i / 3].position[static_cast<Eigen::Index>(i % 3)]));
   }
+}
+
+TEST_F(Outputs, PointCloudsHoldNormalsAndColoursWhereThereAreAny) {
+  ASSERT_TRUE(write_ply(folder / "map.ply", {{{1, 2, 3}, {200, 100, 50}, {0, 0, -1}}, {{4, 5, 6}}}));
+  const std::string text = *read_text(folder / "map.ply");
+  EXPECT_THAT(
+      text, HasSubstr("property float nz\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nend_header"));
+  const size_t body = text.find("end_header\n") + 11;
+  ASSERT_EQ(text.size(), body + 2 * (6 * sizeof(float) + 3));
+  float nz;
+  std::memcpy(&nz, text.data() + body + 5 * sizeof nz, sizeof nz);
+  EXPECT_EQ(nz, -1);
+  EXPECT_EQ(text.substr(body + 6 * sizeof nz, 3), "\xc8\x64\x32");
+  EXPECT_EQ(text.substr(text.size() - 3), "\x80\x80\x80") << "grey where the colour is not known";
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "covis/core/sensor.h"
 #include "covis/core/time.h"
 #include "covis/geometry/camera.h"
+#include "covis/io/images.h"
 #include "covis/io/trajectory.h"
 
 namespace covis::io {
@@ -66,6 +67,10 @@ class Sequence {
   // Returns the next frame, nullopt at the end, or an error for an unreadable frame, after which next() may be called
   // again for the frame after it. The memory of `recycled` is reused.
   virtual Result<std::optional<Frame>> next(Frame recycled = {}) = 0;
+  // Returns the image that Frame::image of a frame was made of, in colour if it has any, and rectified if that is. An
+  // error where it can't be read (again), as that of a camera. For one thread at a time, which may be another than that
+  // of next(). Of a video, frames asked for in their order take least time.
+  virtual Result<Picture> picture(int64_t frame) = 0;
 };
 
 // Opens a recording and checks all that can be checked without decoding images: listed files exist, stamps are

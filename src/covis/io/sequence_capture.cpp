@@ -8,10 +8,30 @@
 #include <opencv2/videoio.hpp>
 
 #include "covis/io/decode_ahead.h"
+#include "covis/io/opencv_picture.h"
 #include "covis/io/sequence_sources.h"
 
 namespace covis::io {
 namespace {
+
+// OpenCV's own warnings about failed attempts are less helpful than our message. Only the suitable back ends are tried,
+// because a search through all of them takes longer and leaks memory.
+cv::VideoCapture open_quietly(const std::string& path, std::optional<int> number) {
+  namespace logging = cv::utils::logging;
+  const logging::LogLevel before = logging::setLogLevel(logging::LOG_LEVEL_SILENT);
+  cv::VideoCapture capture;
+  try {
+    if (number) {
+      capture.open(*number, cv::CAP_V4L2);
+    } else if (!capture.open(path, cv::CAP_FFMPEG)) {
+      capture.open(path, cv::CAP_OPENCV_MJPEG);
+    }
+  } catch (const cv::Exception&) {
+    capture.release();
+  }
+  logging::setLogLevel(before);
+  return capture;
+}
 
 class CaptureSequence : public Sequence {
  public:
@@ -41,6 +61,23 @@ class CaptureSequence : public Sequence {
            std::to_string(camera_.height) + ", " + std::to_string(rate_) + " Hz";
   }
   Result<std::optional<Frame>> next(Frame recycled) override { return ahead_.next(std::move(recycled)); }
+  Result<Picture> picture(int64_t frame) override {
+    if (kind_ == SequenceKind::camera) return fail(name_ + ": a camera's frames can't be read again");
+    if (!again_ || frame < next_again_) {
+      again_ = open_quietly(name_, std::nullopt);
+      next_again_ = 0;
+    }
+    for (; next_again_ <= frame; ++next_again_) {
+      if (!again_->grab()) {
+        again_.reset();
+        return fail(name_ + ": frame " + std::to_string(frame) + " can't be read again");
+      }
+    }
+    cv::Mat image;
+    if (!again_->retrieve(image) || image.empty())
+      return fail(name_ + ": frame " + std::to_string(frame) + " can't be decoded");
+    return picture_of(image);
+  }
 
  private:
   Result<std::optional<Frame>> decode(Frame frame) {
@@ -83,27 +120,11 @@ class CaptureSequence : public Sequence {
   const SequenceOptions options_;
   int64_t read_ = 0, given_ = 0;
   cv::Mat picture_, grey_;
+  // Used by picture() only: the video once more, and the next frame it gives.
+  std::optional<cv::VideoCapture> again_;
+  int64_t next_again_ = 0;
   DecodeAhead ahead_;  // last member: its thread uses the others
 };
-
-// OpenCV's own warnings about failed attempts are less helpful than our message. Only the suitable back ends are tried,
-// because a search through all of them takes longer and leaks memory.
-cv::VideoCapture open_quietly(const std::string& path, std::optional<int> number) {
-  namespace logging = cv::utils::logging;
-  const logging::LogLevel before = logging::setLogLevel(logging::LOG_LEVEL_SILENT);
-  cv::VideoCapture capture;
-  try {
-    if (number) {
-      capture.open(*number, cv::CAP_V4L2);
-    } else if (!capture.open(path, cv::CAP_FFMPEG)) {
-      capture.open(path, cv::CAP_OPENCV_MJPEG);
-    }
-  } catch (const cv::Exception&) {
-    capture.release();
-  }
-  logging::setLogLevel(before);
-  return capture;
-}
 
 // Returns the number of frames to come; -1 when the file does not contain it.
 int64_t count_frames(const cv::VideoCapture& capture, const SequenceOptions& options) {

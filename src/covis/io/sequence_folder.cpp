@@ -46,6 +46,21 @@ class FolderSequence : public Sequence {
            " frames, " + size_text(recording_.camera.width, recording_.camera.height);
   }
   Result<std::optional<Frame>> next(Frame recycled) override { return ahead_.next(std::move(recycled)); }
+  Result<Picture> picture(int64_t frame) override {
+    const int64_t at = (frame - options_.first) / options_.stride;
+    if (frame < options_.first || at >= size()) return fail("frame " + std::to_string(frame) + ": there is none");
+    const std::filesystem::path& file = recording_.frames[static_cast<size_t>(at)].image;
+    auto picture = read_picture(file);
+    if (!picture) return picture;
+    if (auto checked = check_size(file, picture->width, picture->height); !checked)
+      return tl::unexpected(checked.error());
+    if (recording_.rectification) {
+      return resampled(*picture,
+                       [&](ImageView<const uint8_t> from, ImageU8& to) { recording_.rectification->left(from, to); });
+    }
+    picture->file = file;
+    return picture;
+  }
 
  private:
   // Runs in the decoding thread.

@@ -146,6 +146,14 @@ void Map::set_words(KeyFrameId id, std::shared_ptr<const Words> words) {
   key_frame.words = std::move(words);
 }
 
+bool Map::set_colours(KeyFrameId id, ColoursPtr colours) {
+  const KeyFrame* key_frame = find(id);
+  if (!key_frame) return false;
+  assert(colours && colours->size() == key_frame->points.size());
+  key_frames_.at(id).colours = std::move(colours);
+  return true;
+}
+
 bool Map::correct_pose(KeyFrameId id, const SE3& T_cw, double growth) {
   if (!set_pose(id, T_cw)) return false;
   key_frames_.at(id).scale *= growth;

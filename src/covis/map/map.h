@@ -30,6 +30,7 @@
 #include "covis/geometry/camera.h"
 #include "covis/geometry/se3.h"
 #include "covis/geometry/sim3.h"
+#include "covis/map/colours.h"
 #include "covis/map/key_frame_database.h"
 #include "covis/map/slot_store.h"
 
@@ -79,6 +80,7 @@ struct KeyFrame {
   KeyFrameId parent;                   // in the submap's spanning tree; invalid for its root
   std::vector<KeyFrameId> children;    // sorted by handle
   std::vector<KeyFrameId> loop_edges;  // sorted by handle
+  ColoursPtr colours;                  // null: its image came without colours
   double scale = 1;  // product of the changes of scale that loop closing brought to this key frame: poses given
                      // relative to it before a change have translations in the old unit
 };
@@ -115,6 +117,8 @@ class Map {
   bool set_pose(KeyFrameId id, const SE3& T_cw);
   // Makes it known to the database. Once.
   void set_words(KeyFrameId id, std::shared_ptr<const Words> words);
+  // One for each feature (asserted). False (nothing done) when stale.
+  bool set_colours(KeyFrameId id, ColoursPtr colours);
   // The correction of a loop: the pose, and the factor by which lengths near this key frame grew. Counted by moves(),
   // as is join_submaps(): what was read of the map before such a move does not fit what is read after it.
   bool correct_pose(KeyFrameId id, const SE3& T_cw, double growth);

@@ -35,6 +35,7 @@ std::string problem_of(const MapState& state, size_t index) {
   if (!k.features) return "has no features";
   if (std::string problem = covis::problem_of(*k.features, k.features->grid.bounds); !problem.empty()) return problem;
   if (k.points.size() != static_cast<size_t>(k.features->size())) return "has not a place for each feature";
+  if (k.colours && k.colours->size() != k.points.size()) return "has not a colour for each feature";
   if (!k.T_cw.all_finite()) return "has a pose that is not finite";
   const Eigen::Matrix3d off = k.T_cw.R().transpose() * k.T_cw.R() - Eigen::Matrix3d::Identity();
   if (!(off.cwiseAbs().maxCoeff() < 1e-3) || !(k.T_cw.R().determinant() > 0)) return "has a pose without a rotation";
@@ -128,8 +129,8 @@ MapState Map::state() const {
   state.key_frames.reserve(frames.size());
   for (const KeyFrameId& id : frames) {
     const KeyFrame& k = at(id);
-    KeyFrameState& s =
-        state.key_frames.emplace_back(KeyFrameState{k.serial, k.frame, k.stamp, k.T_cw, k.features, {}, kNone, {}});
+    KeyFrameState& s = state.key_frames.emplace_back(
+        KeyFrameState{k.serial, k.frame, k.stamp, k.T_cw, k.features, {}, kNone, {}, k.colours});
     if (k.parent.valid()) s.parent = frame_index[k.parent.slot];
     s.points.reserve(k.points.size());
     for (const MapPointId& p : k.points) s.points.push_back(p.valid() ? point_index[p.slot] : kNone);
@@ -199,6 +200,7 @@ Result<Map> Map::from_state(MapState state) {
     key_frame.stamp = s.stamp;
     key_frame.T_cw = s.T_cw;
     key_frame.features = std::move(s.features);
+    key_frame.colours = std::move(s.colours);
     key_frame.points.resize(s.points.size());
     frames.push_back(map.key_frames_.insert(std::move(key_frame)));
     KeyFrame& made = map.key_frames_.at(frames.back());

@@ -24,6 +24,7 @@ struct KeyFrameState {
   std::vector<uint32_t> points;      // for each feature the index of its map point, or MapState::kNone
   uint32_t parent = 0xffffffffu;     // index of a key frame, or MapState::kNone: the root of a submap
   std::vector<uint32_t> loop_edges;  // indices of key frames, rising
+  ColoursPtr colours;                // KeyFrame::colours
 };
 
 struct MapPointState {

@@ -61,23 +61,28 @@ void add_edges(const Map& map, const std::vector<uint32_t>& index, Snapshot& sna
   }
 }
 
+// And the points' colours, which their observers have.
 void add_observations(const Map& map, Snapshot& snapshot) {
   const std::vector<uint32_t> point_index = index_by_slot(snapshot.points);
+  MeanColours colours(snapshot.points.size());
   for (uint32_t k = 0; k < snapshot.key_frames.size(); ++k) {
     const KeyFrame& key_frame = map.at(snapshot.key_frames[k].id);
     const auto &u = key_frame.features->image_x(), &v = key_frame.features->image_y();
     for (size_t f = 0; f < key_frame.points.size(); ++f) {
       const MapPointId point = key_frame.points[f];
-      if (point.valid()) snapshot.observations.push_back({k, point_index[point.slot], u[f], v[f]});
+      if (!point.valid()) continue;
+      snapshot.observations.push_back({k, point_index[point.slot], u[f], v[f]});
+      if (key_frame.colours) colours.add(point_index[point.slot], (*key_frame.colours)[f]);
     }
   }
+  for (size_t i = 0; i < snapshot.points.size(); ++i) snapshot.points[i].colour = colours.mean(i);
 }
 
 void add_points(const Map& map, Snapshot& snapshot) {
   snapshot.points.reserve(map.point_count());
   map.for_each_point([&](MapPointId id, const MapPoint& point) {
     const uint32_t submap = map.at(point.reference).submap;
-    snapshot.points.push_back({id, point.position_w, submap});
+    snapshot.points.push_back({id, point.position_w, submap, kNoColour});
   });
 }
 

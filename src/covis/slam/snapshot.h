@@ -39,6 +39,7 @@ struct Snapshot {
     MapPointId id;
     Eigen::Vector3d position_w;
     uint32_t submap = 0;
+    Colour colour = kNoColour;
   };
 
   uint64_t revision = 0;               // rises when map or trajectory change

@@ -171,5 +171,17 @@ TEST_F(SnapshotTest, TheCameraIsThatOfTheFrames) {
   EXPECT_EQ(source.get()->camera, other);
 }
 
+TEST_F(SnapshotTest, PointsHaveTheMeanColourOfTheirObservers) {
+  const auto paint = [&](KeyFrameId id, uint8_t red) {
+    const size_t count = shared.read()->at(id).points.size();
+    shared.write()->set_colours(id, std::make_shared<const std::vector<Colour>>(count, Colour{red, 0, 9}));
+  };
+  EXPECT_EQ(source.get()->points.at(0).colour, kNoColour);
+  paint(a, 100);
+  EXPECT_EQ(source.get()->points.at(0).colour, (Colour{100, 0, 9}));
+  paint(b, 200);
+  EXPECT_EQ(source.get()->points.at(4).colour, (Colour{150, 0, 9}));
+}
+
 }  // namespace
 }  // namespace covis

@@ -74,6 +74,7 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
   if (given_.pinhole.depth_noise.known()) camera.depth_noise = given_.pinhole.depth_noise;
   map.set_camera(with_depth_noise(camera, options_.sensor));
   snapshots_.map_loaded(map.next_submap(), own_camera);
+  colours_.map_loaded(map.next_serial());
   *map_.write() = std::move(map);
   tracker_.start_lost(own_camera);
   return {};

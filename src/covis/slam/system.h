@@ -9,8 +9,8 @@
 // and the settings alone.
 //
 // One thread, the tracking thread, makes it and calls what changes it: set_map(), process(), locate(), finish(),
-// set_mode(), and what asks about tracking: mode(), tracked_points(). Any thread may call the other const members at
-// any time.
+// set_mode(), and what asks about tracking: mode(), tracked_points(). Any thread may call the other const members and
+// colour_key_frames() at any time.
 #pragma once
 
 #include <memory>
@@ -21,6 +21,7 @@
 #include "covis/features/frontend.h"
 #include "covis/map/map_state.h"
 #include "covis/map/shared_map.h"
+#include "covis/slam/key_frame_colours.h"
 #include "covis/slam/mapping_actor.h"
 #include "covis/slam/options.h"
 #include "covis/slam/snapshot.h"
@@ -87,6 +88,12 @@ class System {
   // process() may be called again afterwards.
   std::vector<MappingReport> finish();
 
+  // Gives key frames without colours those of their frames' images (KeyFrameColours::fill()); of rectified pairs the
+  // rectified left image. Poses and the rest of the map stay as they are.
+  size_t colour_key_frames(const ColourSource& image_of) {
+    return colours_.fill(given_.width, given_.height, image_of);
+  }
+
   // The map and the trajectory as they are now. It is made anew only when something changed since the last one, and
   // takes as long as copying all points and working out the poses of all frames.
   std::shared_ptr<const Snapshot> snapshot() const { return snapshots_.get(); }
@@ -127,6 +134,7 @@ class System {
   SharedMap map_;
   TrajectoryLog log_;
   SnapshotSource snapshots_{map_, log_};
+  KeyFrameColours colours_{map_};
   Frontend frontend_;
   Tracker tracker_;
   MappingActor mapping_;

@@ -10,15 +10,15 @@
 
 #include "covis/core/atomic_file.h"
 #include "covis/core/log.h"
+#include "covis/storage/map_colours.h"
 #include "covis/storage/map_file_format.h"
 
 namespace covis::storage {
 namespace {
 
 // Identifiers of the sections.
-constexpr uint32_t kAbout = 1, kKeyFrames = 2, kFeatures = 3, kObservations = 4, kPoints = 5, kDepthNoise = 6;
-
-constexpr const char* kNotRightLength = "it is damaged: a section has not the length that its contents ask for";
+constexpr uint32_t kAbout = 1, kKeyFrames = 2, kFeatures = 3, kObservations = 4, kPoints = 5, kDepthNoise = 6,
+                   kColours = 7;
 
 struct Counts {
   uint32_t key_frames = 0, points = 0, root = MapState::kNone, next_serial = 0;
@@ -175,6 +175,7 @@ std::vector<Section> sections_of(const MapState& map, const MapHeader& header) {
     noise(map.camera.depth_noise.b);
     sections.push_back({kDepthNoise, noise.take()});
   }
+  if (has_colours(map)) sections.push_back({kColours, colour_bytes(map)});
   return sections;
 }
 
@@ -297,6 +298,14 @@ Result<DepthNoise> read_depth_noise(SectionFile& file) {
   return noise;
 }
 
+Result<void> read_colours(SectionFile& file, std::vector<KeyFrameState>& key_frames) {
+  if (!file.has(kColours)) return {};
+  const auto bytes = file.read(kColours, "colours");
+  if (!bytes) return tl::unexpected(bytes.error());
+  if (const std::string problem = take_colours(*bytes, key_frames); !problem.empty()) return fail(file.error(problem));
+  return {};
+}
+
 Result<MapState> read_state(SectionFile& file, const Counts& counts, const Pinhole& given) {
   MapState state;
   state.root = counts.root;
@@ -312,6 +321,7 @@ Result<MapState> read_state(SectionFile& file, const Counts& counts, const Pinho
   Result<void> read = read_features(file, records, state.key_frames);
   if (read) read = read_observations(file, state.key_frames);
   if (read) read = read_points(file, counts.points, state.points);
+  if (read) read = read_colours(file, state.key_frames);
   if (read) read = file.verify_others();
   if (!read) return tl::unexpected(read.error());
   if (counts_of(state) != counts) return fail(file.error("it is damaged: its contents do not match its counts"));
@@ -324,7 +334,8 @@ Result<void> save_map(const std::filesystem::path& file, const MapState& map, co
   std::string problem = problem_of(header);
   if (problem.empty()) problem = covis::problem_of(map);
   if (!problem.empty()) return fail(file.string() + ": the map is not sound and was not saved: " + problem);
-  const auto bytes = pack_sections(sections_of(map, header));
+  const auto bytes = pack_sections(sections_of(map, header), kMapFileMajor,
+                                   has_colours(map) ? kMapFileMinor : kMapFileMinorWithoutColours);
   if (!bytes) return fail(file.string() + ": " + bytes.error().message);
   return write_atomically(file, *bytes, Durability::durable);
 }

@@ -202,6 +202,29 @@ TEST_F(MapFile, InfoSaysWhatIsInIt) {
   }
 }
 
+TEST_F(MapFile, ColoursAreInFilesOfColouredMapsAlone) {
+  constexpr uint32_t kColours = 7;
+  bytes_of(random_map(3, 60, 12));
+  EXPECT_FALSE(SectionFile::open(file())->has(kColours));
+  EXPECT_EQ(SectionFile::open(file())->minor(), kMapFileMinorWithoutColours) << "earlier versions know all of it";
+  bytes_of(random_map(4, 60, 12));
+  auto opened = SectionFile::open(file());
+  EXPECT_EQ(opened->minor(), kMapFileMinor);
+  std::vector<Section> sections;
+  for (uint32_t i = 1; i <= 5; ++i) sections.push_back({i, *opened->read(i, "any")});
+  const std::string colours = *opened->read(kColours, "colours");
+  const auto with = [&](std::string bytes) {
+    std::vector<Section> all = sections;
+    all.push_back({kColours, std::move(bytes)});
+    return *pack_sections(all);
+  };
+  write_file(folder / "same.covis", with(colours));
+  EXPECT_TRUE(load_map(folder / "same.covis"));
+  expect_refused(with(colours + "x"), "length");
+  expect_refused(with(colours.substr(1)), "");
+  expect_refused(with("\2" + colours.substr(1)), "neither yes nor no");
+}
+
 TEST_F(MapFile, TheNoiseOfDepthIsKept) {
   Map map = random_map(7, 60, 12);
   bytes_of(map);
@@ -248,7 +271,7 @@ TEST_F(MapFile, ForeignMissingAndEmptyFiles) {
 }
 
 TEST_F(MapFile, NewerVersions) {
-  const Map map = random_map(6, 300);
+  const Map map = random_map(5, 300);
   bytes_of(map);
   auto opened = SectionFile::open(file());
   std::vector<Section> sections{{77, "what nobody knew in the year of this version"}};

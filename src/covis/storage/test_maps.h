@@ -61,8 +61,14 @@ inline Map random_map(uint64_t seed, int steps, int features = 30) {
       const SE3 pose = random_pose(random);
       const FeaturesPtr made = random_features(random, features);
       const bool begins = map.submaps().empty() || random.below(6) == 0;
-      map.attach_to_tree(begins ? map.begin_submap(step, stamp, pose, made)
-                                : map.add_key_frame(step, stamp, pose, made, any(map.submaps()).id));
+      const KeyFrameId added = begins ? map.begin_submap(step, stamp, pose, made)
+                                      : map.add_key_frame(step, stamp, pose, made, any(map.submaps()).id);
+      map.attach_to_tree(added);
+      if (seed % 2 == 0 && step % 3 > 0) {  // maps of odd seeds are of grey images
+        const auto tone = static_cast<uint8_t>(step);
+        std::vector<Colour> colours(static_cast<size_t>(features), Colour{tone, 7, 9});
+        map.set_colours(added, std::make_shared<const std::vector<Colour>>(std::move(colours)));
+      }
     } else if (map.point_count() < 5 || what < 45) {
       map.add_point({random.uniform(-1, 1), random.uniform(-1, 1), 5}, any(map.key_frames()),
                     random.below(static_cast<uint32_t>(features)));
@@ -133,6 +139,10 @@ inline void expect_equal(const Map& a, const Map& b) {
     EXPECT_EQ(k.T_cw.R(), l.T_cw.R());
     EXPECT_EQ(k.T_cw.t(), l.T_cw.t());
     expect_equal(*k.features, *l.features);
+    ASSERT_EQ(k.colours == nullptr, l.colours == nullptr);
+    if (k.colours) {
+      EXPECT_EQ(*k.colours, *l.colours);
+    }
     EXPECT_EQ(frame(k.parent), l.parent);
     const auto has = [](const auto& list, KeyFrameId id) { return std::binary_search(list.begin(), list.end(), id); };
     EXPECT_EQ(k.children.size(), l.children.size());

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "map_export.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/run/key_frame_pictures.h"
+#include "common.h"
+#include "covis/core/log.h"
+#include "covis/exchange/bundler.h"
+#include "covis/exchange/colmap.h"
+#include "covis/exchange/geojson.h"
+#include "covis/exchange/nerfstudio.h"
+#include "covis/exchange/point_cloud.h"
+#include "covis/exchange/scene_images.h"
+#include "covis/io/outputs.h"
+#include "covis/io/trajectory.h"
+#include "covis/storage/map_file.h"
+
+namespace covis::app {
+namespace {
+
+namespace fs = std::filesystem;
+using exchange::Scene;
+
+enum class Format { ply, colmap, nerfstudio, tum, kitti, geojson, bundler };
+const std::map<std::string, Format> kFormats{
+    {"ply", Format::ply},     {"colmap", Format::colmap},   {"nerfstudio", Format::nerfstudio}, {"tum", Format::tum},
+    {"kitti", Format::kitti}, {"geojson", Format::geojson}, {"bundler", Format::bundler}};
+
+struct ExportArguments {
+  std::string file, to, out, images;
+  std::vector<double> origin;
+  double heading = 0, scale = 1;
+};
+
+// The name for the k-th submap: FILE, then FILE_map1 and so on, as trajectories are called.
+fs::path of_submap(const fs::path& file, size_t k) {
+  if (k == 0) return file;
+  fs::path name = file.stem();
+  name += "_map" + std::to_string(k);
+  name += file.extension();
+  return file.parent_path() / name;
+}
+
+// Calls write(scene, name of the file) for each submap.
+template <class Write>
+Result<void> each(const std::vector<Scene>& scenes, const fs::path& file, Write&& write) {
+  for (size_t k = 0; k < scenes.size(); ++k) {
+    if (auto written = write(scenes[k], of_submap(file, k)); !written) return written;
+  }
+  return {};
+}
+
+Result<void> write_poses(const std::vector<Scene>& scenes, const fs::path& file, io::TrajectoryFormat format) {
+  std::vector<Trajectory> trajectories;
+  for (const Scene& scene : scenes) {
+    Trajectory& trajectory = trajectories.emplace_back();
+    for (const exchange::SceneView& view : scene.views) trajectory.push_back({view.stamp, view.T_cw.inverse()});
+  }
+  return io::write_trajectories(file, trajectories, format);
+}
+
+// The images go to the folder `images` of the export, if there are any. Error: those that were named are not there.
+Result<size_t> write_images(const ExportArguments& a, const Camera& given, std::vector<Scene>& scenes) {
+  const fs::path kept = a.images.empty() ? image_folder(a.file) : fs::path(a.images);
+  if (a.images.empty() && !fs::is_directory(kept)) return 0;
+  size_t count = 0;
+  for (Scene& scene : scenes) {
+    const auto written = exchange::write_images(kept, given, fs::path(a.out) / "images", scene);
+    if (!written) return written;
+    count += *written;
+  }
+  return count;
+}
+
+Result<void> write_folder(Format format, const ExportArguments& a, const Camera& given, std::vector<Scene>& scenes) {
+  const auto images = write_images(a, given, scenes);
+  if (!images) return tl::unexpected(images.error());
+  const fs::path out = a.out;
+  if (*images == 0) {
+    const std::string how = image_folder(a.file).string() + ": there are no images; covis run --keep-images keeps them";
+    if (format == Format::nerfstudio) return fail(how + ", and nerfstudio is nothing without");
+    log(LogLevel::warning, how + ". The model is written without them");
+  }
+  for (size_t k = 0; k < scenes.size(); ++k) {
+    Result<void> written;
+    if (format == Format::colmap) {
+      written = write_colmap(out / "sparse" / std::to_string(k), scenes[k]);
+    } else if (format == Format::nerfstudio) {
+      written = write_nerfstudio(out, of_submap("transforms", k), scenes[k], "images");
+    } else {
+      written = write_bundler(k == 0 ? out : of_submap(out / "bundle", k), scenes[k], k == 0 ? "images" : "../images");
+    }
+    if (!written) return written;
+  }
+  return {};
+}
+
+Result<exchange::GeoReference> reference_of(const ExportArguments& a) {
+  if (a.origin.size() < 2)
+    return fail("--origin LATITUDE LONGITUDE [ALTITUDE] is missing: a map does not know where on the earth it is");
+  exchange::GeoReference reference{.latitude = a.origin[0], .longitude = a.origin[1]};
+  if (a.origin.size() > 2) reference.altitude = a.origin[2];
+  reference.heading = a.heading;
+  reference.scale = a.scale;
+  if (!(std::abs(reference.latitude) <= 89.9) || !(std::abs(reference.longitude) <= 180) ||
+      !std::isfinite(reference.altitude))
+    return fail("--origin: degrees are wanted, the latitude from -89.9 to 89.9 and the longitude from -180 to 180");
+  return reference;
+}
+
+Result<void> write(Format format, const ExportArguments& a, const Camera& given, std::vector<Scene>& scenes) {
+  switch (format) {
+    case Format::ply:
+      return each(scenes, a.out,
+                  [](const Scene& s, const fs::path& f) { return io::write_ply(f, exchange::cloud_of(s)); });
+    case Format::tum:
+      return write_poses(scenes, a.out, io::TrajectoryFormat::tum);
+    case Format::kitti:
+      return write_poses(scenes, a.out, io::TrajectoryFormat::kitti);
+    case Format::geojson: {
+      const auto reference = reference_of(a);
+      if (!reference) return tl::unexpected(reference.error());
+      return each(scenes, a.out,
+                  [&](const Scene& s, const fs::path& f) { return exchange::write_geojson(f, s, *reference); });
+    }
+    case Format::colmap:
+    case Format::nerfstudio:
+    case Format::bundler:
+      return write_folder(format, a, given, scenes);
+  }
+  return {};
+}
+
+// An option that says nothing to this format.
+std::string idle_option(const ExportArguments& a, Format format) {
+  const bool folder = format == Format::colmap || format == Format::nerfstudio || format == Format::bundler;
+  if (!folder && !a.images.empty()) return "--images";
+  if (format == Format::geojson) return "";
+  return !a.origin.empty() ? "--origin" : a.heading != 0 ? "--heading" : a.scale != 1 ? "--scale" : "";
+}
+
+int run_export(const ExportArguments& a) {
+  const Format format = kFormats.at(a.to);
+  if (const std::string idle = idle_option(a, format); !idle.empty())
+    return fail_with(idle + ": it says nothing to the format " + a.to);
+  const auto loaded = storage::load_map(a.file);
+  if (!loaded) return fail_with(loaded.error());
+  const Camera& given = loaded->header.camera;
+  std::vector<Scene> scenes = exchange::scenes_of(loaded->map, given.width, given.height);
+  if (scenes.empty()) return fail_with(a.file + ": the map is empty, there is nothing to export");
+  if (const auto written = write(format, a, given, scenes); !written) return fail_with(written.error());
+  size_t views = 0, points = 0;
+  for (const Scene& scene : scenes) {
+    views += scene.views.size();
+    points += scene.points.size();
+  }
+  std::cout << a.out << ": " << views << " key frames and " << points << " points of " << scenes.size() << " map"
+            << (scenes.size() > 1 ? "s" : "") << "\n";
+  return 0;
+}
+
+}  // namespace
+
+void add_map_export(CLI::App& map_command, int& exit_code) {
+  auto a = std::make_shared<ExportArguments>();
+  CLI::App* command = map_command.add_subcommand("export", "Write the map for other programs (docs/exports.md)");
+  command->add_option("FILE", a->file, "a saved map")->required();
+  command->add_option("--to", a->to, "ply, colmap, nerfstudio, tum, kitti, geojson or bundler")
+      ->required()
+      ->check(CLI::IsMember(keys(kFormats)));
+  command->add_option("--out", a->out, "folder for colmap, nerfstudio and bundler; file for the others")->required();
+  command->add_option("--images", a->images,
+                      "folder of the key frames' images (default: FILE.images, which covis run --keep-images makes)");
+  command
+      ->add_option("--origin", a->origin,
+                   "geojson: latitude and longitude of the first key frame, degrees, and altitude")
+      ->expected(2, 3);
+  command->add_option("--heading", a->heading, "geojson: where it looks, degrees from north to east")
+      ->check(CLI::Range(-360., 360.));
+  command->add_option("--scale", a->scale, "geojson: metres a unit of the map, for maps of one camera")
+      ->check(CLI::Range(1e-6, 1e6));
+  command->callback([a, &exit_code] { exit_code = run_export(*a); });
+}
+
+}  // namespace covis::app

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/exchange/colmap.h"
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "covis/core/atomic_file.h"
+#include "covis/exchange/text.h"
+
+namespace covis::exchange {
+namespace {
+
+bool has_track(const ScenePoint& point) { return point.seen.size() >= 2; }
+
+std::string cameras_text(const Scene& scene) {
+  const Pinhole& c = scene.camera;
+  Text text;
+  text.line("# CAMERA_ID, MODEL, WIDTH, HEIGHT, fx, fy, cx, cy");
+  text.line(1, "PINHOLE", scene.width, scene.height, c.fx, c.fy, c.cx + kPixelCentre, c.cy + kPixelCentre);
+  return text.take();
+}
+
+// A view's keypoints in COLMAP's list are those whose point has a track; the index of each there.
+std::vector<uint32_t> indices_in_file(const Scene& scene, const SceneView& view) {
+  std::vector<uint32_t> indices;
+  uint32_t next = 0;
+  for (const SceneView::Keypoint& keypoint : view.keypoints) {
+    indices.push_back(next);
+    next += has_track(scene.points[keypoint.point]);
+  }
+  return indices;
+}
+
+std::string images_text(const Scene& scene) {
+  Text text;
+  text.line("# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME");
+  text.line("# POINTS2D[] as (X, Y, POINT3D_ID)");
+  for (const SceneView& view : scene.views) {
+    const Eigen::Quaterniond q = view.T_cw.q();
+    const Eigen::Vector3d& t = view.T_cw.t();
+    text.line(view.serial + 1, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z(), 1,
+              view.image.empty() ? image_name(view.serial) : view.image);
+    for (const SceneView::Keypoint& keypoint : view.keypoints) {
+      if (has_track(scene.points[keypoint.point]))
+        text(keypoint.u + kPixelCentre, keypoint.v + kPixelCentre, keypoint.point + 1);
+    }
+    text.end_line();
+  }
+  return text.take();
+}
+
+std::string points_text(const Scene& scene) {
+  std::vector<std::vector<uint32_t>> indices;
+  for (const SceneView& view : scene.views) indices.push_back(indices_in_file(scene, view));
+  Text text;
+  text.line("# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)");
+  for (uint32_t i = 0; i < scene.points.size(); ++i) {
+    const ScenePoint& point = scene.points[i];
+    if (!has_track(point)) continue;
+    const Eigen::Vector3d& p = point.position;
+    text(i + 1, p.x(), p.y(), p.z(), int{point.colour[0]}, int{point.colour[1]}, int{point.colour[2]}, point.error);
+    for (const ScenePoint::Sight& sight : point.seen)
+      text(scene.views[sight.view].serial + 1, indices[sight.view][sight.keypoint]);
+    text.end_line();
+  }
+  return text.take();
+}
+
+}  // namespace
+
+Result<void> write_colmap(const std::filesystem::path& folder, const Scene& scene) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return fail(folder.string() + ": the folder can't be made: " + error.message());
+  if (auto written = write_atomically(folder / "cameras.txt", cameras_text(scene)); !written) return written;
+  if (auto written = write_atomically(folder / "images.txt", images_text(scene)); !written) return written;
+  return write_atomically(folder / "points3D.txt", points_text(scene));
+}
+
+}  // namespace covis::exchange

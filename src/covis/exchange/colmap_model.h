@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// A model of COLMAP as it is read, in its text format (colmap.h).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "covis/core/error.h"
+#include "covis/geometry/camera.h"
+#include "covis/geometry/se3.h"
+
+namespace covis::exchange {
+
+struct ColmapModel {
+  struct Image {
+    std::string name;  // as COLMAP has it, a path below its folder of images
+    SE3 T_cw;
+    std::vector<int64_t> points;  // ids of the points that it shows, rising
+  };
+  Camera camera;
+  std::vector<Image> images;  // by rising id
+};
+
+// Errors name file and line: a binary model (which `colmap model_converter --output_type TXT` makes a text), several
+// cameras (a map has one), a camera model that no lens of Covis is (known are SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL,
+// RADIAL, OPENCV, OPENCV_FISHEYE), an image of another camera, numbers that are none.
+Result<ColmapModel> read_colmap(const std::filesystem::path& folder);
+
+}  // namespace covis::exchange

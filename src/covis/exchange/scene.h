@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// A submap as other programs of the field want it: one pinhole camera, views with poses, and points with the pixels
+// they were seen at. Pixels are undistorted, with pixel centres at whole numbers; lengths are those of the map. Images
+// are named, not held.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "covis/core/time.h"
+#include "covis/geometry/camera.h"
+#include "covis/geometry/se3.h"
+#include "covis/map/map.h"
+#include "covis/types.h"
+
+namespace covis::exchange {
+
+// The centre of the first pixel for COLMAP and those who follow it; here it is at (0, 0).
+inline constexpr double kPixelCentre = 0.5;
+
+struct SceneView {
+  uint32_t serial = 0;  // that of the key frame
+  Timestamp stamp = 0;
+  SE3 T_cw;
+  std::string image;  // name of its image file, without a folder; empty: it has none (write_images())
+  struct Keypoint {
+    double u = 0, v = 0;
+    uint32_t point = 0;  // index into Scene::points
+  };
+  std::vector<Keypoint> keypoints;  // those that show a point
+};
+
+struct ScenePoint {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit length, to those who see it
+  Colour colour = kNoColour;
+  double error = 0;  // mean distance of its keypoints from its projections, pixels
+  struct Sight {
+    uint32_t view = 0, keypoint = 0;  // indices into Scene::views and SceneView::keypoints
+  };
+  std::vector<Sight> seen;  // in the order of the views
+};
+
+struct Scene {
+  int width = 0, height = 0;  // pixels
+  Pinhole camera;             // as refined
+  std::vector<SceneView> views;
+  std::vector<ScenePoint> points;
+};
+
+// The submaps of a map, those with more key frames first; images are called by the serial of their key frame, in six
+// digits. Keypoints that lie outside the undistorted image are left out.
+std::vector<Scene> scenes_of(const Map& map, int width, int height);
+
+// The name of a key frame's image, where nothing else is known of it.
+std::string image_name(uint32_t serial);
+
+// The direction away from the ground as the cameras were held: the mean of their upward axes.
+Eigen::Vector3d upward(const Scene& scene);
+
+// A frame that shows a scene from above: origin is the first view's centre, x to the right of where it looks, y where
+// it looks, z upward(). p_here = result * (p_world - origin).
+Eigen::Matrix3d seen_from_above(const Scene& scene);
+
+}  // namespace covis::exchange

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// The key frames' images of a scene, as its pinhole camera would have taken them.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+
+#include "covis/core/error.h"
+#include "covis/exchange/scene.h"
+
+namespace covis::exchange {
+
+// Takes the images of the views from the folder in which `covis run --keep-images` left them, undistorts them with the
+// camera as it was given, and writes them to another folder, which is made; without distortion they are copied. Sets
+// SceneView::image, empty for views that have no image there. Returns how many have one. Error: a folder that is not
+// there, an image that is damaged or of another size than the camera's.
+Result<size_t> write_images(const std::filesystem::path& kept, const Camera& given, const std::filesystem::path& folder,
+                            Scene& scene);
+
+}  // namespace covis::exchange

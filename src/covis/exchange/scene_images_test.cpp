@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/exchange/scene_images.h"
+
+#include "covis/exchange/test_scene.h"
+#include "covis/io/images.h"
+
+namespace covis::exchange {
+namespace {
+
+class SceneImages : public testing::Test {
+ protected:
+  SceneImages() {
+    for (const uint32_t serial : {3u, 7u}) {
+      SceneView& view = scene.views.emplace_back();
+      view.serial = serial;
+      view.image = image_name(serial);
+    }
+    std::filesystem::create_directories(folder / "kept");
+  }
+  // A picture whose red is its column and whose green is its row.
+  io::Picture ramp(int width) const {
+    io::Picture picture{.width = width, .height = 60, .channels = 3, .bytes = {}};
+    for (int y = 0; y < picture.height; ++y) {
+      for (int x = 0; x < picture.width; ++x)
+        picture.bytes.insert(picture.bytes.end(), {static_cast<uint8_t>(2 * x), static_cast<uint8_t>(2 * y), 5});
+    }
+    return picture;
+  }
+
+  const TemporaryFolder folder;
+  Scene scene;
+  Camera camera{80, 60, {70, 70, 40, 30}, Distortion::brown_conrady, {-0.2, 0.03, 0, 0, 0}};
+};
+
+TEST_F(SceneImages, ShowEachPlaceWhereThePinholeCameraSeesIt) {
+  ASSERT_TRUE(io::write_picture(folder / "kept/000003.png", ramp(80)));
+  const auto count = write_images(folder / "kept", camera, folder / "images", scene);
+  ASSERT_TRUE(count) << count.error().message;
+  EXPECT_EQ(*count, 1u);
+  EXPECT_EQ(scene.views[0].image, "000003.png");
+  EXPECT_EQ(scene.views[1].image, "") << "none was kept";
+  const auto made = io::read_picture(folder / "images/000003.png");
+  ASSERT_TRUE(made) << made.error().message;
+  for (const int v : {6, 30, 55}) {
+    for (const int u : {8, 40, 70}) {
+      const Eigen::Vector2d from = *camera.project(camera.pinhole.unproject(u, v));
+      EXPECT_NEAR(made->row(v)[3 * u], 2 * from.x(), 1.1);
+      EXPECT_NEAR(made->row(v)[3 * u + 1], 2 * from.y(), 1.1);
+      EXPECT_EQ(made->row(v)[3 * u + 2], 5);
+    }
+  }
+}
+
+TEST_F(SceneImages, AreCopiedWhereThereIsNoDistortion) {
+  camera.distortion = Distortion::none;
+  write_file(folder / "kept/000007.jpeg", "any bytes");
+  ASSERT_EQ(*write_images(folder / "kept", camera, folder / "images", scene), 1u);
+  EXPECT_EQ(scene.views[1].image, "000007.jpeg");
+  EXPECT_EQ(read_file(folder / "images/000007.jpeg"), "any bytes");
+}
+
+TEST_F(SceneImages, ThatAreMissingOrDoNotFitAreNamed) {
+  const auto error = [&](const std::string& kept) {
+    const auto written = write_images(folder / kept, camera, folder / "images", scene);
+    return written ? std::string() : written.error().message;
+  };
+  EXPECT_THAT(error("nowhere"), testing::HasSubstr("--keep-images"));
+  ASSERT_TRUE(io::write_picture(folder / "kept/000003.png", ramp(50)));
+  EXPECT_THAT(error("kept"), testing::HasSubstr("000003.png: the image is 50x60, the map's camera 80x60"));
+}
+
+}  // namespace
+}  // namespace covis::exchange

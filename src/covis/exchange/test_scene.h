@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// For tests: a scene of bare points, seen from a ring of key frames.
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include "covis/core/test_folder.h"
+#include "covis/exchange/scene.h"
+#include "covis/map/test_point_scene.h"
+
+namespace covis::exchange {
+
+inline std::vector<Scene> ring_scenes() {
+  const PointScene scene = PointScene::ring(600, 24);
+  SceneMap world(scene, Sensor::rgbd);
+  world.add_key_frames(8);
+  world.begin_submap();
+  world.add_key_frames(3, 12);
+  return scenes_of(*world.shared.read(), 640, 480);
+}
+
+}  // namespace covis::exchange

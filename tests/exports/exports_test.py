@@ -1,0 +1,212 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""What `covis map export` writes, read by those it is for: Debian's COLMAP, and readers of the formats.
+
+  tests/exports/exports_test.py COVIS
+
+A desk is rendered, tinted so that its images have colours, and mapped with COVIS (the command's file).
+"""
+import json
+import pathlib
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import matplotlib.image
+import numpy as np
+
+COVIS = sys.argv[1]
+WORK = pathlib.Path(tempfile.mkdtemp(prefix='covis_exports'))
+RECORDING, MAP = WORK / 'desk', WORK / 'desk.m'
+
+
+def run(*command, code=0):
+    """What the command wrote to both of its streams."""
+    done = subprocess.run([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if done.returncode != code:
+        raise AssertionError(f'{command}: exit code {done.returncode}\n{done.stdout}')
+    return done.stdout
+
+
+def setUpModule():
+    run(COVIS, 'synth', 'desk', '--sensor', 'rgbd', '--out', RECORDING, '--frames', '60', '--fps', '10', '--width', '320',
+        '--height', '240', '--distortion', '1')
+    for file in (RECORDING / 'rgb').iterdir():
+        grey = matplotlib.image.imread(file)
+        matplotlib.image.imsave(file, np.dstack([grey, 1 - grey, np.full_like(grey, 0.2)]))
+    run(COVIS, 'run', RECORDING, '--out', WORK / 'out', '--save-map', MAP, '--keep-images', '--quiet')
+
+
+def tearDownModule():
+    shutil.rmtree(WORK)
+
+
+def export(to, name, *more):
+    out = WORK / name
+    run(COVIS, 'map', 'export', MAP, '--to', to, '--out', out, *more)
+    return out
+
+
+def info():
+    return json.loads(run(COVIS, 'map', 'info', MAP, '--json'))
+
+
+def analysed(model):
+    """Figures of COLMAP's model_analyzer."""
+    text = run('colmap', 'model_analyzer', '--path', model)
+    return {name: float(value) for name, value in re.findall(r'^(?:.*\] )?([A-Z][a-z ]+): ([0-9.]+)', text, re.MULTILINE)}
+
+
+class Colmap(unittest.TestCase):
+    def test_colmap_reads_the_model(self):
+        figures = analysed(export('colmap', 'colmap') / 'sparse/0')
+        self.assertEqual(figures['Registered images'], info()['key_frames'])
+        self.assertGreater(figures['Points'], 300)
+        self.assertLess(figures['Mean reprojection error'], 1)
+        self.assertGreater(figures['Mean track length'], 2)
+
+    def test_its_own_triangulation_from_these_poses_agrees(self):
+        out = export('colmap', 'colmap_again')
+        camera = (out / 'sparse/0/cameras.txt').read_text().splitlines()[-1].split()
+        database = out / 'database.db'
+        run('colmap', 'feature_extractor', '--database_path', database, '--image_path', out / 'images',
+            '--ImageReader.single_camera', '1', '--ImageReader.camera_model', 'PINHOLE',
+            '--ImageReader.camera_params', ','.join(camera[4:]), '--SiftExtraction.use_gpu', '0',
+            '--SiftExtraction.num_threads', '2')
+        run('colmap', 'exhaustive_matcher', '--database_path', database, '--SiftMatching.use_gpu', '0',
+            '--SiftMatching.num_threads', '2')
+        (out / 'triangulated').mkdir()
+        run('colmap', 'point_triangulator', '--database_path', database, '--image_path', out / 'images',
+            '--input_path', out / 'sparse/0', '--output_path', out / 'triangulated', '--clear_points', '1',
+            '--Mapper.ba_refine_focal_length', '0', '--Mapper.ba_refine_extra_params', '0')
+        figures = analysed(out / 'triangulated')
+        self.assertEqual(figures['Registered images'], info()['key_frames'])
+        self.assertGreater(figures['Points'], 200)
+        self.assertLess(figures['Mean reprojection error'], 1)
+
+    def test_without_images_the_model_is_written_and_that_is_said(self):
+        alone = WORK / 'alone.m'
+        shutil.copy(MAP, alone)
+        text = run(COVIS, 'map', 'export', alone, '--to', 'colmap', '--out', WORK / 'alone')
+        self.assertIn('--keep-images', text)
+        self.assertTrue((WORK / 'alone/sparse/0/points3D.txt').exists())
+
+
+class Import(unittest.TestCase):
+    def test_images_are_found_in_a_map_made_of_a_model(self):
+        """Of the model exported; poses are those of the run in whose world it is."""
+        out = export('colmap', 'to_import')
+        run(COVIS, 'map', 'import', out / 'sparse/0', '--images', out / 'images', '--out', WORK / 'imported.m')
+        imported = json.loads(run(COVIS, 'map', 'info', WORK / 'imported.m', '--json'))
+        self.assertEqual(imported['key_frames'], info()['key_frames'])
+        self.assertGreater(imported['points'], 200)
+        # Other frames than the key frames, through the pinhole camera of the images exported.
+        frames = WORK / 'others'
+        run(COVIS, 'run', RECORDING, '--out', WORK / 'all', '--save-map', WORK / 'all.m', '--keep-images', '--quiet',
+            '--set', 'mapper.cull_redundancy=1')
+        everything = WORK / 'everything'
+        run(COVIS, 'map', 'export', WORK / 'all.m', '--to', 'colmap', '--out', everything)
+        run(COVIS, 'map', 'export', WORK / 'all.m', '--to', 'tum', '--out', WORK / 'all.txt')
+        shutil.copytree(everything / 'images', frames / 'images')
+        fx, fy, cx, cy = (float(v) for v in (out / 'sparse/0/cameras.txt').read_text().split()[-4:])
+        (frames / 'camera.yaml').write_text(
+            f'width: 320\nheight: 240\nfx: {fx}\nfy: {fy}\ncx: {cx - 0.5}\ncy: {cy - 0.5}\nfps: 1\n')
+        text = run(COVIS, 'localize', frames / 'images', '--camera', frames / 'camera.yaml', '--map', WORK / 'imported.m',
+                   '--out', WORK / 'found.txt')
+        found, poses = np.loadtxt(WORK / 'found.txt', ndmin=2), np.loadtxt(WORK / 'all.txt')
+        self.assertGreater(len(found), 0.8 * len(poses), text)
+        errors = [np.linalg.norm(row[1:4] - poses[int(round(row[0])), 1:4]) for row in found]
+        self.assertLess(np.median(errors), 0.02)
+        self.assertLess(max(errors), 0.1)
+
+    def test_what_is_no_model_is_said(self):
+        for folder, message in ((WORK, 'cameras.txt: there is no such file'), (WORK / 'none', 'no such file')):
+            self.assertIn(message, run(COVIS, 'map', 'import', folder, '--images', WORK, '--out', WORK / 'x.m', code=1))
+        out = export('colmap', 'damaged')
+        images = out / 'sparse/0/images.txt'
+        images.write_text(images.read_text().replace('1 ', 'one ', 1))
+        text = run(COVIS, 'map', 'import', out / 'sparse/0', '--images', out / 'images', '--out', WORK / 'x.m', code=1)
+        self.assertRegex(text, r'images.txt:\d+: ')
+        self.assertFalse((WORK / 'x.m').exists())
+
+
+class OtherFormats(unittest.TestCase):
+    def test_points_have_normals_and_the_colours_of_the_images(self):
+        data = export('ply', 'map.ply').read_bytes()
+        head, body = data.split(b'end_header\n', 1)
+        count = int(re.search(rb'element vertex (\d+)', head).group(1))
+        points = list(struct.iter_unpack('<6f3B', body))
+        self.assertEqual(len(points), count)
+        self.assertGreater(count, 500)
+        for *_, red, green, blue in points:
+            self.assertLessEqual(abs(red + green - 255), 3)
+            self.assertLessEqual(abs(blue - 51), 1)
+        self.assertGreater(max(p[6] for p in points) - min(p[6] for p in points), 50)
+
+    def test_nerfstudio_finds_its_images(self):
+        out = export('nerfstudio', 'nerf')
+        transforms = json.loads((out / 'transforms.json').read_text())
+        self.assertEqual(len(transforms['frames']), info()['key_frames'])
+        for frame in transforms['frames']:
+            self.assertEqual(matplotlib.image.imread(out / frame['file_path']).shape[:2], (240, 320))
+            rotation = np.array(frame['transform_matrix'])[:3, :3]
+            np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-9)
+        self.assertTrue((out / transforms['ply_file_path']).exists())
+
+    def test_poses_come_round_trip(self):
+        """TUM, KITTI and COLMAP hold one pose: that of the key frames' file of the run."""
+        tum = np.loadtxt(export('tum', 'path.txt'))
+        np.testing.assert_allclose(tum, np.loadtxt(WORK / 'out/keyframes.txt'), atol=1e-6)
+        kitti = np.loadtxt(export('kitti', 'kitti.txt')).reshape(-1, 3, 4)
+        np.testing.assert_allclose(kitti[:, :, 3], tum[:, 1:4], atol=1e-5)
+        lines = (export('colmap', 'poses') / 'sparse/0/images.txt').read_text().splitlines()[2::2]
+        for line, pose in zip(lines, kitti):
+            w, x, y, z, *t = (float(v) for v in line.split()[1:8])
+            rotation = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                                 [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                                 [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+            np.testing.assert_allclose(rotation.T, pose[:, :3], atol=1e-5)
+            np.testing.assert_allclose(-rotation.T @ t, pose[:, 3], atol=1e-5)
+
+    def test_bundler_and_geojson_are_written(self):
+        out = export('bundler', 'bundler')
+        self.assertEqual((out / 'bundle.out').read_text().splitlines()[1].split()[0], str(info()['key_frames']))
+        for line in (out / 'list.txt').read_text().splitlines():
+            self.assertTrue((out / line.split()[0]).exists())
+        path = json.loads(export('geojson', 'path.geojson', '--origin', '48.2', '16.4', '--heading', '30').read_text())
+        line = path['features'][0]['geometry']['coordinates']
+        self.assertEqual(len(line), info()['key_frames'])
+        np.testing.assert_allclose(line[0], [16.4, 48.2, 0], atol=1e-6)
+
+    def test_a_picture_from_above(self):
+        run(COVIS, 'map', 'info', MAP, '--picture', WORK / 'above.png')
+        picture = (255 * matplotlib.image.imread(WORK / 'above.png')[:, :, :3]).astype(int)
+        for what, colour in {'points': (150, 160, 175), 'path': (200, 40, 30)}.items():
+            drawn = (abs(picture - colour).max(axis=2) < 30).sum()
+            self.assertGreater(drawn, 300, what)
+
+
+class Refused(unittest.TestCase):
+    def refusal(self, *arguments):
+        return run(COVIS, 'map', 'export', *arguments, code=1)
+
+    def test_what_is_wrong_is_named(self):
+        out = WORK / 'nothing'
+        self.assertIn('--origin', self.refusal(MAP, '--to', 'geojson', '--out', out))
+        self.assertIn('latitude', self.refusal(MAP, '--to', 'geojson', '--out', out, '--origin', '91', '0'))
+        self.assertIn('--origin: it says nothing to the format ply',
+                      self.refusal(MAP, '--to', 'ply', '--out', out, '--origin', '1', '1'))
+        self.assertIn('nowhere', self.refusal(MAP, '--to', 'colmap', '--out', out, '--images', WORK / 'nowhere'))
+        self.assertIn('missing.m', self.refusal(WORK / 'missing.m', '--to', 'ply', '--out', out))
+        self.assertFalse(out.exists())
+
+    def test_a_full_disk_is_said(self):
+        self.assertIn('/dev/full', self.refusal(MAP, '--to', 'colmap', '--out', '/dev/full/model'))
+
+
+if __name__ == '__main__':
+    unittest.main(argv=sys.argv[:1])
