@@ -7,6 +7,7 @@ class App;
 }
 
 void add_run_command(CLI::App& app, int& exit_code);
+void add_calibrate_command(CLI::App& app, int& exit_code);
 void add_eval_command(CLI::App& app, int& exit_code);
 void add_check_command(CLI::App& app, int& exit_code);
 void add_synth_command(CLI::App& app, int& exit_code);

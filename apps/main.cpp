@@ -44,6 +44,7 @@ int main(int argc, char** argv) {
       "wrong usage; 130 `run` ended by Ctrl-C, all its files written.");
   int exit_code = 0;
   add_run_command(app, exit_code);
+  add_calibrate_command(app, exit_code);
   add_eval_command(app, exit_code);
   add_check_command(app, exit_code);
   add_synth_command(app, exit_code);

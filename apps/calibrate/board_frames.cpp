@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/calibrate/board_frames.h"
+
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+#include <utility>
+
+#include "covis/core/log.h"
+#include "covis/io/recording.h"
+
+namespace covis::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The images of a folder or a video, one after the other, in grey; every `stride`-th.
+class Frames {
+ public:
+  static Result<Frames> open(const std::string& path) {
+    Frames frames;
+    if (fs::is_directory(path)) {
+      frames.files_ = io::list_images(path);
+      if (frames.files_.empty()) return fail(path + ": there are no images in this folder");
+      return frames;
+    }
+    if (!fs::exists(path)) return fail(path + ": there is no such video or folder of images");
+    if (!frames.video_.open(path, cv::CAP_FFMPEG))
+      return fail(path + ": it is neither a folder of images nor a video that can be read");
+    return frames;
+  }
+  bool is_video() const { return files_.empty(); }
+  // False at the end. An image that can't be read is empty.
+  bool next(cv::Mat& grey) {
+    if (is_video()) {
+      cv::Mat picture;
+      if (!video_.read(picture)) return false;
+      cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+    } else {
+      if (at_ == files_.size()) return false;
+      grey = cv::imread(files_[at_].string(), cv::IMREAD_GRAYSCALE);
+      if (grey.empty()) log(LogLevel::warning, files_[at_].string() + ": the image can't be read; it is passed over");
+    }
+    ++at_;
+    return true;
+  }
+
+ private:
+  std::vector<fs::path> files_;
+  cv::VideoCapture video_;
+  size_t at_ = 0;
+};
+
+}  // namespace
+
+Result<BoardFrames> look_for_board(const std::string& path, const BoardFinder& finder, int stride,
+                                   const std::atomic<int>& stop) {
+  constexpr int kOfAVideo = 5;
+  auto frames = Frames::open(path);
+  if (!frames) return tl::unexpected(frames.error());
+  if (stride == 0) stride = frames->is_video() ? kOfAVideo : 1;
+  BoardFrames seen;
+  cv::Mat grey;
+  for (int64_t k = 0; stop == 0 && frames->next(grey); ++k) {
+    if (grey.empty() || k % stride != 0) continue;
+    if (seen.image.empty()) seen.image = grey.size();
+    if (grey.size() != seen.image) {
+      return fail(path + ": image " + std::to_string(k) + " is " + std::to_string(grey.cols) + "x" +
+                  std::to_string(grey.rows) + ", those before " + std::to_string(seen.image.width) + "x" +
+                  std::to_string(seen.image.height));
+    }
+    ++seen.frames;
+    if (auto view = finder.find(grey)) {
+      view->frame = k;
+      seen.views.push_back(std::move(*view));
+    }
+  }
+  return seen;
+}
+
+}  // namespace covis::app
