@@ -13,7 +13,7 @@
 namespace covis::app {
 namespace {
 
-constexpr size_t kLeastCorners = 8;  // of a ChArUco board
+constexpr size_t kLeastCorners = 8;  // a ChArUco board may show no fewer
 
 std::vector<cv::Point3f> checkerboard_corners(const Board& board) {
   std::vector<cv::Point3f> corners;
@@ -39,7 +39,7 @@ std::optional<BoardView> find_checkerboard(const Board& board, const cv::Mat& gr
   return view;
 }
 
-// What tells one view from another: the board's centre, its size and how much its sides shrink, as shares of the image.
+// Tells one view from another: the board's centre, its size and how much its sides shrink, as shares of the image.
 std::array<double, 5> pose_of(const BoardView& view, cv::Size image) {
   const cv::Rect2f box = cv::boundingRect(view.pixels);
   cv::Mat homography = cv::findHomography(view.corners, view.pixels);

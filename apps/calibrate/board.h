@@ -26,7 +26,7 @@ struct Board {
 struct BoardView {
   int64_t frame = 0;
   std::vector<cv::Point3f> corners;  // on the board, metres, z = 0
-  std::vector<cv::Point2f> pixels;   // of each corner
+  std::vector<cv::Point2f> pixels;   // where each corner is seen
 };
 
 class BoardFinder {

@@ -17,7 +17,7 @@ struct Residual {
 
 struct Calibration {
   Camera camera;
-  double rms = 0;                     // of all residuals, pixels
+  double rms = 0;                     // that of all residuals, pixels
   double fx_sigma = 0, cx_sigma = 0;  // standard deviations, pixels; 0 where they are not known (fisheye)
   size_t views = 0, left_out = 0;
   std::vector<Residual> residuals;

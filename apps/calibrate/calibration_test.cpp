@@ -26,7 +26,7 @@ Camera fisheye() {
   return {kWidth, kHeight, {240, 241, 238, 182, 0}, Distortion::kannala_brandt, {0.02, -0.005, 0.001, 0, 0}};
 }
 
-// What is printed on a board: grey values at a place in metres.
+// The print on a board: grey values at a place in metres.
 struct Print {
   cv::Mat image;
   double pixels_per_metre;
@@ -83,7 +83,7 @@ struct Shown {
   Print print;
   Board board;
   double near, far;  // metres
-  double spread;     // of the board's centre to each side, as a share of its distance
+  double spread;     // how far the board's centre goes to each side, as a share of its distance
 };
 
 Shown checkerboard() {
