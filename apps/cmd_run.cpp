@@ -83,9 +83,10 @@ std::optional<Trajectory> read_truth(const io::Sequence& sequence) {
 }
 
 // Computes the summary and writes the run's files, and the map if requested.
-// `first_own`: the serial of the first key frame of this run.
+// `first_own`: the serial of the first key frame of this run. `images`: where to keep key frames' images.
 Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, const System& system,
-                        io::Sequence& sequence, const storage::MapHeader& header, uint32_t first_own) {
+                        io::Sequence& sequence, const storage::MapHeader& header, uint32_t first_own,
+                        const std::optional<exchange::KeptImages>& images) {
   const std::optional<Trajectory> truth = read_truth(sequence);
   OutputOptions output;
   output.directory = arguments.out;
@@ -99,9 +100,8 @@ Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, 
     const MapState map = system.map_state();
     if (const auto saved = storage::save_map(arguments.save_map, map, header); !saved)
       return tl::unexpected(saved.error());
-    if (arguments.keep_images) {
-      const std::filesystem::path earlier = arguments.map.empty() ? "" : image_folder(arguments.map);
-      if (auto kept = keep_images(sequence, map, first_own, earlier, image_folder(arguments.save_map)); !kept)
+    if (images) {
+      if (auto kept = keep_images(sequence, map, first_own, arguments.map, *images); !kept)
         return tl::unexpected(kept.error());
     }
   }
@@ -160,6 +160,8 @@ int run(const RunArguments& arguments) {
   storage::MapHeader header = storage::header_of((*sequence)->camera(), options.sensor, options.orb, vocabulary->get());
   if (arguments.keep_images && arguments.save_map.empty())
     return fail_with("--keep-images: the images are kept beside a saved map, --save-map FILE");
+  if (arguments.keep_images && (*sequence)->kind() == io::SequenceKind::camera)
+    return fail_with("--keep-images: a camera's images can't be read again; record a video and run on that");
   std::optional<storage::SavedMap> map;
   if (!arguments.map.empty()) {
     const auto use = options.localize ? storage::MapUse::localization : storage::MapUse::continuation;
@@ -169,6 +171,12 @@ int run(const RunArguments& arguments) {
     header.camera = map->header.camera;
   }
   if (const auto opened = open_output_folder(arguments.out); !opened) return fail_with(opened.error());
+  std::optional<exchange::KeptImages> images;
+  if (arguments.keep_images) {
+    auto opened = exchange::KeptImages::open_to_write(exchange::image_folder(arguments.save_map));
+    if (!opened) return fail_with(opened.error());
+    images = std::move(*opened);
+  }
 
   RunRecord record;
   record.source = (*sequence)->description();
@@ -184,7 +192,7 @@ int run(const RunArguments& arguments) {
   track_all(**sequence, system, play_options(arguments, options, (*sequence)->kind()), record);
   if (record.frames.empty() && !record.interrupted) return fail_with(arguments.path + ": no frame could be read");
 
-  const auto summary = save(arguments, record, system, **sequence, header, first_own);
+  const auto summary = save(arguments, record, system, **sequence, header, first_own, images);
   if (!summary) return fail_with(summary.error());
   return conclude(arguments, *summary, (*sequence)->kind());
 }

@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "apps/run/key_frame_pictures.h"
 #include "common.h"
 #include "covis/core/log.h"
 #include "covis/exchange/bundler.h"
 #include "covis/exchange/colmap.h"
 #include "covis/exchange/geojson.h"
+#include "covis/exchange/kept_images.h"
 #include "covis/exchange/nerfstudio.h"
 #include "covis/exchange/point_cloud.h"
 #include "covis/exchange/scene_images.h"
@@ -68,27 +68,32 @@ Result<void> write_poses(const std::vector<Scene>& scenes, const fs::path& file,
 }
 
 // The images go to the folder `images` of the export, if there are any. Error: those that were named are not there.
-Result<size_t> write_images(const ExportArguments& a, const Camera& given, std::vector<Scene>& scenes) {
-  const fs::path kept = a.images.empty() ? image_folder(a.file) : fs::path(a.images);
-  if (a.images.empty() && !fs::is_directory(kept)) return 0;
-  size_t count = 0;
+Result<void> write_images(const ExportArguments& a, const Camera& given, const Pinhole& refined,
+                          std::vector<Scene>& scenes) {
+  const fs::path kept = a.images.empty() ? exchange::image_folder(a.file) : fs::path(a.images);
+  size_t views = 0, images = 0;
   for (Scene& scene : scenes) {
-    const auto written = exchange::write_images(kept, given, fs::path(a.out) / "images", scene);
-    if (!written) return written;
-    count += *written;
+    views += scene.views.size();
+    if (a.images.empty() && !fs::is_directory(kept)) continue;
+    const auto written = exchange::write_images(kept, given, refined, fs::path(a.out) / "images", scene);
+    if (!written) return tl::unexpected(written.error());
+    images += *written;
   }
-  return count;
+  if (images == views) return {};
+  const std::string how = kept.string() + ": of " + std::to_string(views) + " key frames " + std::to_string(images) +
+                          " have an image there; covis run --keep-images keeps them";
+  if (images == 0 && kFormats.at(a.to) == Format::nerfstudio) return fail(how + ", and nerfstudio is nothing without");
+  log(LogLevel::warning, how);
+  return {};
 }
 
 Result<void> write_folder(Format format, const ExportArguments& a, const Camera& given, std::vector<Scene>& scenes) {
-  const auto images = write_images(a, given, scenes);
-  if (!images) return tl::unexpected(images.error());
-  const fs::path out = a.out;
-  if (*images == 0) {
-    const std::string how = image_folder(a.file).string() + ": there are no images; covis run --keep-images keeps them";
-    if (format == Format::nerfstudio) return fail(how + ", and nerfstudio is nothing without");
-    log(LogLevel::warning, how + ". The model is written without them");
+  const Pinhole refined = scenes.front().camera;
+  if (format == Format::bundler) {
+    for (Scene& scene : scenes) scene = exchange::centred(scene);
   }
+  if (const auto written = write_images(a, given, refined, scenes); !written) return written;
+  const fs::path out = a.out;
   for (size_t k = 0; k < scenes.size(); ++k) {
     Result<void> written;
     if (format == Format::colmap) {
@@ -111,8 +116,10 @@ Result<exchange::GeoReference> reference_of(const ExportArguments& a) {
   reference.heading = a.heading;
   reference.scale = a.scale;
   if (!(std::abs(reference.latitude) <= 89.9) || !(std::abs(reference.longitude) <= 180) ||
-      !std::isfinite(reference.altitude))
+      !(std::abs(reference.altitude) <= 1e6))
     return fail("--origin: degrees are wanted, the latitude from -89.9 to 89.9 and the longitude from -180 to 180");
+  if (!std::isfinite(reference.heading)) return fail("--heading: degrees are wanted");
+  if (!std::isfinite(reference.scale)) return fail("--scale: metres a unit of the map are wanted");
   return reference;
 }
 
@@ -128,8 +135,9 @@ Result<void> write(Format format, const ExportArguments& a, const Camera& given,
     case Format::geojson: {
       const auto reference = reference_of(a);
       if (!reference) return tl::unexpected(reference.error());
-      return each(scenes, a.out,
-                  [&](const Scene& s, const fs::path& f) { return exchange::write_geojson(f, s, *reference); });
+      if (scenes.size() > 1)
+        log(LogLevel::warning, a.file + ": its maps are not joined; the path of the first alone is written");
+      return exchange::write_geojson(a.out, scenes.front(), *reference);
     }
     case Format::colmap:
     case Format::nerfstudio:

@@ -46,8 +46,8 @@ Plot plot_of(const exchange::Scene& scene, const std::string& title) {
   for (const exchange::SceneView& view : scene.views) add(view.T_cw.inverse().t(), path);
   Plot plot;
   plot.title = title;
-  plot.x_label = "to the right of the first key frame [m]";
-  plot.y_label = "ahead of it [m]";
+  plot.x_label = "to the right of the first key frame";
+  plot.y_label = "ahead of it";
   plot.x_range = range_of(points.x, path.x);
   plot.y_range = range_of(points.y, path.y);
   plot.series = {std::move(points), std::move(path)};

@@ -2,6 +2,7 @@
 // Recordings, trajectories and errors for the Python module: what the command has, as objects.
 #include <pybind11/stl.h>
 
+#include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "arrays.h"
@@ -184,6 +185,7 @@ void bind_evaluation(py::module_& m) {
 
 struct PyRecording {
   std::shared_ptr<io::Sequence> sequence;
+  std::shared_ptr<std::mutex> picture_mutex = std::make_shared<std::mutex>();  // held while a picture is read
 };
 
 PyRecording open(const std::string& path, const std::string& kind, const std::string& sensor,
@@ -227,6 +229,7 @@ py::object array_of(const Image& image, const py::object& self) {
 py::object picture_array(const PyRecording& recording, int64_t frame) {
   auto* picture = new io::Picture([&] {
     const py::gil_scoped_release released;
+    const std::lock_guard lock(*recording.picture_mutex);
     return value(recording.sequence->picture(frame));
   }());
   const py::capsule owner(picture, [](void* p) { delete static_cast<io::Picture*>(p); });

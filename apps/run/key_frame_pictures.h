@@ -4,10 +4,13 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstdint>
 #include <filesystem>
 #include <mutex>
+#include <set>
 #include <thread>
 
+#include "covis/exchange/kept_images.h"
 #include "covis/io/sequence.h"
 #include "covis/map/map_state.h"
 #include "covis/slam/system.h"
@@ -34,19 +37,15 @@ class KeyFrameColouring {
   std::mutex mutex_;  // guards `woken_`
   std::condition_variable_any changed_;
   bool woken_ = false;
-  bool grey_ = false;    // an image had no colours: no other has any
-  std::jthread thread_;  // last member: it uses the others
+  std::set<int64_t> without_;  // frames whose images have no colours, or can't be read again
+  std::jthread thread_;        // last member: it uses the others
 };
 
-// The folder of a map's key frames' images: FILE.images. Each is called by the key frame's serial, in six digits or
-// more.
-std::filesystem::path image_folder(const std::filesystem::path& map_file);
-
 // Writes the images of the key frames that have serials of `first_own` and above (those of this recording), as they
-// were recorded, where possible by copying their files. `earlier`: the folder with the images of the others, may be
-// empty. Images of other key frames that are in `folder` are removed. An image that can't be read is left out with a
-// warning.
+// were recorded, where possible by copying their files. `earlier_map`: the file of the map that has the others, whose
+// images are copied if they were kept; may be empty. Images that `kept` had of other key frames are removed. An image
+// that can't be read is left out with a warning.
 Result<void> keep_images(io::Sequence& sequence, const MapState& map, uint32_t first_own,
-                         const std::filesystem::path& earlier, const std::filesystem::path& folder);
+                         const std::filesystem::path& earlier_map, const exchange::KeptImages& kept);
 
 }  // namespace covis::app

@@ -104,22 +104,11 @@ class Import(unittest.TestCase):
         imported = json.loads(run(COVIS, 'map', 'info', WORK / 'imported.m', '--json'))
         self.assertEqual(imported['key_frames'], info()['key_frames'])
         self.assertGreater(imported['points'], 200)
-        # Other frames than the key frames, through the pinhole camera of the images exported.
-        frames = WORK / 'others'
-        run(COVIS, 'run', RECORDING, '--out', WORK / 'all', '--save-map', WORK / 'all.m', '--keep-images', '--quiet',
-            '--set', 'mapper.cull_redundancy=1')
-        everything = WORK / 'everything'
-        run(COVIS, 'map', 'export', WORK / 'all.m', '--to', 'colmap', '--out', everything)
-        run(COVIS, 'map', 'export', WORK / 'all.m', '--to', 'tum', '--out', WORK / 'all.txt')
-        shutil.copytree(everything / 'images', frames / 'images')
-        fx, fy, cx, cy = (float(v) for v in (out / 'sparse/0/cameras.txt').read_text().split()[-4:])
-        (frames / 'camera.yaml').write_text(
-            f'width: 320\nheight: 240\nfx: {fx}\nfy: {fy}\ncx: {cx - 0.5}\ncy: {cy - 0.5}\nfps: 1\n')
-        text = run(COVIS, 'localize', frames / 'images', '--camera', frames / 'camera.yaml', '--map', WORK / 'imported.m',
-                   '--out', WORK / 'found.txt')
-        found, poses = np.loadtxt(WORK / 'found.txt', ndmin=2), np.loadtxt(WORK / 'all.txt')
-        self.assertGreater(len(found), 0.8 * len(poses), text)
-        errors = [np.linalg.norm(row[1:4] - poses[int(round(row[0])), 1:4]) for row in found]
+        # All frames, by the lens with distortion; the model has the undistorted images of a few.
+        text = run(COVIS, 'localize', RECORDING, '--sensor', 'mono', '--map', WORK / 'imported.m', '--out', WORK / 'found.txt')
+        found, path = np.loadtxt(WORK / 'found.txt', ndmin=2), np.loadtxt(WORK / 'out/trajectory.txt')
+        self.assertGreater(len(found), 0.8 * len(path), text)
+        errors = [np.linalg.norm(row[1:4] - path[np.argmin(abs(path[:, 0] - row[0])), 1:4]) for row in found]
         self.assertLess(np.median(errors), 0.02)
         self.assertLess(max(errors), 0.1)
 
@@ -197,6 +186,7 @@ class Refused(unittest.TestCase):
     def test_what_is_wrong_is_named(self):
         out = WORK / 'nothing'
         self.assertIn('--origin', self.refusal(MAP, '--to', 'geojson', '--out', out))
+        self.assertIn('--heading', self.refusal(MAP, '--to', 'geojson', '--out', out, '--origin', '1', '1', '--heading', 'nan'))
         self.assertIn('latitude', self.refusal(MAP, '--to', 'geojson', '--out', out, '--origin', '91', '0'))
         self.assertIn('--origin: it says nothing to the format ply',
                       self.refusal(MAP, '--to', 'ply', '--out', out, '--origin', '1', '1'))
@@ -204,8 +194,16 @@ class Refused(unittest.TestCase):
         self.assertIn('missing.m', self.refusal(WORK / 'missing.m', '--to', 'ply', '--out', out))
         self.assertFalse(out.exists())
 
-    def test_a_full_disk_is_said(self):
+    def test_a_folder_that_cant_be_made_is_said(self):
         self.assertIn('/dev/full', self.refusal(MAP, '--to', 'colmap', '--out', '/dev/full/model'))
+
+    def test_a_full_disk_is_said(self):
+        """A limit on the size of files is to the command what a full disk is."""
+        out = WORK / 'too_large.ply'
+        done = subprocess.run(['prlimit', '--fsize=4096', str(COVIS), 'map', 'export', str(MAP), '--to', 'ply', '--out', str(out)],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertFalse(out.exists())
 
 
 if __name__ == '__main__':

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/exchange/bundler.h"
 
+#include <cassert>
+
 #include "covis/core/atomic_file.h"
 #include "covis/exchange/text.h"
 
@@ -9,6 +11,7 @@ namespace {
 
 std::string bundle_text(const Scene& scene) {
   const Pinhole& c = scene.camera;
+  assert(c.fx == c.fy);
   const Eigen::Vector3d turned(1, -1, -1);  // turns the camera's axes
   Text text;
   text.line("# Bundle file v0.3");
@@ -28,7 +31,7 @@ std::string bundle_text(const Scene& scene) {
     text(point.seen.size());
     for (const ScenePoint::Sight& sight : point.seen) {
       const SceneView::Keypoint& keypoint = scene.views[sight.view].keypoints[sight.keypoint];
-      text(sight.view, sight.keypoint, keypoint.u - c.cx, -(keypoint.v - c.cy) * c.fx / c.fy);
+      text(sight.view, sight.keypoint, keypoint.u - c.cx, c.cy - keypoint.v);
     }
     text.end_line();
   }

@@ -10,7 +10,7 @@ namespace {
 
 TEST(Bundler, ItsCamerasProjectItsPointsToTheirPixels) {
   const TemporaryFolder folder;
-  Scene scene = ring_scenes()[0];
+  Scene scene = centred(ring_scenes()[0]);
   ASSERT_TRUE(write_bundler(folder.path(), scene, "images"));
   std::istringstream text(read_file(folder / "bundle.out"));
   std::string head;
@@ -37,6 +37,7 @@ TEST(Bundler, ItsCamerasProjectItsPointsToTheirPixels) {
     int red, green, blue;
     double x, y;
     text >> X.x() >> X.y() >> X.z() >> red >> green >> blue >> views;
+    EXPECT_EQ((std::vector{red, green, blue}), (std::vector{200, 100, 50}));
     for (size_t k = 0; k < views; ++k, ++sights) {
       text >> view >> key >> x >> y;
       const Camera& c = read.at(view);

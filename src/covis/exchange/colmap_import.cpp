@@ -2,9 +2,9 @@
 #include "covis/exchange/colmap_import.h"
 
 #include <algorithm>
-#include <iterator>
-#include <optional>
+#include <numeric>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -17,52 +17,62 @@
 namespace covis::exchange {
 namespace {
 
-struct Placed {
-  const ColmapModel::Image* image;
-  KeyFrameId key_frame;
+// An image of the model, and how many points it shares with another one.
+struct Partner {
+  size_t image = 0, points = 0;
 };
 
-size_t shared_points(const ColmapModel::Image& a, const ColmapModel::Image& b) {
-  std::vector<int64_t> both;
-  std::set_intersection(a.points.begin(), a.points.end(), b.points.begin(), b.points.end(), std::back_inserter(both));
-  return both.size();
-}
-
-// The key frames whose images share most points with this one, best first.
-std::vector<KeyFrameId> partners(const ColmapModel::Image& image, const std::vector<Placed>& placed, size_t most) {
-  std::vector<std::pair<size_t, KeyFrameId>> found;
-  for (const Placed& other : placed) {
-    const size_t shared = shared_points(image, *other.image);
-    if (shared >= static_cast<size_t>(kCovisibilityThreshold)) found.emplace_back(shared, other.key_frame);
+// For each image those that share at least kCovisibilityThreshold points with it, the ones with most first.
+std::vector<std::vector<Partner>> partners_of(const ColmapModel& model) {
+  std::unordered_map<int64_t, std::vector<size_t>> images;  // of each point
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    for (const int64_t point : model.images[i].points) images[point].push_back(i);
   }
-  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  std::vector<KeyFrameId> best;
-  for (size_t i = 0; i < std::min(most, found.size()); ++i) best.push_back(found[i].second);
-  return best;
+  std::vector<std::vector<Partner>> partners(model.images.size());
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    std::vector<size_t> counts(model.images.size());
+    for (const int64_t point : model.images[i].points) {
+      for (const size_t other : images.at(point)) ++counts[other];
+    }
+    for (size_t other = 0; other < counts.size(); ++other) {
+      if (other != i && counts[other] >= static_cast<size_t>(kCovisibilityThreshold))
+        partners[i].push_back({other, counts[other]});
+    }
+    std::stable_sort(partners[i].begin(), partners[i].end(),
+                     [](const Partner& a, const Partner& b) { return a.points > b.points; });
+  }
+  return partners;
 }
 
 class Importer {
  public:
   Importer(const ColmapModel& model, const OrbOptions& options, SharedMap& map)
-      : camera_(model.camera), frontend_(model.camera, options, Sensor::monocular), map_(map) {
-    map_.write()->set_camera(camera_.pinhole);
+      : model_(model),
+        frontend_(model.camera, options, Sensor::monocular),
+        map_(map),
+        key_frames_(model.images.size()) {
+    map_.write()->set_camera(model.camera.pinhole);
   }
 
-  // False: it shares too few points with the images so far.
-  Result<bool> add(const std::filesystem::path& file, const ColmapModel::Image& image, int64_t number) {
-    const std::vector<KeyFrameId> others =
-        partners(image, placed_, static_cast<size_t>(options_.create_neighbours_mono));
-    if (!placed_.empty() && others.empty()) return false;
+  // False: the map is begun, and none of the image's partners is in it yet.
+  Result<bool> add(const std::filesystem::path& file, size_t image, const std::vector<Partner>& partners) {
+    std::vector<KeyFrameId> others;
+    for (const Partner& partner : partners) {
+      if (key_frames_[partner.image].valid() && others.size() < static_cast<size_t>(options_.create_neighbours_mono))
+        others.push_back(key_frames_[partner.image]);
+    }
+    if (count_ > 0 && others.empty()) return false;
     if (auto read = reader_.grey(file, grey_); !read) return tl::unexpected(read.error());
-    if (grey_.width() != camera_.width || grey_.height() != camera_.height) {
+    const Camera& camera = model_.camera;
+    if (grey_.width() != camera.width || grey_.height() != camera.height) {
       return fail(file.string() + ": the image is " + std::to_string(grey_.width()) + "x" +
-                  std::to_string(grey_.height()) + ", the model's camera " + std::to_string(camera_.width) + "x" +
-                  std::to_string(camera_.height));
+                  std::to_string(grey_.height()) + ", the model's camera " + std::to_string(camera.width) + "x" +
+                  std::to_string(camera.height));
     }
     const FeaturesPtr features = frontend_.monocular(grey_.view())->for_key_frame();
-    const KeyFrameId id =
-        map_.write()->add_key_frame(number, from_seconds(static_cast<double>(number)), image.T_cw, features);
-    placed_.push_back({&image, id});
+    const KeyFrameId id = key_frames_[image] = map_.write()->add_key_frame(
+        static_cast<int64_t>(image), from_seconds(static_cast<double>(image)), model_.images[image].T_cw, features);
+    ++count_;
     if (others.empty()) return true;
     triangulate(id, others);
     map_.write()->attach_to_tree(id);
@@ -70,11 +80,11 @@ class Importer {
     return true;
   }
 
-  size_t count() const { return placed_.size(); }
+  size_t count() const { return count_; }
 
  private:
   void triangulate(KeyFrameId id, const std::vector<KeyFrameId>& others) {
-    PointTriangulation triangulation(camera_.pinhole, Sensor::monocular, KeyFrameView(*map_.read(), id));
+    PointTriangulation triangulation(model_.camera.pinhole, Sensor::monocular, KeyFrameView(*map_.read(), id));
     for (const KeyFrameId& other : others) triangulation.add(KeyFrameView(*map_.read(), other));
     MapEdit map(map_);
     for (const TriangulatedPoint& made : triangulation.made()) {
@@ -83,34 +93,44 @@ class Importer {
     }
   }
 
-  const Camera camera_;
+  const ColmapModel& model_;
   Frontend frontend_;
   io::ImageReader reader_;
   ImageU8 grey_;
   SharedMap& map_;
   const MapperOptions options_;
   PointFuser fuser_;
-  std::vector<Placed> placed_;
+  std::vector<KeyFrameId> key_frames_;  // of each image of the model; invalid: it is not in the map
+  size_t count_ = 0;
 };
 
 }  // namespace
 
 Result<void> import_colmap(const ColmapModel& model, const std::filesystem::path& images, const OrbOptions& options,
                            SharedMap& map) {
+  const std::vector<std::vector<Partner>> partners = partners_of(model);
   Importer importer(model, options, map);
-  std::vector<const ColmapModel::Image*> waiting;
-  for (const ColmapModel::Image& image : model.images) waiting.push_back(&image);
+  // The image with most partners begins the map.
+  std::vector<size_t> waiting(model.images.size());
+  std::iota(waiting.begin(), waiting.end(), size_t{0});
+  std::stable_sort(waiting.begin(), waiting.end(),
+                   [&](size_t a, size_t b) { return partners[a].size() > partners[b].size(); });
   for (size_t before = 0; before != waiting.size();) {
     before = waiting.size();
-    std::erase_if(waiting, [&](const ColmapModel::Image* image) {
-      const auto added = importer.add(images / image->name, *image, image - model.images.data());
+    std::erase_if(waiting, [&](size_t image) {
+      const auto added = importer.add(images / model.images[image].name, image, partners[image]);
       if (!added) log(LogLevel::warning, added.error().message);
       return !added || *added;
     });
   }
-  for (const ColmapModel::Image* image : waiting)
-    log(LogLevel::warning, image->name + ": the image is left out: it shares too few points with the others");
+  for (const size_t image : waiting) {
+    log(LogLevel::warning,
+        model.images[image].name + ": the image is left out: it shares too few points with the others");
+  }
   if (importer.count() < 2) return fail(images.string() + ": fewer than two of the model's images could be used");
+  if (map.read()->point_count() == 0)
+    return fail(images.string() +
+                ": no point could be triangulated: the images do not fit the model's poses and camera");
   return {};
 }
 

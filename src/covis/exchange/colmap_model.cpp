@@ -25,6 +25,7 @@ class Lines {
   std::optional<std::istringstream> next() {
     for (std::string line; std::getline(stream_, line);) {
       ++number_;
+      if (line.ends_with('\r')) line.pop_back();
       if (!line.starts_with("#")) return std::istringstream(line);
     }
     return std::nullopt;
@@ -72,8 +73,10 @@ Result<Camera> read_camera(const fs::path& file, int& id) {
   for (size_t i = first + 2; i < static_cast<size_t>(figures.count); ++i)
     camera.coefficients[i - first - 2] = values[i];
   const Pinhole& p = camera.pinhole;
-  if (!*line || camera.width < 64 || camera.height < 64 || !(p.fx > 0 && p.fy > 0) || !std::isfinite(p.fx + p.fy) ||
-      !(p.cx > 0 && p.cx < camera.width && p.cy > 0 && p.cy < camera.height))
+  const bool whole = *line && (*line >> std::ws).eof();
+  const bool bounded = std::all_of(values.begin(), values.end(), [](double v) { return std::abs(v) < 1e6; });
+  if (!whole || !bounded || camera.width < 64 || camera.height < 64 || !(p.fx > 0 && p.fy > 0) ||
+      !std::isfinite(p.fx + p.fy) || !(p.cx > 0 && p.cx < camera.width && p.cy > 0 && p.cy < camera.height))
     return lines.problem("a " + model +
                          " of at least 64 x 64 pixels with positive focal lengths and its principal point "
                          "in the image is wanted");
@@ -88,17 +91,22 @@ Result<ColmapModel::Image> read_image(Lines& lines, std::istringstream& line, in
   int of_camera = 0;
   line >> id >> w >> x >> y >> z >> t.x() >> t.y() >> t.z() >> of_camera >> std::ws;
   const Eigen::Quaterniond q(w, x, y, z);
-  if (!line || !std::getline(line, image.name) || !t.allFinite() || !(std::abs(q.norm() - 1) < 1e-3))
+  if (!line || !std::getline(line, image.name) || !(t.cwiseAbs().maxCoeff() < 1e9) || !(std::abs(q.norm() - 1) < 1e-3))
     return lines.problem("an image's id, unit quaternion, translation, camera and name are wanted");
   if (of_camera != camera) return lines.problem("the image is of a camera that cameras.txt does not have");
   image.T_cw = SE3(q.normalized().toRotationMatrix(), t);
+  const fs::path path(image.name);
+  if (path.is_absolute() || std::find(path.begin(), path.end(), "..") != path.end())
+    return lines.problem("the image " + image.name + " lies outside the folder of images");
   auto points = lines.next();
   if (!points) return lines.problem("the line with the points of image " + image.name + " is missing");
   double u, v;
-  for (int64_t point; *points >> u >> v >> point;) {
+  int64_t point;
+  while (!(*points >> std::ws).eof()) {
+    if (!(*points >> u >> v >> point))
+      return lines.problem("x, y and the point's id are wanted for each point of an image");
     if (point >= 0) image.points.push_back(point);
   }
-  if (!points->eof()) return lines.problem("x, y and the point's id are wanted for each point of an image");
   std::sort(image.points.begin(), image.points.end());
   return image;
 }
@@ -125,7 +133,8 @@ Result<ColmapModel> read_colmap(const fs::path& folder) {
     int image_id = 0;
     auto image = read_image(lines, *line, id, image_id);
     if (!image) return tl::unexpected(image.error());
-    by_id.emplace(image_id, std::move(*image));
+    if (!by_id.emplace(image_id, std::move(*image)).second)
+      return lines.problem("there is another image of the id " + std::to_string(image_id));
   }
   for (auto& [number, image] : by_id) model.images.push_back(std::move(image));
   if (model.images.size() < 2) return fail((folder / "images.txt").string() + ": there are less than two images");

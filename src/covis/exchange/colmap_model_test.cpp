@@ -58,6 +58,13 @@ TEST_F(ColmapModelFiles, HaveTheLensOfTheirCameraModel) {
   EXPECT_EQ(read_colmap(folder.path())->images[1].name, "b/with space.png");
 }
 
+TEST_F(ColmapModelFiles, MayHaveLinesOfWindows) {
+  EXPECT_EQ(error("1 PINHOLE 640 480 500 500 320 240\r\n",
+                  "1 1 0 0 0 0 0 0 1 a.png\r\n10 10 7\r\n2 1 0 0 0 1 0 0 1 b.png\r\n\r\n"),
+            "");
+  EXPECT_EQ(read_colmap(folder.path())->images[0].name, "a.png");
+}
+
 TEST_F(ColmapModelFiles, ThatAreWrongAreNamedWithTheirLine) {
   const std::string camera = "1 PINHOLE 640 480 500 500 320 240\n";
   EXPECT_THAT(error("", images), HasSubstr("cameras.txt:0: there is no camera"));
@@ -69,6 +76,13 @@ TEST_F(ColmapModelFiles, ThatAreWrongAreNamedWithTheirLine) {
   EXPECT_THAT(error(camera, "1 2 0 0 0 0 0 0 1 a.png\n\n"), HasSubstr("unit quaternion"));
   EXPECT_THAT(error(camera, "1 1 0 0 0 0 0 0 3 a.png\n\n"), HasSubstr("of a camera that cameras.txt does not have"));
   EXPECT_THAT(error(camera, "1 1 0 0 0 0 0 0 1 a.png\n10 10 x\n"), HasSubstr("images.txt:2: x, y and the point's id"));
+  EXPECT_THAT(error(camera, "1 1 0 0 0 0 0 0 1 a.png\n10 10\n"), HasSubstr("images.txt:2: x, y and the point's id"));
+  EXPECT_THAT(error(camera, "1 1 0 0 0 0 0 0 1 a.png\n1 1 99999999999999999999\n"), HasSubstr("images.txt:2: "));
+  EXPECT_THAT(error(camera, "1 1 0 0 0 0 0 0 1 ../a.png\n\n"), HasSubstr("outside the folder"));
+  EXPECT_THAT(error(camera, "1 1 0 0 0 1e300 0 0 1 a.png\n\n"), HasSubstr("translation"));
+  EXPECT_THAT(error(camera, images + images), HasSubstr("another image of the id 1"));
+  EXPECT_THAT(error("1 PINHOLE 640 480 500 500 320 240 7\n", images), HasSubstr("cameras.txt:1: "));
+  EXPECT_THAT(error("1 OPENCV 640 480 500 500 320 240 1e300 0 0 0\n", images), HasSubstr("cameras.txt:1: "));
   EXPECT_THAT(error(camera, "1 1 0 0 0 0 0 0 1 a.png\n\n"), HasSubstr("less than two images"));
   std::filesystem::remove(folder / "cameras.txt");
   write_file(folder / "cameras.bin", "");

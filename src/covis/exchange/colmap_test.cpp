@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// That COLMAP itself reads the models is tests/exports_test.py's.
+// That COLMAP itself reads the models is tests/exports/exports_test.py's.
 #include "covis/exchange/colmap.h"
 
 #include <Eigen/Geometry>
@@ -59,6 +59,7 @@ TEST(Colmap, AModelReadByItsFormatIsTheScene) {
       EXPECT_NEAR(fy * p.y() / p.z() + cy, v, 1e-2);
     }
     EXPECT_GE(seen, 2);
+    EXPECT_EQ((std::vector{red, green, blue}), (std::vector{200, 100, 50}));
     sights += seen;
   }
   EXPECT_GT(sights, 100);

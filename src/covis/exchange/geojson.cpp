@@ -64,8 +64,10 @@ Result<void> write_geojson(const std::filesystem::path& file, const Scene& scene
     stamps.push_back(to_seconds(view.stamp));
     ids.push_back(view.serial);
   }
+  const bool is_line = line.size() > 1;  // a line has two places at least
+  nlohmann::json geometry{{"type", is_line ? "LineString" : "Point"}, {"coordinates", is_line ? line : line[0]}};
   const nlohmann::json path{{"type", "Feature"},
-                            {"geometry", {{"type", "LineString"}, {"coordinates", std::move(line)}}},
+                            {"geometry", std::move(geometry)},
                             {"properties", {{"stamps_s", std::move(stamps)}, {"key_frames", std::move(ids)}}}};
   const nlohmann::json all{{"type", "FeatureCollection"}, {"features", nlohmann::json::array({path})}};
   return write_atomically(file, all.dump(1) + "\n");

@@ -22,7 +22,8 @@ struct GeoReference {
 // altitude.
 Eigen::Vector3d place_on_earth(const GeoReference& reference, const Eigen::Vector3d& east_north_up);
 
-// Writes the path of the key frames as one LineString, with their stamps (seconds) and ids as its properties.
+// Writes the path of the key frames as one LineString (a Point for a single one), with their stamps (seconds) and ids
+// as its properties.
 Result<void> write_geojson(const std::filesystem::path& file, const Scene& scene, const GeoReference& reference);
 
 }  // namespace covis::exchange

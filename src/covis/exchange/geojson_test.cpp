@@ -39,6 +39,11 @@ TEST(GeoJson, ThePathBeginsAtTheReferenceAndGoesWhereItLooks) {
   EXPECT_NEAR(line[1][1].get<double>(), 0, 1e-12);
   EXPECT_EQ(feature["properties"]["key_frames"], (nlohmann::json{0, 10}));
   EXPECT_EQ(feature["properties"]["stamps_s"][1], 10.0);
+  scene.views.pop_back();
+  ASSERT_TRUE(write_geojson(folder / "point.geojson", scene, {.latitude = 5, .longitude = 7}));
+  const auto point = nlohmann::json::parse(read_file(folder / "point.geojson"))["features"][0]["geometry"];
+  EXPECT_EQ(point["type"], "Point");
+  EXPECT_NEAR(point["coordinates"][0].get<double>(), 7, 1e-12);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ TEST(Nerfstudio, ItsCamerasProjectTheCloudToTheKeypoints) {
   EXPECT_EQ(json["ply_file_path"], "transforms.ply");
   const std::string cloud = read_file(folder / "transforms.ply");
   const char* first = cloud.data() + cloud.find("end_header\n") + 11;
-  constexpr size_t kPoint = 6 * sizeof(float);  // with a normal, without a colour
+  constexpr size_t kPoint = 6 * sizeof(float) + 3;  // with a normal and a colour
   ASSERT_EQ(static_cast<size_t>(cloud.data() + cloud.size() - first), kPoint * scene.points.size());
   double height = 0;
   for (const SceneView::Keypoint& keypoint : scene.views[0].keypoints) {

@@ -3,9 +3,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cstdio>
+#include <optional>
 #include <unordered_map>
 
+#include "covis/exchange/kept_images.h"
 #include "covis/map/colours.h"
 
 namespace covis::exchange {
@@ -19,6 +20,11 @@ bool inside(const Scene& scene, double u, double v) {
 class Points {
  public:
   explicit Points(Scene& scene) : scene_(scene) {}
+  // Nothing for a point that is not among them.
+  std::optional<uint32_t> find(MapPointId id) const {
+    const auto at = index_.find(id);
+    return at == index_.end() ? std::nullopt : std::optional(at->second);
+  }
   uint32_t index_of(const Map& map, MapPointId id) {
     const auto [at, added] = index_.emplace(id, static_cast<uint32_t>(scene_.points.size()));
     if (added) {
@@ -63,13 +69,13 @@ void find_sights(Scene& scene) {
 }
 
 // From all observers, those outside the undistorted image included.
-void find_colours(const Map& map, const std::vector<KeyFrameId>& key_frames, Points& points, Scene& scene) {
+void find_colours(const Map& map, const std::vector<KeyFrameId>& key_frames, const Points& points, Scene& scene) {
   MeanColours colours(scene.points.size());
   for (const KeyFrameId& id : key_frames) {
     const KeyFrame& from = map.at(id);
     for (size_t f = 0; from.colours && f < from.points.size(); ++f) {
-      if (!from.points[f].valid() || !inside(scene, from.features->x[f], from.features->y[f])) continue;
-      colours.add(points.index_of(map, from.points[f]), (*from.colours)[f]);
+      const auto index = from.points[f].valid() ? points.find(from.points[f]) : std::nullopt;
+      if (index) colours.add(*index, (*from.colours)[f]);
     }
   }
   for (size_t i = 0; i < scene.points.size(); ++i) scene.points[i].colour = colours.mean(i);
@@ -77,11 +83,7 @@ void find_colours(const Map& map, const std::vector<KeyFrameId>& key_frames, Poi
 
 }  // namespace
 
-std::string image_name(uint32_t serial) {
-  char name[20];
-  std::snprintf(name, sizeof name, "%06u.png", serial);
-  return name;
-}
+std::string image_name(uint32_t serial) { return image_stem(serial) + ".png"; }
 
 std::vector<Scene> scenes_of(const Map& map, int width, int height) {
   std::vector<Scene> scenes;
@@ -99,6 +101,22 @@ std::vector<Scene> scenes_of(const Map& map, int width, int height) {
   std::stable_sort(scenes.begin(), scenes.end(),
                    [](const Scene& a, const Scene& b) { return a.views.size() > b.views.size(); });
   return scenes;
+}
+
+Scene centred(const Scene& scene) {
+  Scene made = scene;
+  Pinhole& to = made.camera;
+  to.fy = to.fx;
+  to.cx = (scene.width - 1) / 2.0;
+  to.cy = (scene.height - 1) / 2.0;
+  for (SceneView& view : made.views) {
+    for (SceneView::Keypoint& keypoint : view.keypoints) {
+      const Eigen::Vector2d at = to.project(scene.camera.unproject(keypoint.u, keypoint.v));
+      keypoint.u = at.x();
+      keypoint.v = at.y();
+    }
+  }
+  return made;
 }
 
 Eigen::Vector3d upward(const Scene& scene) {

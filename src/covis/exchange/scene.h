@@ -58,6 +58,9 @@ std::vector<Scene> scenes_of(const Map& map, int width, int height);
 // The name of a key frame's image, where nothing else is known of it.
 std::string image_name(uint32_t serial);
 
+// The scene through a camera of one focal length whose principal point is the image's centre.
+Scene centred(const Scene& scene);
+
 // The direction away from the ground as the cameras were held: the mean of their upward axes.
 Eigen::Vector3d upward(const Scene& scene);
 

@@ -2,9 +2,9 @@
 #include "covis/exchange/scene_images.h"
 
 #include <limits>
-#include <map>
 #include <string>
 
+#include "covis/exchange/kept_images.h"
 #include "covis/features/rectification.h"
 #include "covis/io/images.h"
 
@@ -13,35 +13,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// For each pixel of the pinhole image the place in the image as it was taken.
-ResamplingMap undistortion_of(const Camera& camera) {
-  ResamplingMap map(camera.width, camera.height, camera.width, camera.height);
+// For each pixel of an image by the wanted camera the place in the image as it was taken. A pixel of the undistorted
+// image shows the same in both given.pinhole and refined: refining the focal length leaves pixels as they are.
+ResamplingMap resampling(const Camera& given, const Pinhole& refined, const Pinhole& wanted) {
+  ResamplingMap map(given.width, given.height, given.width, given.height);
   constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      const auto at = camera.project(camera.pinhole.unproject(u, v));
+  for (int v = 0; v < given.height; ++v) {
+    for (int u = 0; u < given.width; ++u) {
+      const Eigen::Vector2d undistorted = refined.project(wanted.unproject(u, v));
+      const auto at = given.project(given.pinhole.unproject(undistorted.x(), undistorted.y()));
       map.set(u, v, at ? static_cast<float>(at->x()) : kNowhere, at ? static_cast<float>(at->y()) : kNowhere);
     }
   }
   return map;
 }
 
-// The files of a folder by their names without ending.
-std::map<std::string, fs::path> files_by_stem(const fs::path& folder) {
-  std::map<std::string, fs::path> files;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) files.emplace(entry.path().stem(), entry.path());
-  return files;
-}
-
-Result<void> copy_image(const fs::path& from, const fs::path& to) {
-  std::error_code error;
-  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
-  if (error) return fail(to.string() + ": the image can't be written: " + error.message());
-  return {};
-}
-
-Result<void> undistort(const fs::path& from, const Camera& given, const ResamplingMap& map, const fs::path& to) {
+Result<void> resample(const fs::path& from, const Camera& given, const ResamplingMap& map, const fs::path& to) {
   auto picture = io::read_picture(from);
   if (!picture) return tl::unexpected(picture.error());
   if (picture->width != given.width || picture->height != given.height) {
@@ -55,25 +42,25 @@ Result<void> undistort(const fs::path& from, const Camera& given, const Resampli
 
 }  // namespace
 
-Result<size_t> write_images(const fs::path& kept, const Camera& given, const fs::path& folder, Scene& scene) {
-  if (!fs::is_directory(kept))
-    return fail(kept.string() + ": there is no folder of images; covis run --keep-images makes it");
+Result<size_t> write_images(const fs::path& folder_of_kept, const Camera& given, const Pinhole& refined,
+                            const fs::path& folder, Scene& scene) {
+  const auto kept = KeptImages::read(folder_of_kept);
+  if (!kept) return tl::unexpected(kept.error());
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return fail(folder.string() + ": the folder can't be made: " + error.message());
-  const std::map<std::string, fs::path> files = files_by_stem(kept);
-  const bool distorted = given.distortion != Distortion::none;
-  const ResamplingMap map = distorted ? undistortion_of(given) : ResamplingMap();
+  if (fs::equivalent(folder_of_kept, folder, error))
+    return fail(folder.string() + ": the images would be written over those that they are made of");
+  const bool as_taken = given.distortion == Distortion::none && scene.camera == refined;
+  const ResamplingMap map = as_taken ? ResamplingMap() : resampling(given, refined, scene.camera);
   size_t count = 0;
   for (SceneView& view : scene.views) {
-    const std::string stem = fs::path(image_name(view.serial)).stem();
-    const auto found = files.find(stem);
+    const fs::path from = kept->find(view.serial, view.stamp);
     view.image.clear();
-    if (found == files.end()) continue;
-    const fs::path& from = found->second;
-    view.image = distorted && from.extension() != ".jpg" ? stem + ".png" : from.filename().string();
+    if (from.empty()) continue;
+    view.image = as_taken || from.extension() == ".jpg" ? from.filename().string() : image_name(view.serial);
     const auto written =
-        distorted ? undistort(from, given, map, folder / view.image) : copy_image(from, folder / view.image);
+        as_taken ? copy_image(from, folder / view.image) : resample(from, given, map, folder / view.image);
     if (!written) return tl::unexpected(written.error());
     ++count;
   }

@@ -11,11 +11,16 @@
 namespace covis::exchange {
 
 inline std::vector<Scene> ring_scenes() {
-  const PointScene scene = PointScene::ring(600, 24);
+  PointScene scene = PointScene::ring(600, 24);
+  scene.camera = {500, 480, 300, 250, 50};
   SceneMap world(scene, Sensor::rgbd);
   world.add_key_frames(8);
   world.begin_submap();
   world.add_key_frames(3, 12);
+  for (const KeyFrameId& id : world.frames) {
+    const size_t count = world.shared.read()->at(id).points.size();
+    world.shared.write()->set_colours(id, std::make_shared<const std::vector<Colour>>(count, Colour{200, 100, 50}));
+  }
   return scenes_of(*world.shared.read(), 640, 480);
 }
 

@@ -2,6 +2,7 @@
 #include "covis/io/images.h"
 
 #include <cmath>
+#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string_view>
@@ -34,6 +35,19 @@ bool cut_short(std::string_view bytes) {
     return end == std::string_view::npos || end < jpeg_data(bytes);
   }
   return false;
+}
+
+// True when the file may hold an image to be turned: it has an EXIF block that tells an orientation (tag 0x0112, a
+// short) other than 1.
+bool is_turned(std::string_view bytes) {
+  const size_t exif = bytes.substr(0, size_t{1} << 17).find(std::string_view("Exif\0\0", 6));
+  if (exif == std::string_view::npos) return bytes.starts_with("II*") || bytes.starts_with("MM");  // TIFF: not asked
+  const std::string_view block = bytes.substr(exif + 6, 4096);
+  const bool little = block.starts_with("II");
+  const std::string_view tag(little ? "\x12\x01\x03\x00" : "\x01\x12\x00\x03", 4);
+  const size_t at = block.find(tag);
+  if (at == std::string_view::npos || at + 10 > block.size()) return false;
+  return block[at + (little ? 8 : 9)] != 1;
 }
 
 template <class T>
@@ -76,7 +90,17 @@ Result<Picture> read_picture(const std::filesystem::path& file) {
   std::string bytes;
   const auto decoded = decode(file, bytes, cv::IMREAD_ANYCOLOR, {});
   if (!decoded) return tl::unexpected(decoded.error());
-  return picture_of(*decoded);
+  Picture picture = picture_of(*decoded);
+  if (!is_turned(bytes)) picture.file = file;
+  return picture;
+}
+
+bool may_have_colours(const std::filesystem::path& file) {
+  // The PNG specification, section 11.2.2: the 26th byte is the colour type; 0 and 4 are grey.
+  char head[26] = {};
+  std::ifstream(file, std::ios::binary).read(head, sizeof head);
+  const bool png = std::string_view(head, 8) == "\x89PNG\r\n\x1a\n";
+  return !(png && (head[25] == 0 || head[25] == 4));
 }
 
 Result<void> write_picture(const std::filesystem::path& file, const Picture& picture) {

@@ -27,6 +27,12 @@ struct Picture {
   ColourImage colours() const { return {bytes.data(), width, height, static_cast<ptrdiff_t>(row_bytes())}; }
 };
 
+// True when a file's name ends like that of an image that can be read, and is not hidden.
+bool is_image(const std::filesystem::path& file);
+// False when the head of an image file says that it is grey; true when it does not say.
+bool may_have_colours(const std::filesystem::path& file);
+// Images are turned upright as their EXIF orientation says, as they are for tracking. Picture::file is set where the
+// file holds the picture as it is, not turned.
 Result<Picture> read_picture(const std::filesystem::path& file);
 // Writes a PNG, or a JPEG of quality 95, as the name's ending says; completely or not at all.
 Result<void> write_picture(const std::filesystem::path& file, const Picture& picture);

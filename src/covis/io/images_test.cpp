@@ -37,6 +37,45 @@ class Images : public RecordingTest {
   ImageF metres;
 };
 
+TEST_F(Images, PicturesKeepTheirColours) {
+  saved("colour.png", cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar(10, 20, 30)));  // blue first
+  saved("grey.png", cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(40)));
+  const auto colour = read_picture(folder / "colour.png"), plain = read_picture(folder / "grey.png");
+  ASSERT_TRUE(colour && plain);
+  EXPECT_EQ(std::vector<uint8_t>(colour->row(5), colour->row(5) + 4), (std::vector<uint8_t>{30, 20, 10, 30}));
+  EXPECT_FALSE(plain->coloured());
+  EXPECT_EQ(plain->row(5)[3], 40);
+  EXPECT_EQ(colour->file, folder / "colour.png");
+  EXPECT_TRUE(may_have_colours(folder / "colour.png"));
+  EXPECT_FALSE(may_have_colours(folder / "grey.png"));
+  for (const char* name : {"again.png", "again.jpg"}) {
+    ASSERT_TRUE(write_picture(folder / name, *colour));
+    EXPECT_NEAR(read_picture(folder / name)->row(9)[2], 10, 2) << name;
+  }
+}
+
+// Pictures are turned as the images that are tracked are, and what is turned is not what the file holds.
+TEST_F(Images, AnOrientationInTheFileIsFollowed) {
+  const std::string jpeg = saved("upright.jpg", noise());
+  const auto with_orientation = [&](char orientation) {
+    const std::string entry("\x12\x01\x03\x00\x01\x00\x00\x00", 8), value{orientation, 0, 0, 0};
+    const std::string tiff = std::string("II*\0\x08\0\0\0\x01\0", 10) + entry + value + std::string(4, '\0');
+    const std::string exif = std::string("Exif\0\0", 6) + tiff;
+    const auto length = static_cast<char>(exif.size() + 2);
+    return jpeg.substr(0, 2) + std::string("\xff\xe1\0", 3) + length + exif + jpeg.substr(2);
+  };
+  write("turned.jpg", with_orientation(6));
+  write("same.jpg", with_orientation(1));
+  const auto turned = read_picture(folder / "turned.jpg"), same = read_picture(folder / "same.jpg");
+  ASSERT_TRUE(turned && same);
+  EXPECT_EQ(turned->width, kHeight);
+  EXPECT_TRUE(turned->file.empty());
+  EXPECT_EQ(same->width, kWidth);
+  EXPECT_EQ(same->file, folder / "same.jpg");
+  ASSERT_TRUE(reader.grey(folder / "turned.jpg", grey));
+  EXPECT_EQ(grey.width(), kHeight);
+}
+
 TEST_F(Images, GreyIsWhatOpenCvMakesOfColour) {
   const cv::Mat colour = noise();
   cv::Mat wanted;

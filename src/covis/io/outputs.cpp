@@ -23,7 +23,7 @@ Result<void> write_ply(const std::filesystem::path& file, const std::vector<Clou
   const bool normals =
       std::any_of(points.begin(), points.end(), [](const CloudPoint& p) { return !p.normal.isZero(); });
   const bool colours =
-      std::any_of(points.begin(), points.end(), [](const CloudPoint& p) { return p.colour != kNoColour; });
+      normals || std::any_of(points.begin(), points.end(), [](const CloudPoint& p) { return p.colour != kNoColour; });
   std::string text = "ply\nformat binary_little_endian 1.0\ncomment map points, metres\nelement vertex " +
                      std::to_string(points.size()) + "\nproperty float x\nproperty float y\nproperty float z\n";
   if (normals) text += "property float nx\nproperty float ny\nproperty float nz\n";

@@ -18,7 +18,7 @@ struct CloudPoint {
 };
 
 // Writes a binary little-endian PLY file, completely or not at all: float x, y, z; float nx, ny, nz where any point has
-// a normal; uchar red, green, blue where any has a colour.
+// a normal; uchar red, green, blue where any has a colour or a normal.
 Result<void> write_ply(const std::filesystem::path& file, const std::vector<CloudPoint>& points);
 
 }  // namespace covis::io

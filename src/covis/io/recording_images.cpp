@@ -4,12 +4,15 @@
 #include <cctype>
 
 #include "covis/io/files.h"
+#include "covis/io/images.h"
 #include "covis/io/recording.h"
 
 namespace covis::io {
 namespace {
 
 namespace fs = std::filesystem;
+
+}  // namespace
 
 bool is_image(const fs::path& file) {
   // Some systems leave hidden files such as "._1.png" beside the images.
@@ -22,6 +25,8 @@ bool is_image(const fs::path& file) {
   }
   return false;
 }
+
+namespace {
 
 // Compares names with the numbers in them ordered by value.
 bool natural_less(const fs::path& a, const fs::path& b) {

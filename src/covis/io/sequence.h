@@ -71,6 +71,8 @@ class Sequence {
   // error where it can't be read (again), as that of a camera. For one thread at a time, which may be another than that
   // of next(). Of a video, frames asked for in their order take least time.
   virtual Result<Picture> picture(int64_t frame) = 0;
+  // False when picture() would give a grey image or none.
+  virtual bool may_have_colours(int64_t frame) const = 0;
 };
 
 // Opens a recording and checks all that can be checked without decoding images: listed files exist, stamps are

@@ -78,6 +78,7 @@ class CaptureSequence : public Sequence {
       return fail(name_ + ": frame " + std::to_string(frame) + " can't be decoded");
     return picture_of(image);
   }
+  bool may_have_colours(int64_t) const override { return kind_ != SequenceKind::camera; }
 
  private:
   Result<std::optional<Frame>> decode(Frame frame) {

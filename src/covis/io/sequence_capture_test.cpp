@@ -45,6 +45,13 @@ TEST_F(Sequences, TakesAPartOfAVideo) {
     EXPECT_NEAR((*frame)->image(20, 20), 20 * i, 4);
   }
   EXPECT_FALSE((*opened)->next()->has_value());
+  for (const int i : {4, 7, 1, 1}) {  // forward and back
+    const auto picture = (*opened)->picture(i);
+    ASSERT_TRUE(picture) << picture.error().message;
+    EXPECT_TRUE(picture->coloured());
+    EXPECT_NEAR(picture->row(20)[60], 20 * i, 4);
+  }
+  EXPECT_FALSE((*opened)->picture(9));
 }
 
 TEST_F(BadInput, VideosAndCameras) {

@@ -47,9 +47,8 @@ class FolderSequence : public Sequence {
   }
   Result<std::optional<Frame>> next(Frame recycled) override { return ahead_.next(std::move(recycled)); }
   Result<Picture> picture(int64_t frame) override {
-    const int64_t at = (frame - options_.first) / options_.stride;
-    if (frame < options_.first || at >= size()) return fail("frame " + std::to_string(frame) + ": there is none");
-    const std::filesystem::path& file = recording_.frames[static_cast<size_t>(at)].image;
+    const std::filesystem::path file = file_of(frame);
+    if (file.empty()) return fail("frame " + std::to_string(frame) + ": there is none");
     auto picture = read_picture(file);
     if (!picture) return picture;
     if (auto checked = check_size(file, picture->width, picture->height); !checked)
@@ -58,11 +57,18 @@ class FolderSequence : public Sequence {
       return resampled(*picture,
                        [&](ImageView<const uint8_t> from, ImageU8& to) { recording_.rectification->left(from, to); });
     }
-    picture->file = file;
     return picture;
   }
+  bool may_have_colours(int64_t frame) const override { return io::may_have_colours(file_of(frame)); }
 
  private:
+  // Empty for a frame that is not read.
+  std::filesystem::path file_of(int64_t frame) const {
+    const int64_t at = (frame - options_.first) / options_.stride;
+    if (frame < options_.first || at >= size()) return {};
+    return recording_.frames[static_cast<size_t>(at)].image;
+  }
+
   // Runs in the decoding thread.
   Result<std::optional<Frame>> decode(Frame memory) {
     if (next_ >= recording_.frames.size()) return std::optional<Frame>();

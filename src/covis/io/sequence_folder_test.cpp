@@ -30,6 +30,19 @@ TEST_F(Sequences, UsesMemoryOfAnotherRecordingWithoutItsDepth) {
   }
 }
 
+TEST_F(Sequences, GiveTheirPicturesByFrame) {
+  tum(6);
+  auto opened = open({.first = 1, .stride = 2});
+  for (auto frame = (*opened)->next(); frame && *frame; frame = (*opened)->next()) {
+    const auto picture = (*opened)->picture((*frame)->index);
+    ASSERT_TRUE(picture) << picture.error().message;
+    EXPECT_EQ(picture->row(3)[3], (*frame)->image(1, 3));
+    EXPECT_TRUE((*opened)->may_have_colours((*frame)->index));
+  }
+  EXPECT_FALSE((*opened)->picture(0)) << "it is not read";
+  EXPECT_FALSE((*opened)->picture(99));
+}
+
 TEST_F(BadInput, OneTruncatedImage) {
   tum();
   const std::string whole = *read_text(folder / "rgb/1.png");

@@ -17,8 +17,7 @@ namespace covis::storage {
 namespace {
 
 // Identifiers of the sections.
-constexpr uint32_t kAbout = 1, kKeyFrames = 2, kFeatures = 3, kObservations = 4, kPoints = 5, kDepthNoise = 6,
-                   kColours = 7;
+constexpr uint32_t kAbout = 1, kKeyFrames = 2, kFeatures = 3, kObservations = 4, kPoints = 5, kDepthNoise = 6;
 
 struct Counts {
   uint32_t key_frames = 0, points = 0, root = MapState::kNone, next_serial = 0;
