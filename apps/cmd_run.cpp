@@ -16,6 +16,7 @@
 #include "apps/run/run_loop.h"
 #include "apps/run/run_outputs.h"
 #include "apps/run/run_text.h"
+#include "apps/run/run_view.h"
 #include "commands.h"
 #include "common.h"
 #include "covis/core/fields.h"
@@ -26,6 +27,7 @@
 #include "covis/slam/system.h"
 #include "covis/storage/compatibility.h"
 #include "places.h"
+#include "viewing.h"
 
 namespace covis::app {
 namespace {
@@ -39,6 +41,7 @@ struct RunArguments {
   std::string vocabulary, map, save_map;
   std::vector<std::string> settings;
   int features = 0;
+  ViewOptions view;
   bool realtime = false, localize = false, quiet = false, json = false, dump_config = false;
   bool no_colours = false, keep_images = false;
 };
@@ -82,6 +85,10 @@ std::optional<Trajectory> read_truth(const io::Sequence& sequence) {
   return std::nullopt;
 }
 
+std::string title_of(const RunArguments& arguments) {
+  return std::filesystem::path(arguments.path).lexically_normal().filename().string();
+}
+
 // Computes the summary and writes the run's files, and the map if requested.
 // `first_own`: the serial of the first key frame of this run. `images`: where to keep key frames' images.
 Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, const System& system,
@@ -91,7 +98,7 @@ Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, 
   OutputOptions output;
   output.directory = arguments.out;
   output.format = kWriteFormats.at(arguments.format);
-  output.title = std::filesystem::path(arguments.path).lexically_normal().filename().string();
+  output.title = title_of(arguments);
   if (truth) output.truth = &*truth;
   const std::shared_ptr<const Snapshot> snapshot = system.snapshot();
   RunSummary summary = summarise(record, *snapshot, output.truth, peak_rss_mb());
@@ -124,7 +131,8 @@ int conclude(const RunArguments& arguments, const RunSummary& summary, io::Seque
   return summary.frames.tracked > 0 ? 0 : 1;
 }
 
-PlayOptions play_options(const RunArguments& arguments, const SystemOptions& options, io::SequenceKind kind) {
+PlayOptions play_options(const RunArguments& arguments, const SystemOptions& options, io::SequenceKind kind,
+                         RunObserver* observer) {
   PlayOptions play;
   play.first = arguments.reading.first;
   play.stride = arguments.reading.stride;
@@ -134,6 +142,7 @@ PlayOptions play_options(const RunArguments& arguments, const SystemOptions& opt
   play.show_progress = !arguments.quiet;
   play.colours = !arguments.no_colours && !options.localize;
   play.stop = &interrupted;
+  play.observer = observer;
   return play;
 }
 
@@ -182,19 +191,36 @@ int run(const RunArguments& arguments) {
   record.source = (*sequence)->description();
   record.sensor = options.sensor;
   record.given = (*sequence)->camera().pinhole;
+  record.image_width = (*sequence)->camera().width;
+  record.image_height = (*sequence)->camera().height;
   if (!arguments.quiet) log(LogLevel::info, record.source);
   const uint32_t first_own = map ? map->map.next_serial() : 0;
+  std::unique_ptr<RunViewer> viewer;
+  if (!arguments.view.port.empty()) {
+    auto started = RunViewer::start(arguments.view, view_info(record, title_of(arguments), "live"));
+    if (!started) return fail_with("--view: " + started.error().message);
+    viewer = std::move(*started);
+  }
   System system((*sequence)->camera(), options, *vocabulary);
   if (map) {
     if (const auto set = system.set_map(std::move(map->map), map->header.camera); !set)
       return fail_with(arguments.map + ": " + set.error().message);
   }
-  track_all(**sequence, system, play_options(arguments, options, (*sequence)->kind()), record);
+  track_all(**sequence, system,
+            play_options(arguments, options, (*sequence)->kind(), viewer ? viewer->observer() : nullptr), record);
   if (record.frames.empty() && !record.interrupted) return fail_with(arguments.path + ": no frame could be read");
 
   const auto summary = save(arguments, record, system, **sequence, header, first_own, images);
+  if (viewer)
+    viewer->run_ended(view_state(record, *system.snapshot(), summary ? *summary : RunSummary(), title_of(arguments)));
   if (!summary) return fail_with(summary.error());
-  return conclude(arguments, *summary, (*sequence)->kind());
+  const int code = conclude(arguments, *summary, (*sequence)->kind());
+  if (viewer && arguments.view.at_end == ViewOptions::AtEnd::keep_serving) {
+    std::cout.flush();
+    std::fflush(stdout);
+    viewer->serve();
+  }
+  return code;
 }
 
 }  // namespace
@@ -229,6 +255,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
                    "instruction set of the image kernels: best, scalar or a name (an unknown one lists them); the "
                    "results are the same")
       ->capture_default_str();
+  add_run_view_options(*command, arguments->view);
   command->add_option("--config", arguments->config, "settings YAML");
   command->add_option("--set", arguments->settings, "one setting, NAME=VALUE; may be repeated");
   command->add_flag("--dump-config", arguments->dump_config, "print all settings with their meaning, and end");
@@ -240,6 +267,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "  covis run kitti/sequences/06 --sensor stereo --features 2000 --out kitti06\n"
       "  covis run video.mp4 --camera phone.yaml --out video\n"
       "  covis run 0 --camera webcam.yaml --realtime --out live\n"
+      "  covis run 0 --camera webcam.yaml --realtime --view --out live          watch it in a browser\n"
       "  covis run office1 --out o1 --save-map office.m\n"
       "  covis run office2 --out o2 --map office.m --save-map office.m      continue the map\n"
       "  covis run office3 --out o3 --map office.m --localize");

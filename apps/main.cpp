@@ -45,6 +45,7 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   add_run_command(app, exit_code);
   add_calibrate_command(app, exit_code);
+  add_view_command(app, exit_code);
   add_eval_command(app, exit_code);
   add_check_command(app, exit_code);
   add_synth_command(app, exit_code);

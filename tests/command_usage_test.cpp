@@ -125,8 +125,8 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
 }
 
 TEST_F(CommandUsage, HelpAndVersionAreResults) {
-  const std::vector<std::string> commands[] = {{"run"},   {"localize"}, {"eval"},          {"check"},
-                                               {"synth"}, {"map"},      {"vocab", "train"}};
+  const std::vector<std::string> commands[] = {{"run"},  {"localize"}, {"eval"}, {"check"},
+                                               {"view"}, {"synth"},    {"map"},  {"vocab", "train"}};
   for (std::vector<std::string> words : commands) {
     words.push_back("--help");
     const Outcome help = covis(words);

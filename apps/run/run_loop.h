@@ -4,6 +4,7 @@
 
 #include <atomic>
 
+#include "apps/run/run_observer.h"
 #include "apps/run/run_record.h"
 
 namespace covis::app {
@@ -20,9 +21,10 @@ struct PlayOptions {
   bool show_progress = true;
   bool colours = true;                     // key frames get the colours of the recording's images
   const std::atomic<int>* stop = nullptr;  // ends the loop when it is not zero
+  RunObserver* observer = nullptr;         // may be null
 };
 
-// Fills frames, mapping, times and `interrupted` of the record.
+// Fills frames, mapping, loops, times and `interrupted` of the record.
 void track_all(io::Sequence& sequence, System& system, const PlayOptions& options, RunRecord& run);
 
 }  // namespace covis::app

@@ -7,6 +7,8 @@
 
 #include "apps/run/run_json.h"
 #include "apps/run/run_text.h"
+#include "apps/run/run_view.h"
+#include "apps/view/page.h"
 #include "covis/core/atomic_file.h"
 #include "covis/eval/report.h"
 #include "covis/io/outputs.h"
@@ -64,7 +66,11 @@ Result<void> write_outputs(const RunRecord& run, const Snapshot& snapshot, const
   keep_first(write_atomically(out / "stats.jsonl", stats_text(run, snapshot)));
   keep_first(write_atomically(out / "summary.json",
                               to_json(summary).dump(2, ' ', false, json::error_handler_t::replace) + "\n"));
-  keep_first(write_report(out, report_of(run, std::move(results), summary, options)));
+  const view::ViewState seen = view_state(run, snapshot, summary, options.title);
+  keep_first(write_atomically(out / "scene.bin", view::file_of(seen)));
+  ReportInput report = report_of(run, std::move(results), summary, options);
+  report.viewer = view::embedded_page(seen);
+  keep_first(write_report(out, report));
   return problem;
 }
 

@@ -19,8 +19,8 @@ struct OutputOptions {
 };
 
 // Writes trajectory.txt, trajectory_online.txt, keyframes.txt and map.ply of the main map, trajectory_map1.txt and so
-// on of maps not joined to it, stats.jsonl, summary.json, report.html and trajectory.png. Each file is written whole or
-// not at all; the first that fails is the error, the others are written all the same.
+// on of maps not joined to it, stats.jsonl, summary.json, scene.bin, report.html and trajectory.png. Each file is
+// written whole or not at all; the first that fails is the error, the others are written all the same.
 Result<void> write_outputs(const RunRecord& run, const Snapshot& snapshot, const RunSummary& summary,
                            const OutputOptions& options);
 

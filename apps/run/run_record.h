@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/view/rows.h"
 #include "covis/core/sensor.h"
 #include "covis/core/time.h"
 #include "covis/io/sequence.h"
@@ -58,9 +59,11 @@ inline constexpr std::array<Stage, 8> kStages{
 struct RunRecord {
   std::string source;  // description of the recording
   Sensor sensor = Sensor::monocular;
-  Pinhole given;  // the recording's camera, as it was before any refinement
+  Pinhole given;                          // the recording's camera, as it was before any refinement
+  int image_width = 0, image_height = 0;  // pixels
   std::vector<FrameStats> frames;
   std::vector<MappingReport> mapping;
+  std::vector<view::LoopPaths> loops;
   bool interrupted = false;
   double wall_seconds = 0;
   double first_pose_ms = -1;  // from the first decoded image to the first pose; negative: no pose

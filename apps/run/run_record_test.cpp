@@ -29,7 +29,9 @@ TEST(RunRecord, AFrameKeepsWhatWasReported) {
 }
 
 TEST(RunRecord, LostFramesOfALocalizationAreNotLocalised) {
-  const auto state = [](TrackingState tracked) { return tracked_frame({}, report(tracked), RunMode::localization).state; };
+  const auto state = [](TrackingState tracked) {
+    return tracked_frame({}, report(tracked), RunMode::localization).state;
+  };
   EXPECT_EQ(state(TrackingState::lost), FrameState::not_localised);
   EXPECT_EQ(state(TrackingState::tracking), FrameState::tracking);
   EXPECT_EQ(state(TrackingState::not_initialised), FrameState::not_initialised);

@@ -4,8 +4,6 @@
 #include <cstdint>
 
 namespace covis {
-namespace {
-
 std::string base64(const std::string& bytes) {
   static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
@@ -16,8 +14,6 @@ std::string base64(const std::string& bytes) {
   }
   return text;
 }
-
-}  // namespace
 
 std::array<int, 2> widest_axes(const std::vector<Eigen::Vector3d>& path) {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;

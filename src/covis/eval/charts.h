@@ -22,6 +22,7 @@ PlotSeries path_series(const std::string& label, const std::vector<Eigen::Vector
                        const std::array<int, 2>& axes, PlotColour colour);
 Plot error_plot(const Evaluation& evaluation);
 
+std::string base64(const std::string& bytes);
 std::string html_escaped(const std::string& text);
 std::string html_image(const std::string& png, const std::string& what);
 // Returns a self-contained page. `body` is HTML, the title is plain text.

@@ -135,6 +135,7 @@ Result<void> write_report(const std::filesystem::path& folder, const ReportInput
   for (const auto& [name, value] : in.summary)
     html += "<tr><td>" + html_escaped(name) + "</td><td>" + html_escaped(value) + "</td></tr>\n";
   html += "</table>\n";
+  html += in.viewer;
   Result<void> problem;
   if (!in.estimate.empty()) {
     const std::string path = path_picture(in, evaluation);
@@ -142,7 +143,8 @@ Result<void> write_report(const std::filesystem::path& folder, const ReportInput
     problem = write_atomically(folder / "trajectory.png", path);
   }
   if (evaluation) html += html_image(draw(error_plot(*evaluation)), "error over time");
-  html += html_image(coverage_picture(in), "inliers per frame") + html_image(time_picture(in), "time per frame");
+  if (in.viewer.empty())
+    html += html_image(coverage_picture(in), "inliers per frame") + html_image(time_picture(in), "time per frame");
   html += "<h2>Frames without a pose</h2>\n" + gaps_table(in);
   if (auto written = write_atomically(folder / "report.html", html_page(in.title, html)); !written) return written;
   return problem;

@@ -29,6 +29,7 @@ struct ReportInput {
   std::vector<Eigen::Vector3d> points;
   std::vector<ReportFrame> frames;
   std::vector<std::pair<std::string, std::string>> summary;  // rows of a table
+  std::string viewer;  // HTML that shows the map and charts of each frame; empty: they are drawn as pictures
 };
 
 // Writes report.html and trajectory.png into a folder.

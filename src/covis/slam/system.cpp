@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/slam/system.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -115,7 +116,7 @@ std::optional<LocatedImage> System::locate(const Input& input) {
   mapping_.wait_idle();
   Relocaliser relocaliser(map_, options_.tracker, options_.seed, vocabulary_);
   const int budget = (options_.tracker.local_map.weak_inliers > 0 ? 2 : 1) * options_.orb.features;
-  const auto found = relocaliser.locate(extract(input, budget), input.frame, tracker_.own_camera());
+  const auto found = relocaliser.locate(extract(input, budget), input.frame, tracker_.search().own_camera);
   if (!found) return std::nullopt;
   return LocatedImage{{found->T_cw.inverse(), found->submap}, found->inliers, found->information};
 }
@@ -127,14 +128,14 @@ std::vector<MappingReport> System::finish() {
     mapping_.finish();
     tracker_.map_moved();
     const BacktrackSettings settings{options_.sensor, options_.tracker, options_.seed};
-    for (const LocatedFrame& located : backtrack(map_, settings, tracker_.unlocated(), tracker_.own_camera()))
+    for (const LocatedFrame& located : backtrack(map_, settings, tracker_.unlocated(), tracker_.search().own_camera))
       log_.locate(located);
   }
   return std::move(report.mapping);
 }
 
 Result<std::vector<MappingReport>> System::set_mode(TrackingMode mode) {
-  if (mode == TrackingMode::mapping && tracker_.own_camera())
+  if (mode == TrackingMode::mapping && tracker_.search().own_camera)
     return fail("the map was made by another camera: it can't be continued, for a map has one camera");
   std::vector<MappingReport> reports = finish();
   options_.localize = mode == TrackingMode::localisation;
@@ -153,6 +154,30 @@ std::vector<TrackedPoint> System::tracked_points() const {
     points.push_back({u[i], v[i], id_number(frame.points[i]), p.x(), p.y(), p.z()});
   }
   return points;
+}
+
+std::vector<ViewedKeypoint> System::viewed_keypoints() const {
+  std::vector<ViewedKeypoint> seen;
+  const TrackedFrame& frame = tracker_.last_frame();
+  if (!frame.features) return seen;
+  const bool tracking = tracker_.state() == TrackingState::tracking;
+  const auto &u = frame.features->image_x(), &v = frame.features->image_y();
+  MatchedPoints matched;
+  matched.mark(frame);
+  for (size_t i = 0; i < u.size(); ++i) {
+    const bool on_map = tracking && frame.on_map(i);
+    seen.push_back({u[i], v[i], on_map ? ViewedKeypoint::Kind::tracked : ViewedKeypoint::Kind::unmatched});
+  }
+  if (!tracking) return seen;
+  const PointSet& points = tracker_.search().local_map.points;
+  const std::vector<uint8_t>& expected = tracker_.search().view.points();
+  for (size_t k = 0; k < std::min(points.size(), expected.size()); ++k) {
+    if (!expected[k] || matched.contains(points.id[k])) continue;
+    const auto pixel = given_.project(frame.T_cw * points.position(k));
+    if (!pixel) continue;
+    seen.push_back({static_cast<float>(pixel->x()), static_cast<float>(pixel->y()), ViewedKeypoint::Kind::lost});
+  }
+  return seen;
 }
 
 std::vector<PoseOfFrame> System::online_trajectory() const {

@@ -9,8 +9,8 @@
 // and the settings alone.
 //
 // One thread, the tracking thread, makes it and calls what changes it: set_map(), process(), locate(), finish(),
-// set_mode(), and what asks about tracking: mode(), tracked_points(). Any thread may call the other const members and
-// colour_key_frames() at any time.
+// set_mode(), and what asks about tracking: mode(), tracked_points(), viewed_keypoints(). Any thread may call the other
+// const members and colour_key_frames() at any time.
 #pragma once
 
 #include <memory>
@@ -53,6 +53,13 @@ struct LocatedImage : SubmapPose {
   Matrix6d information;  // of T_cw, given the map
 };
 
+// A keypoint of a frame, or a place in it where a map point was expected.
+struct ViewedKeypoint {
+  enum class Kind { tracked, unmatched, lost };  // shows a map point; shows none; expected, and not found
+  float u = 0, v = 0;                            // pixels of the image as it was given
+  Kind kind = Kind::tracked;
+};
+
 class System {
  public:
   // Without a vocabulary (null) places are not recognised: a lost camera is looked for at the
@@ -84,6 +91,8 @@ class System {
   TrackingMode mode() const { return options_.localize ? TrackingMode::localisation : TrackingMode::mapping; }
   // The keypoints of the last frame that show points of the map; none when it has no pose.
   std::vector<TrackedPoint> tracked_points() const;
+  // All keypoints of the last frame, then the map points it should have shown and did not; for viewers.
+  std::vector<ViewedKeypoint> viewed_keypoints() const;
   // Waits for mapping to end, and locates frames that got no pose where the map reaches them now (backtrack.h).
   // process() may be called again afterwards.
   std::vector<MappingReport> finish();

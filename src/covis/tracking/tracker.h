@@ -81,8 +81,8 @@ class Tracker {
   // Changes between mapping and localisation only. A pose that dead reckoning carried is given up when mapping begins:
   // the camera is to be found in the map first.
   void set_mode(TrackingMode mode);
-  // The frames' camera; nothing: the map's.
-  const std::optional<Pinhole>& own_camera() const { return search_.own_camera; }
+  // The cameras, and the search of the last frame: its local map, and which points of it the frame should have shown.
+  const PoseSearch& search() const { return search_; }
 
   // True when the next frame should get twice the features: for the monocular initialiser, and while tracking has few
   // points or is lost.

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/view/open_view.h"
+
+#include <gmock/gmock.h>
+
+#include "apps/view/test_scene.h"
+#include "covis/core/atomic_file.h"
+#include "covis/core/test_folder.h"
+#include "covis/storage/test_maps.h"
+
+namespace covis::view {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(OpenView, ASavedMapIsShownWithItsCamera) {
+  const TemporaryFolder folder;
+  const Map map = storage::random_map(1, 60);
+  ASSERT_TRUE(storage::save_map(folder / "some.m", map.state(), storage::test_header()));
+  const auto state = open_view(folder / "some.m");
+  ASSERT_TRUE(state) << state.error().message;
+  EXPECT_EQ(state->map->key_frames.size(), map.key_frame_count());
+  EXPECT_EQ(state->map->points.size(), map.point_count());
+  EXPECT_THAT(state->info, HasSubstr("\"width\":640"));
+  EXPECT_EQ(images_of(folder / "some.m"), folder / "some.m.images");
+}
+
+TEST(OpenView, AResultIsItsSceneFile) {
+  const TemporaryFolder folder;
+  ViewState state;
+  state.info = "{}";
+  state.map = std::make_shared<const MapScene>(scene_of(small_snapshot()));
+  ASSERT_TRUE(write_atomically(folder / kSceneFile, file_of(state)));
+  const auto opened = open_view(folder.path());
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ(opened->map->points, state.map->points);
+  EXPECT_EQ(images_of(folder.path()), folder / "images");
+}
+
+TEST(OpenView, ErrorsSayWhatWouldBeRight) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(open_view(folder / "none").error().message,
+              HasSubstr("none: there is no such file; give a result folder"));
+  EXPECT_THAT(open_view(folder.path()).error().message,
+              HasSubstr("it has no scene.bin: give a folder that covis run wrote"));
+  ASSERT_TRUE(write_atomically(folder / kSceneFile, "COVISVW0"));
+  EXPECT_THAT(open_view(folder.path()).error().message, HasSubstr("scene.bin: it does not begin as such a file"));
+  ASSERT_TRUE(write_atomically(folder / "note.txt", "no map"));
+  EXPECT_THAT(open_view(folder / "note.txt").error().message, HasSubstr("note.txt"));
+}
+
+}  // namespace
+}  // namespace covis::view

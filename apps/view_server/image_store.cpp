@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/view_server/image_store.h"
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+namespace covis::view {
+
+RawImage::RawImage(int32_t frame_index, ImageView<const uint8_t> image)
+    : frame(frame_index), grey(image.width, image.height) {
+  for (int y = 0; y < image.height; ++y) std::copy_n(image.row(y), image.width, grey.view().row(y));
+}
+
+std::string jpeg_of(ImageView<const uint8_t> image, int width) {
+  if (image.empty()) return {};
+  const cv::Mat full(image.height, image.width, CV_8U, const_cast<uint8_t*>(image.data),
+                     static_cast<size_t>(image.stride));
+  cv::Mat small = full;
+  if (image.width > width) {
+    const int height = std::max(1, image.height * width / image.width);
+    cv::resize(full, small, {width, height}, 0, 0, cv::INTER_AREA);
+  }
+  std::vector<uint8_t> bytes;
+  cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, 80});
+  return {bytes.begin(), bytes.end()};
+}
+
+void ImageStore::put(int32_t frame, std::string jpeg) {
+  std::string& image = images_[frame];
+  bytes_ += jpeg.size() - image.size();
+  image = std::move(jpeg);
+  while (bytes_ > most_bytes_ && images_.size() > 1) {
+    bytes_ -= images_.begin()->second.size();
+    images_.erase(images_.begin());
+  }
+}
+
+std::optional<std::string> ImageStore::get(int32_t frame) const {
+  const auto found = images_.find(frame);
+  if (found == images_.end()) return std::nullopt;
+  return found->second;
+}
+
+}  // namespace covis::view

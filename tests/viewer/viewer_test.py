@@ -1,0 +1,215 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""Drives the viewer's page in Chromium: a live run, its result, its report, a saved map, and a made scene with a loop.
+
+  tests/viewer/viewer_test.py COVIS [--pictures FOLDER]
+"""
+import argparse
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+try:
+    import numpy as np
+    import selenium  # noqa: F401
+    from PIL import Image
+    if not shutil.which('chromium') or not shutil.which('chromedriver'):
+        raise ImportError('there is no chromium with its driver')
+except ImportError as missing:
+    print(f'skipped: {missing}; tools/setup --tests installs it')
+    raise SystemExit(77)
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from browser import Browser, Served  # noqa: E402
+from made_scene import made_scene  # noqa: E402
+
+PATH, BEFORE = (255, 176, 46), (154, 164, 178)  # colours of the page (web/src/colours.js)
+
+
+class ViewerTest(unittest.TestCase):
+    covis = None
+    pictures = None
+
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.temporary.name)
+        run = [cls.covis, 'synth', 'desk', '--sensor', 'rgbd', '--frames', '60', '--width', '320', '--height', '240', '--quiet', '--out', cls.folder / 'desk']
+        subprocess.run(run, check=True, capture_output=True)
+        cls.browser = Browser().__enter__()
+        # Everything is looked at while the command that tracked it still serves; the other cases open what it wrote.
+        command = [cls.covis, 'run', cls.folder / 'desk', '--out', cls.folder / 'out', '--save-map', cls.folder / 'desk.m', '--view=0']
+        cls.live = Served(command)
+        cls.browser.open(cls.live.url)
+        cls.browser.until('return covis.model.info.mode === "finished"')
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.live.__exit__()
+        cls.browser.__exit__()
+        cls.temporary.cleanup()
+
+    def pixels(self, name):
+        """The page as an array of rows, columns and colours, and the place of the 3D view in it."""
+        folder = self.pictures or self.folder
+        file = self.browser.screenshot(pathlib.Path(folder) / f'{name}.png')
+        box = self.browser.js('const r = document.getElementById("covis-canvas").getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]')
+        return np.asarray(Image.open(file).convert('RGB')).astype(int), [round(v) for v in box]
+
+    def check_line(self, name, colour, points):
+        """The pixels of this colour are where these points of the world are, and nowhere else."""
+        # The present camera is drawn over the end of the path.
+        self.browser.js('covis.page.scene.setVisible("current", false)')
+        image, (left, top, right, bottom) = self.pixels(name)
+        self.browser.js('covis.page.scene.setVisible("current", true)')
+        found = (np.abs(image - colour).max(axis=2) <= 3)[top:bottom, left:right]
+        places = self.browser.js('return arguments[0].map(covis.project)', points)
+        line = self.between(places)
+        inside = [(x, y) for x, y in line[::7] if 3 < x < right - left - 3 and 3 < y < bottom - top - 3]
+        self.assertGreater(len(inside), 10)
+        hit = [found[round(y) - 2:round(y) + 3, round(x) - 2:round(x) + 3].any() for x, y in inside]
+        self.assertGreater(np.mean(hit), 0.9, f'{name}: of {len(hit)} places of the path {sum(hit)} have its colour')
+        rows, columns = np.nonzero(found)
+        distances = [np.min(np.hypot(line[:, 0] - x, line[:, 1] - y)) for y, x in list(zip(rows, columns))[::7]]
+        self.assertLess(np.quantile(distances, 0.99), 5, f'{name}: pixels of the path are where there is no path')
+
+    @staticmethod
+    def between(places):
+        """The places of a line on the canvas, and more of them on the way from each to the next."""
+        line = np.array([(p['x'], p['y']) for p in places if p])
+        return np.concatenate([line[:-1] + share * (line[1:] - line[:-1]) for share in np.linspace(0, 1, 200)])
+
+    def path(self):
+        return self.browser.js('return covis.page.model.sortedPath().map(p => p.t)')
+
+    def test_1_the_live_page_becomes_the_finished_run(self):
+        browser = self.browser
+        self.assertEqual(browser.text('covis-mode'), 'finished run')
+        self.assertEqual(browser.js('return covis.model.frames.length'), 60)
+        self.assertIn('60 frames', browser.text('covis-counts'))
+        browser.click('covis-fit')
+        self.check_line('live', PATH, self.path())
+
+    def test_2_a_click_on_a_key_frame_shows_its_image_and_observations(self):
+        browser = self.browser
+        browser.click('covis-fit')
+        key_frame = browser.js('const all = [...covis.model.keyFrames.values()], k = all[all.length - 1]; return {id: k.id, ...covis.project(k.t)}')
+        browser.click_at('covis-canvas', key_frame['x'], key_frame['y'])
+        browser.until('return document.getElementById("covis-picked-text").textContent.includes(" points")')
+        self.assertEqual(browser.text('covis-picked-title'), f'Key frame {key_frame["id"]}')
+        self.assertNotIn('No image', browser.text('covis-picked-text'))
+        status = browser.driver.execute_async_script('const done = arguments[0]; fetch("key_frame/%d").then(r => done(r.status))' % key_frame['id'])
+        self.assertEqual(status, 200)
+        self.pixels('picked')
+
+    def test_3_a_click_on_a_point_shows_who_observes_it(self):
+        browser = self.browser
+        browser.click('covis-fit')
+        # One that no key frame and no other point is near.
+        point = browser.js('''
+          for (const p of covis.model.points.values()) {
+            const at = covis.project(p.t);
+            if (at && at.x > 20 && at.y > 20 && at.x < 700 && at.y < 500 && covis.page.scene.pick(at.x, at.y)?.point === p.id) return {id: p.id, ...at};
+          }''')
+        browser.click_at('covis-canvas', point['x'], point['y'])
+        browser.until('return document.getElementById("covis-picked-text").textContent.includes("key frames")')
+        self.assertEqual(browser.text('covis-picked-title'), f'Point {point["id"]}')
+        self.assertGreater(browser.js('return document.querySelectorAll("#covis-picked-text button").length'), 0)
+
+    def test_4_playback_goes_through_the_frames(self):
+        browser = self.browser
+        browser.js('covis.page.player.seek(20)')
+        browser.settle()
+        self.assertIn('frame 20', browser.text('covis-clock'))
+        self.assertLess(browser.js('return covis.page.scene.layers.points.drawn'), browser.js('return covis.model.points.size'))
+        browser.click('covis-play')
+        browser.until('return covis.page.player.at > 30')
+        browser.until('return !covis.page.player.playing')
+        self.assertIn('frame 59', browser.text('covis-clock'))
+
+    def test_5_following_keeps_the_camera_in_the_middle(self):
+        browser = self.browser
+        if not browser.js('return document.getElementById("covis-follow").checked'):
+            browser.click('covis-follow')
+        for position in (15, 45):
+            browser.js('covis.page.player.seek(arguments[0])', position)
+            browser.settle()
+            place = browser.js('return covis.project(covis.model.poseOf(covis.page.player.row).t)')
+            size = browser.js('const c = document.getElementById("covis-canvas"); return [c.clientWidth, c.clientHeight]')
+            self.assertAlmostEqual(place['x'], size[0] / 2, delta=3)
+            self.assertAlmostEqual(place['y'], size[1] / 2, delta=3)
+        browser.click('covis-follow')
+        before = browser.js('return covis.page.scene.camera.position.toArray()')
+        browser.js('covis.page.player.seek(Infinity)')
+        browser.settle()
+        self.assertEqual(browser.js('return covis.page.scene.camera.position.toArray()'), before)
+
+    def test_6_charts_zoom_and_go_to_a_frame(self):
+        browser = self.browser
+        browser.js('''document.getElementById("covis-inliers").dispatchEvent(
+          new WheelEvent("wheel", {deltaY: -100, bubbles: true, clientX: 300, clientY: 740}))''')
+        shown = browser.js('return covis.page.range.last - covis.page.range.first')
+        self.assertLess(shown, 59)
+        browser.js('covis.page.range.reset()')
+        browser.click_at('covis-inliers', 300, 50)
+        self.assertNotIn('frame 59', browser.text('covis-clock'))
+        browser.js('covis.page.player.seek(Infinity)')
+
+    def test_7_layers_can_be_hidden(self):
+        browser = self.browser
+        browser.click('covis-fit')
+        for layer in ('path', 'keyFrames', 'points', 'current'):
+            browser.click(f'covis-show-{layer}')
+        image, (left, top, right, bottom) = self.pixels('hidden')
+        self.assertFalse((np.abs(image - PATH).max(axis=2) <= 3)[top:bottom, left:right].any())
+        for layer in ('path', 'keyFrames', 'points', 'current'):
+            browser.click(f'covis-show-{layer}')
+        self.assertEqual(browser.problems(), [])
+
+    def test_8_the_result_and_the_map_are_served_alone(self):
+        browser = self.browser
+        with Served([self.covis, 'view', self.folder / 'out', '--port', '0']) as served:
+            browser.open(served.url)
+            self.check_line('result', PATH, self.path())
+            self.assertEqual(browser.js('return covis.model.frames.length'), 60)
+        browser.until('return document.getElementById("covis-mode").textContent === "the command has ended"')
+        with Served([self.covis, 'view', self.folder / 'desk.m', '--port', '0']) as served:
+            browser.open(served.url)
+            self.assertEqual(browser.text('covis-mode'), 'saved map')
+            self.check_line('map', PATH, browser.js('return covis.model.sortedKeyFrames().map(k => k.t)'))
+
+    def test_9_the_report_holds_the_same_view(self):
+        browser = self.browser
+        browser.open((self.folder / 'out/report.html').as_uri())
+        browser.js('document.getElementById("covis-viewer").scrollIntoView()')
+        self.check_line('report', PATH, self.path())
+        self.assertEqual(browser.problems(), [])
+
+    def test_a_loop_shows_the_path_before_and_after(self):
+        browser = self.browser
+        (self.folder / 'made').mkdir()
+        (self.folder / 'made/scene.bin').write_bytes(made_scene(60, 3000, loop=True))
+        with Served([self.covis, 'view', self.folder / 'made', '--port', '0']) as served:
+            browser.open(served.url)
+            for layer in ('points', 'path', 'keyFrames'):
+                browser.click(f'covis-show-{layer}')
+            browser.js('document.querySelector("[data-loop]").click()')
+            browser.settle()
+            self.check_line('loop', BEFORE, browser.js('return covis.model.loops[0].before.map(p => p.t)'))
+            browser.js('document.querySelector("[data-loop]").click()')
+            browser.settle()
+            image, (left, top, right, bottom) = self.pixels('no_loop')
+            self.assertLess((np.abs(image - BEFORE).max(axis=2) <= 3)[top:bottom, left:right].sum(), 20)
+
+
+if __name__ == '__main__':
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('covis')
+    parser.add_argument('--pictures', help='keep the pictures here')
+    arguments, rest = parser.parse_known_args()
+    ViewerTest.covis, ViewerTest.pictures = arguments.covis, arguments.pictures
+    unittest.main(argv=[sys.argv[0], *rest], verbosity=2)
