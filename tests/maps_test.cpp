@@ -265,7 +265,7 @@ TEST_P(Maps, MapsAreNotJoinedByEqualPostersLong) {
 // poster for another here.)
 Walk cut_along_posters(Recording& recording) { return cut(recording, 10, 60, 100, 160); }
 
-TEST_P(Maps, APosterIsNotTakenForAnother) {
+TEST_P(Maps, APosterIsNotTakenForAnotherLong) {
   const Sensor sensor = GetParam();
   const bool monocular = sensor == Sensor::monocular;
   Recording& recording = shared_recording(sensor, 160, 10, "posters");
@@ -330,7 +330,7 @@ TEST(Jump, ThatIsRightIsBelievedLong) {
 }
 
 // A camera lost while its place is tentative has no last place near which it would be believed at once.
-TEST(Jump, LostInDoubtIsInDoubtAgain) {
+TEST(Jump, LostInDoubtIsInDoubtAgainLong) {
   Recording& recording = shared_recording(Sensor::rgbd, 160);
   for (const bool realtime : {false, true}) {
     SCOPED_TRACE(realtime ? "in real time" : "deterministic");
