@@ -11,7 +11,7 @@ std::vector<PlaceRow> places_of(const Map& map) {
   places.reserve(map.key_frame_count());
   map.for_each_key_frame([&](KeyFrameId, const KeyFrame& key_frame) {
     const Eigen::Vector3f p = key_frame.T_cw.centre().cast<float>();
-    places.push_back({key_frame.serial, {p.x(), p.y(), p.z()}});
+    places.push_back({key_frame.serial, {p.x(), p.y(), p.z()}, key_frame.submap});
   });
   return places;
 }

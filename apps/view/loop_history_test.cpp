@@ -45,6 +45,7 @@ TEST_F(LoopHistoryTest, KeepsThePathBeforeAndAfter) {
   ASSERT_THAT(loop.before, SizeIs(2));
   EXPECT_FLOAT_EQ(loop.before[1].position[0], 1);
   EXPECT_FLOAT_EQ(loop.after[1].position[0], 3);
+  EXPECT_EQ(loop.after[1].submap, map_.read()->at(second_).submap);
 }
 
 TEST_F(LoopHistoryTest, TheReportMayComeAfterTheMapHasMoved) {

@@ -111,9 +111,10 @@ static_assert(sizeof(FrameRow) == 64);
 struct PlaceRow {
   uint32_t id = 0;
   std::array<float, 3> position{};
+  uint32_t submap = 0;
   friend bool operator==(const PlaceRow&, const PlaceRow&) = default;
 };
-static_assert(sizeof(PlaceRow) == 16);
+static_assert(sizeof(PlaceRow) == 20);
 
 // A loop that was closed, or two submaps that were joined, with the key frames' path before and after.
 struct LoopPaths {

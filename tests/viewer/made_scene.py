@@ -15,7 +15,7 @@ ROWS = {
     FRAMES: np.dtype([('frame', '<i4'), ('state', 'u1'), ('flags', 'u1'), ('reason', '<u2'), ('stamp', '<f8'), *POSE, ('submap', '<u4'),
                       ('inliers', '<i4'), ('features', '<i4'), ('tracking_ms', '<f4'), ('total_ms', '<f4')]),
 }
-PLACE = np.dtype([('id', '<u4'), ('t', '<f4', 3)])
+PLACE = np.dtype([('id', '<u4'), ('t', '<f4', 3), ('submap', '<u4')])
 OBSERVATION = np.dtype([('other', '<u4'), ('u', '<u2'), ('v', '<u2')])
 
 

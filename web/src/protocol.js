@@ -45,7 +45,7 @@ const keyFrame = r => {
 const edge = r => ({a: r.u32(), b: r.u32(), shared: r.u16(), loop: r.u16() === 1});
 const pathRow = r => ({frame: r.i32(), submap: r.u32(), ...r.pose()});
 const observation = r => ({other: r.u32(), u: r.u16() / PIXEL_UNITS, v: r.u16() / PIXEL_UNITS});
-const place = r => ({id: r.u32(), t: r.floats(3)});
+const place = r => ({id: r.u32(), t: r.floats(3), submap: r.u32()});
 const point = r => ({
   id: r.u32(), t: r.floats(3), colour: [r.u8(), r.u8(), r.u8()], hasColour: r.u8() === 1, submap: r.u32(), frame: r.i32(),
 });

@@ -132,7 +132,7 @@ export class Scene {
   // The paths of the key frames before and after a loop; null: none.
   showLoop(loop) {
     const segments = (places, colour) => pathSegments(
-      places.map(p => ({...p, frame: p.id, submap: 0})).sort((a, b) => a.id - b.id), () => rgb(colour));
+      places.map(p => ({...p, frame: p.id})).sort((a, b) => a.id - b.id), () => rgb(colour));
     this.layers.before.set(loop ? segments(loop.before, colours.before) : []);
     this.layers.after.set(loop ? segments(loop.after, colours.after) : []);
     this.stale = true;
