@@ -43,8 +43,14 @@ class Page {
     parts.pointSize.addEventListener('change', () => scene.setOption('pointSize', Number(parts.pointSize.value)));
     parts.covisibility.addEventListener('change', () => scene.setOption('covisibility', Number(parts.covisibility.value)));
     parts.follow.addEventListener('change', () => scene.setOption('follow', parts.follow.checked));
-    parts.fit.addEventListener('click', () => scene.fit());
-    parts.above.addEventListener('click', () => scene.fit('above'));
+    // Following would take the view away from all there is at once.
+    const fit = from => {
+      parts.follow.checked = false;
+      scene.setOption('follow', false);
+      scene.fit(from);
+    };
+    parts.fit.addEventListener('click', () => fit('aside'));
+    parts.above.addEventListener('click', () => fit('above'));
     parts.play.addEventListener('click', () => player.toggle());
     parts.newest.addEventListener('click', () => player.seek(Infinity));
     parts.slider.addEventListener('input', () => player.seek(Number(parts.slider.value)));
