@@ -26,16 +26,16 @@ set_target_properties(covis_library PROPERTIES
 
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/covis)
 install(TARGETS covis_library EXPORT covis COMPONENT library
-  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT library)
-install(EXPORT covis NAMESPACE covis:: FILE covisTargets.cmake DESTINATION ${config_dir} COMPONENT library)
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT development)
+install(EXPORT covis NAMESPACE covis:: FILE covisTargets.cmake DESTINATION ${config_dir} COMPONENT development)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/covisConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_SOURCE_DIR}/cmake/covisConfig.cmake ${PROJECT_BINARY_DIR}/covisConfigVersion.cmake DESTINATION ${config_dir} COMPONENT library)
+install(FILES ${PROJECT_SOURCE_DIR}/cmake/covisConfig.cmake ${PROJECT_BINARY_DIR}/covisConfigVersion.cmake DESTINATION ${config_dir} COMPONENT development)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/covis ${PROJECT_BINARY_DIR}/include/covis
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT library FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/NOTICE
   DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT library)
 install(FILES ${PROJECT_SOURCE_DIR}/vocabulary/default.covis-voc
-  DESTINATION ${CMAKE_INSTALL_DATADIR}/covis COMPONENT library)
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/covis COMPONENT data)
 if(TARGET covis)
   install(TARGETS covis COMPONENT command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()

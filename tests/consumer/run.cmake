@@ -17,7 +17,9 @@ function(run)
   set(output "${output}" PARENT_SCOPE)
 endfunction()
 
-run(${CMAKE_COMMAND} --install ${BUILD} --component library --prefix ${prefix})
+foreach(component library development data)
+  run(${CMAKE_COMMAND} --install ${BUILD} --component ${component} --prefix ${prefix})
+endforeach()
 
 # The library needs nothing but the language's libraries, Highway, and zstd for saved maps.
 file(GLOB_RECURSE library ${prefix}/libcovis.so)

@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The Debian packages that cpack makes of a build folder: what they are, and that what is in them runs from a clean folder.
+
+  tests/packages/packages_test.py CPACK BUILD
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+CPACK, BUILD = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
+WORK = pathlib.Path(tempfile.mkdtemp(prefix='covis_packages'))
+ROOT = WORK / 'root'
+PACKAGES = {}  # name: file
+
+
+def run(*command, **more):
+    done = subprocess.run([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **more)
+    if done.returncode != 0:
+        raise AssertionError(f'{command}: exit code {done.returncode}\n{done.stdout}')
+    return done.stdout
+
+
+def setUpModule():
+    run(CPACK, '-G', 'DEB', '--config', BUILD / 'CPackConfig.cmake', '-B', WORK / 'packages')
+    for file in (WORK / 'packages').glob('*.deb'):
+        PACKAGES[field(file, 'Package')] = file
+        run('dpkg-deb', '-x', file, ROOT)
+
+
+def tearDownModule():
+    shutil.rmtree(WORK)
+
+
+def field(file, name):
+    return run('dpkg-deb', '--field', file, name).strip()
+
+
+def installed(*command):
+    """Runs a command of the packages, where nothing else of the project is in the way."""
+    environment = {**os.environ, 'PATH': f'{ROOT}/usr/bin:/usr/bin:/bin', 'LD_LIBRARY_PATH': str(ROOT / 'usr/lib'),
+                   'PYTHONPATH': str(next((ROOT / 'usr/lib').glob('python3*/dist-packages')))}
+    return run(*command, cwd=WORK, env=environment)
+
+
+class Packages(unittest.TestCase):
+    def test_each_has_its_name_and_what_it_needs(self):
+        version = field(PACKAGES['covis'], 'Version')
+        library = f'libcovis{".".join(version.split(".")[:2])}'
+        self.assertEqual(set(PACKAGES), {'covis', 'covis-data', 'libcovis-dev', library, 'python3-covis'})
+        for name, wanted in (('covis', 'libopencv-core'), ('covis', f'covis-data (= {version})'), (library, 'libhwy'),
+                             ('libcovis-dev', f'{library} (= {version})'), ('python3-covis', 'python3-numpy')):
+            self.assertIn(wanted, field(PACKAGES[name], 'Depends'))
+        self.assertNotIn('opencv', field(PACKAGES[library], 'Depends'), 'the library needs none')
+        self.assertEqual(field(PACKAGES['covis-data'], 'Architecture'), 'all')
+
+    def test_apt_would_install_them(self):
+        text = run('apt-get', '-s', 'install', '--no-install-recommends', *PACKAGES.values())
+        for name in PACKAGES:
+            self.assertRegex(text, f'(?m)^Inst {re.escape(name)} ')
+
+    def test_the_command_runs_and_finds_its_vocabulary(self):
+        self.assertRegex(installed('covis', '--version'), r'^covis \d')
+        installed('covis', 'synth', 'desk', '--out', 'desk', '--frames', '10', '--width', '320', '--height', '240', '--fps', '10')
+        installed('covis', 'run', 'desk', '--out', 'out', '--save-map', 'desk.m', '--quiet')
+        self.assertRegex(installed('covis', 'map', 'info', 'desk.m'), r'vocabulary +[0-9a-f]{16}')
+
+    def test_python_finds_the_package_and_its_vocabulary(self):
+        text = installed('/usr/bin/python3', '-c', 'import covis; print(covis.__file__); open(covis.default_vocabulary(), "rb")')
+        self.assertIn(str(ROOT), text)
+
+    def test_manual_pages_name_the_options(self):
+        pages = ROOT / 'usr/share/man/man1'
+        self.assertIn('Subcommands', (pages / 'covis.1').read_text())
+        run_page = (pages / 'covis-run.1').read_text().replace('\\-', '-')
+        self.assertTrue(run_page.startswith('.\\"'))
+        self.assertIn('--save-map', run_page)
+
+    def test_bash_completes_subcommands_and_options(self):
+        script = ROOT / 'usr/share/bash-completion/completions/covis'
+
+        def completed(*words):
+            line = f'source {script}; COMP_WORDS=({" ".join(words[:-1])} "{words[-1]}"); COMP_CWORD={len(words) - 1}; _covis; echo "${{COMPREPLY[@]}}"'
+            return installed('bash', '-c', line).split()
+        self.assertEqual(completed('covis', 'ru'), ['run'])
+        self.assertEqual(completed('covis', 'map', 'exp'), ['export'])
+        self.assertEqual(completed('covis', 'run', '--save'), ['--save-map'])
+        self.assertEqual(completed('covis', 'map', 'export', 'file.m', '--head'), ['--heading'])
+        self.assertEqual(completed('covis', 'run', 'folder'), [], 'files are left to bash')
+
+
+if __name__ == '__main__':
+    unittest.main(argv=sys.argv[:1])
