@@ -41,6 +41,12 @@ Result<Board> board_of(const CalibrateArguments& a) {
   const auto dictionary = dictionary_of(a.dictionary);
   if (!dictionary) return tl::unexpected(dictionary.error());
   board.dictionary = *dictionary;
+  const int markers = board.columns * board.rows / 2,
+            known = std::stoi(a.dictionary.substr(a.dictionary.find('_') + 1));
+  if (markers > known) {
+    return fail("--board " + a.board + ": it has " + std::to_string(markers) + " markers, the dictionary " +
+                a.dictionary + " " + std::to_string(known));
+  }
   return board;
 }
 
@@ -64,6 +70,10 @@ int run(const CalibrateArguments& a) {
   constexpr size_t kMost = 60;  // views
   const auto seen = look_for_board(a.path, BoardFinder(*board), a.stride, interrupted);
   if (!seen) return fail_with(seen.error());
+  if (interrupted != 0) {
+    log(LogLevel::warning, "interrupted; nothing is written");
+    return 128 + interrupted;
+  }
   std::printf("board found in %zu of %d images\n", seen->views.size(), seen->frames);
   const auto made = calibrate(choose_views(seen->views, seen->image, kMost), seen->image,
                               a.fisheye ? Distortion::kannala_brandt : Distortion::brown_conrady);

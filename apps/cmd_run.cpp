@@ -179,6 +179,19 @@ int run(const RunArguments& arguments) {
     map = std::move(*opened);
     header.camera = map->header.camera;
   }
+  RunRecord record;
+  record.source = (*sequence)->description();
+  record.sensor = options.sensor;
+  record.given = (*sequence)->camera().pinhole;
+  record.image_width = (*sequence)->camera().width;
+  record.image_height = (*sequence)->camera().height;
+  std::optional<System> system;  // must outlive the viewer, which reads its map
+  std::unique_ptr<RunViewer> viewer;
+  if (!arguments.view.port.empty()) {
+    auto started = RunViewer::start(arguments.view, view_info(record, title_of(arguments), "live"));
+    if (!started) return fail_with("--view: " + started.error().message);
+    viewer = std::move(*started);
+  }
   if (const auto opened = open_output_folder(arguments.out); !opened) return fail_with(opened.error());
   std::optional<exchange::KeptImages> images;
   if (arguments.keep_images) {
@@ -187,32 +200,20 @@ int run(const RunArguments& arguments) {
     images = std::move(*opened);
   }
 
-  RunRecord record;
-  record.source = (*sequence)->description();
-  record.sensor = options.sensor;
-  record.given = (*sequence)->camera().pinhole;
-  record.image_width = (*sequence)->camera().width;
-  record.image_height = (*sequence)->camera().height;
   if (!arguments.quiet) log(LogLevel::info, record.source);
   const uint32_t first_own = map ? map->map.next_serial() : 0;
-  std::unique_ptr<RunViewer> viewer;
-  if (!arguments.view.port.empty()) {
-    auto started = RunViewer::start(arguments.view, view_info(record, title_of(arguments), "live"));
-    if (!started) return fail_with("--view: " + started.error().message);
-    viewer = std::move(*started);
-  }
-  System system((*sequence)->camera(), options, *vocabulary);
+  system.emplace((*sequence)->camera(), options, *vocabulary);
   if (map) {
-    if (const auto set = system.set_map(std::move(map->map), map->header.camera); !set)
+    if (const auto set = system->set_map(std::move(map->map), map->header.camera); !set)
       return fail_with(arguments.map + ": " + set.error().message);
   }
-  track_all(**sequence, system,
+  track_all(**sequence, *system,
             play_options(arguments, options, (*sequence)->kind(), viewer ? viewer->observer() : nullptr), record);
   if (record.frames.empty() && !record.interrupted) return fail_with(arguments.path + ": no frame could be read");
 
-  const auto summary = save(arguments, record, system, **sequence, header, first_own, images);
+  const auto summary = save(arguments, record, *system, **sequence, header, first_own, images);
   if (viewer)
-    viewer->run_ended(view_state(record, *system.snapshot(), summary ? *summary : RunSummary(), title_of(arguments)));
+    viewer->run_ended(view_state(record, *system->snapshot(), summary ? *summary : RunSummary(), title_of(arguments)));
   if (!summary) return fail_with(summary.error());
   const int code = conclude(arguments, *summary, (*sequence)->kind());
   if (viewer && arguments.view.at_end == ViewOptions::AtEnd::keep_serving) {

@@ -8,6 +8,7 @@
 #include "apps/view/open_view.h"
 #include "commands.h"
 #include "common.h"
+#include "covis/exchange/kept_images.h"
 #include "viewing.h"
 
 namespace covis::app {
@@ -22,7 +23,7 @@ int run_view(ViewArguments& arguments) {
   auto state = view::open_view(arguments.path);
   if (!state) return fail_with(state.error());
   end_well_on_signals();
-  const auto served = serve_state(arguments.view, std::move(*state), view::images_of(arguments.path).string());
+  const auto served = serve_state(arguments.view, std::move(*state), exchange::image_folder(arguments.path).string());
   return served ? 0 : fail_with("view: " + served.error().message);
 }
 

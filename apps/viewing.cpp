@@ -35,7 +35,7 @@ Result<std::unique_ptr<view::Server>> listen(const ViewOptions& options, std::sh
 
 // Waits for Ctrl-C.
 void wait_for_end() {
-  log(LogLevel::info, "viewer: it serves until Ctrl-C");
+  if (interrupted == 0) log(LogLevel::info, "viewer: it serves until Ctrl-C");
   while (interrupted == 0) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
@@ -64,18 +64,21 @@ tl::unexpected<Error> no_viewer() {
 
 void add_run_view_options(CLI::App& command, ViewOptions& options) {
   const std::string port = kViewPort;
+  CLI::Option* view =
+      command
+          .add_flag("--view{" + port + "}", options.port,
+                    "show the run in a browser: --view or --view=PORT (default: " + port + "; 0: any that is free)")
+          ->check(CLI::Range(0, 65535));
+  add_host_option(command, "--view-host", options)->needs(view);
   command
-      .add_flag("--view{" + port + "}", options.port,
-                "show the run in a browser: --view or --view=PORT (default: " + port + "; 0: any that is free)")
-      ->check(CLI::Range(0, 65535));
-  add_host_option(command, "--view-host", options);
-  command.add_flag_callback(
-      "--view-close", [&options] { options.at_end = ViewOptions::AtEnd::close; },
-      "end with the run; without this the result is shown until Ctrl-C");
+      .add_flag_callback(
+          "--view-close", [&options] { options.at_end = ViewOptions::AtEnd::close; },
+          "end with the run; without this the result is shown until Ctrl-C")
+      ->needs(view);
 }
 
-void add_host_option(CLI::App& command, const char* name, ViewOptions& options) {
-  command
+CLI::Option* add_host_option(CLI::App& command, const char* name, ViewOptions& options) {
+  return command
       .add_option(name, options.host,
                   "address the viewer listens on; 0.0.0.0: others can see it too, without a password")
       ->capture_default_str();

@@ -12,7 +12,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace covis::app {
 
@@ -25,7 +26,7 @@ struct ViewOptions {
   AtEnd at_end = AtEnd::keep_serving;  // when the run has ended
 };
 void add_run_view_options(CLI::App& command, ViewOptions& options);
-void add_host_option(CLI::App& command, const char* name, ViewOptions& options);
+CLI::Option* add_host_option(CLI::App& command, const char* name, ViewOptions& options);
 
 // Shows a run while it goes on.
 class RunViewer {

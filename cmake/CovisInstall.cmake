@@ -32,8 +32,6 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/covisConfigVersion.cmake 
 install(FILES ${PROJECT_SOURCE_DIR}/cmake/covisConfig.cmake ${PROJECT_BINARY_DIR}/covisConfigVersion.cmake DESTINATION ${config_dir} COMPONENT development)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/covis ${PROJECT_BINARY_DIR}/include/covis
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/NOTICE
-  DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT library)
 install(FILES ${PROJECT_SOURCE_DIR}/vocabulary/default.covis-voc
   DESTINATION ${CMAKE_INSTALL_DATADIR}/covis COMPONENT data)
 if(TARGET covis)

@@ -77,6 +77,12 @@ std::optional<BoardView> BoardFinder::find(const cv::Mat& grey) const {
   cv::aruco::interpolateCornersCharuco(outlines, markers, grey, charuco_->board, view.pixels, ids);
   if (ids.size() < kLeastCorners) return std::nullopt;
   for (const int id : ids) view.corners.push_back(charuco_->board->chessboardCorners[static_cast<size_t>(id)]);
+  // Corners of a single line leave the view open.
+  const auto differ = [&](auto coordinate) {
+    return std::any_of(view.corners.begin(), view.corners.end(),
+                       [&](const cv::Point3f& p) { return p.*coordinate != view.corners.front().*coordinate; });
+  };
+  if (!differ(&cv::Point3f::x) || !differ(&cv::Point3f::y)) return std::nullopt;
   return view;
 }
 

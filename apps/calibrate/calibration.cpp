@@ -105,7 +105,8 @@ Result<Calibration> calibrate(std::vector<BoardView> views, cv::Size image, Dist
     for (int round = 0; round < 2; ++round) {
       if (views.size() < kLeastViews) {
         return fail("the board was found in " + std::to_string(views.size()) + " different views that fit; " +
-                    std::to_string(kLeastViews) + " at least are needed");
+                    std::to_string(kLeastViews) +
+                    " at least are needed (of a checkerboard --board counts the inner corners)");
       }
       solved = solve(views, image, lens);
       if (round == 0) result.left_out = leave_out_misfits(solved, lens, views);

@@ -69,10 +69,4 @@ Result<ViewState> open_view(const std::filesystem::path& path) {
   return std::filesystem::is_directory(path, error) ? open_result(path) : open_map(path);
 }
 
-std::filesystem::path images_of(const std::filesystem::path& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) return path / "images";
-  return path.string() + ".images";
-}
-
 }  // namespace covis::view

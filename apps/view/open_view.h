@@ -13,7 +13,5 @@ inline constexpr const char* kSceneFile = "scene.bin";
 
 // path: a folder that `covis run` wrote, or a saved map. The error names the file and what would be right.
 Result<ViewState> open_view(const std::filesystem::path& path);
-// The folder with the images of the key frames, which may be missing.
-std::filesystem::path images_of(const std::filesystem::path& path);
 
 }  // namespace covis::view

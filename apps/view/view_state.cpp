@@ -179,6 +179,7 @@ Result<ViewState> state_of_file(std::string_view bytes) {
   for (const ReadBlock& block : *blocks) {
     if (const auto read = read_block(block, map, loops, state); !read) return tl::unexpected(read.error());
   }
+  if (!nlohmann::json::accept(state.info)) return fail("it does not say what it shows: it is cut short");
   map.first_observation.resize(map.key_frames.size() + 1, static_cast<uint32_t>(map.observations.size()));
   state.log.set_loops(loops);
   state.map = std::make_shared<const MapScene>(std::move(map));

@@ -1,25 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/view_server/finished_view.h"
 
-#include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <utility>
+
+#include "covis/io/files.h"
 
 namespace covis::view {
 
-FinishedView::FinishedView(ViewState state, std::filesystem::path images)
-    : state_(std::move(state)), images_(std::move(images)) {}
+FinishedView::FinishedView(ViewState state, const std::filesystem::path& images) : state_(std::move(state)) {
+  auto kept = exchange::KeptImages::read(images);
+  if (kept) images_ = std::move(*kept);
+}
 
 std::optional<std::string> FinishedView::key_frame_image(const KeyFrameRow& key_frame) {
-  if (images_.empty()) return std::nullopt;
-  char name[16];
-  std::snprintf(name, sizeof name, "%06u", key_frame.id);
-  for (const char* extension : {".jpg", ".jpeg", ".png"}) {
-    std::ifstream file(images_ / (std::string(name) + extension), std::ios::binary);
-    if (file) return std::string(std::istreambuf_iterator<char>(file), {});
-  }
-  return std::nullopt;
+  const auto file = images_ ? images_->find(key_frame.id, from_seconds(key_frame.stamp)) : std::filesystem::path();
+  std::string bytes;
+  if (file.empty() || !io::read_bytes(file, bytes)) return std::nullopt;
+  return bytes;
 }
 
 }  // namespace covis::view

@@ -7,19 +7,20 @@
 #include <string>
 
 #include "apps/view_server/server.h"
+#include "covis/exchange/kept_images.h"
 
 namespace covis::view {
 
 class FinishedView : public ViewSource {
  public:
-  // images: a folder with files 000012.jpg or .png, named by the ids of key frames; it may be missing.
-  FinishedView(ViewState state, std::filesystem::path images);
+  // images: the folder that `covis run --keep-images` left; it may be missing.
+  FinishedView(ViewState state, const std::filesystem::path& images);
   const ViewState& refresh() override { return state_; }
   std::optional<std::string> key_frame_image(const KeyFrameRow& key_frame) override;
 
  private:
   const ViewState state_;
-  const std::filesystem::path images_;
+  std::optional<exchange::KeptImages> images_;
 };
 
 }  // namespace covis::view

@@ -12,7 +12,7 @@ constexpr double kImageInterval = 80;                   // ms between two images
 constexpr double kMapInterval = 500;                    // ms at least between two readings of the map
 constexpr double kMapShare = 20;                        // and this many times as long as the last one took
 constexpr int kImageWidth = 480, kKeyFrameWidth = 320;  // pixels
-constexpr size_t kMostWaiting = 64;                     // images of key frames that wait to be encoded
+constexpr size_t kMostWaiting = 16;                     // images of key frames that wait to be encoded
 
 KeypointRow row_of(const ViewedKeypoint& keypoint) {
   const auto quarters = [](float pixel) {
@@ -26,6 +26,7 @@ KeypointRow row_of(const ViewedKeypoint& keypoint) {
 LiveView::LiveView(std::string info) { state_.info = std::move(info); }
 
 void LiveView::run_begins(const System& system) {
+  first_own_ = system.map().read()->next_serial();
   const std::lock_guard lock(system_mutex_);
   system_ = &system;
 }
@@ -82,7 +83,8 @@ const ViewState& LiveView::refresh() {
 void LiveView::tidy() { take_inbox(); }
 
 std::optional<std::string> LiveView::key_frame_image(const KeyFrameRow& key_frame) {
-  return images_.get(key_frame.frame);
+  // Frames of key frames that came with a map are of another recording.
+  return key_frame.id < first_own_ ? std::nullopt : images_.get(key_frame.frame);
 }
 
 void LiveView::take_inbox() {

@@ -58,7 +58,8 @@ class LiveView : public app::RunObserver, public ViewSource {
   std::mutex inbox_mutex_;
   Inbox inbox_;
   std::atomic<bool> image_wanted_{false};
-  std::mutex system_mutex_;  // held while the map is read
+  std::atomic<uint32_t> first_own_{0};  // id of the first key frame of this run
+  std::mutex system_mutex_;             // held while the map is read
   const System* system_ = nullptr;
 
   // The server's thread alone uses these.

@@ -5,10 +5,13 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <exception>
+#include <string>
 #include <thread>
 #include <utility>
 
 #include "apps/view_server/session.h"
+#include "covis/core/log.h"
 #include "covis/core/threads.h"
 
 namespace covis::view {
@@ -16,6 +19,8 @@ namespace {
 
 using boost::asio::ip::tcp;
 using ErrorCode = boost::system::error_code;
+
+constexpr size_t kMostConnections = 64, kMostClients = 16;
 
 }  // namespace
 
@@ -54,7 +59,14 @@ class Server::Impl {
     tidy();
     thread_ = std::jthread([this] {
       lower_thread_priority();
-      context_.run();
+      while (!context_.stopped()) {
+        try {
+          context_.run();
+        } catch (const std::exception& problem) {
+          // Of one connection; the run and the other pages go on.
+          log(LogLevel::warning, std::string("viewer: ") + problem.what());
+        }
+      }
     });
     return {};
   }
@@ -66,8 +78,15 @@ class Server::Impl {
   void accept() {
     acceptor_.async_accept([this](ErrorCode error, tcp::socket socket) {
       if (error == boost::asio::error::operation_aborted) return;
-      if (!error) std::make_shared<HttpSession>(std::move(socket), shared_)->read();
-      accept();
+      // Those beyond the limits are closed at once.
+      if (!error && shared_.connections < kMostConnections && shared_.clients < kMostClients)
+        std::make_shared<HttpSession>(std::move(socket), shared_)->read();
+      if (!error) return accept();
+      // There may be no descriptor left for it, and none would be at once.
+      accept_timer_.expires_after(std::chrono::milliseconds(200));
+      accept_timer_.async_wait([this](ErrorCode ended) {
+        if (!ended) accept();
+      });
     });
   }
 
@@ -83,7 +102,7 @@ class Server::Impl {
   Shared shared_;
   boost::asio::io_context context_{1};
   tcp::acceptor acceptor_{context_};
-  boost::asio::steady_timer tidy_timer_{context_};
+  boost::asio::steady_timer tidy_timer_{context_}, accept_timer_{context_};
   std::jthread thread_;
 };
 

@@ -125,6 +125,11 @@ TEST_F(ServerTest, ServesImagesOfKeyFramesThatHaveOne) {
 TEST_F(ServerTest, RefusesPagesOfOtherSitesAndForeignNames) {
   EXPECT_EQ(get("/", {{http::field::origin, "http://evil.example"}}).result(), http::status::forbidden);
   EXPECT_EQ(get("/", {{http::field::host, "evil.example"}}).result(), http::status::forbidden);
+  for (const char* name :
+       {"127.evil.example", "127.0.0.1.nip.io", "[::1].evil.example", "[::1", "0.0.0.0", "192.168.0.9"})
+    EXPECT_EQ(get("/", {{http::field::host, name}}).result(), http::status::forbidden) << name;
+  for (const char* name : {"localhost:80", "127.0.0.1", "127.1.2.3:8642", "[::1]:80"})
+    EXPECT_EQ(get("/", {{http::field::host, name}}).result(), http::status::ok) << name;
   EXPECT_THROW(connect("http://evil.example"), beast::system_error);
   EXPECT_NO_THROW(connect("http://127.0.0.1:" + std::to_string(server->port())));
 }

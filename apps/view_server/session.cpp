@@ -2,6 +2,8 @@
 #include "apps/view_server/session.h"
 
 #include <boost/asio/buffer.hpp>
+#include <boost/asio/ip/address.hpp>
+#include <boost/asio/ip/host_name.hpp>
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
@@ -27,13 +29,23 @@ std::string text_of(beast::string_view text) { return {text.data(), text.size()}
 
 // A host without its port: "localhost:80" is localhost, "[::1]:80" is ::1.
 std::string without_port(std::string host) {
-  if (host.starts_with('[')) return host.substr(1, host.find(']') - 1);
+  if (host.starts_with('[')) {
+    const size_t end = host.find(']');
+    const bool whole = end != std::string::npos && (end + 1 == host.size() || host[end + 1] == ':');
+    return whole ? host.substr(1, end - 1) : host;
+  }
   return host.substr(0, host.find(':'));
 }
 
-bool is_loopback(const std::string& host) {
+// A host as a browser asks for it: an address, or this machine by its name. Any other name may be one that somebody
+// lets lead here.
+bool is_this_machine(const std::string& host, bool local_only) {
   const std::string name = without_port(host);
-  return name == "localhost" || name == "::1" || name.starts_with("127.");
+  if (name == "localhost") return true;
+  ErrorCode not_an_address, unnamed;
+  const auto address = boost::asio::ip::make_address(name, not_an_address);
+  if (!not_an_address) return !local_only || address.is_loopback();
+  return !local_only && name == boost::asio::ip::host_name(unnamed);
 }
 
 Response make(const Request& request, http::status status, const char* type, std::string body) {
@@ -41,6 +53,7 @@ Response make(const Request& request, http::status status, const char* type, std
   response.set(http::field::content_type, type);
   response.set(http::field::cache_control, "no-store");
   response.set("X-Content-Type-Options", "nosniff");
+  response.set("Cross-Origin-Resource-Policy", "same-origin");
   response.set("Content-Security-Policy",
                "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' blob: data:; "
                "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
@@ -66,7 +79,10 @@ Response key_frame_image(const Request& request, const std::string& number, Shar
 
 std::string refusal(const Request& request, bool local_only) {
   const std::string host = text_of(request[http::field::host]);
-  if (local_only && !is_loopback(host)) return "this server is for this machine only: ask it as localhost\n";
+  if (!is_this_machine(host, local_only)) {
+    return local_only ? "this server is for this machine only: ask it as localhost\n"
+                      : "ask this server by an address of its machine, or by the machine's name\n";
+  }
   const std::string origin = text_of(request[http::field::origin]);
   if (!origin.empty() && origin != "http://" + host) return "a page of another site must not ask this server\n";
   return {};
@@ -89,10 +105,14 @@ Response respond(const Request& request, Shared& shared) {
 }
 
 void HttpSession::read() {
-  request_ = {};
+  // Nothing that this server answers has a body.
+  parser_.emplace();
+  parser_->body_limit(0);
   stream_.expires_after(kIdle);
-  http::async_read(stream_, buffer_, request_, [self = shared_from_this()](ErrorCode error, size_t) {
-    if (!error) self->handle();
+  http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](ErrorCode error, size_t) {
+    if (error) return;
+    self->request_ = self->parser_->release();
+    self->handle();
   });
 }
 
@@ -105,6 +125,7 @@ void HttpSession::handle() {
 
 void HttpSession::write(Response response) {
   response_ = std::move(response);
+  stream_.expires_after(kIdle);
   http::async_write(stream_, response_, [self = shared_from_this()](ErrorCode error, size_t) {
     if (error || self->response_.need_eof()) return;
     self->read();
@@ -149,7 +170,10 @@ void SocketSession::send() {
   message_ = message_since(shared_.source->refresh(), sent_);
   for (; !answers_.empty(); answers_.pop_front()) message_ += answers_.front();
   if (message_.empty()) return wait_and_send();
-  stall_.expires_after(std::chrono::seconds(shared_.options.stall_seconds));
+  // A slow connection gets the time that it needs.
+  constexpr size_t kSlow = 100'000;  // bytes a second
+  stall_.expires_after(std::chrono::seconds(shared_.options.stall_seconds) +
+                       std::chrono::seconds(message_.size() / kSlow));
   stall_.async_wait([self = shared_from_this()](ErrorCode error) {
     if (!error) self->drop();
   });

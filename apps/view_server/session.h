@@ -8,10 +8,12 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/message.hpp>
+#include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/websocket/stream.hpp>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "apps/view_server/server.h"
@@ -24,6 +26,7 @@ struct Shared {
   ServerOptions options;
   bool local_only = true;
   std::atomic<size_t> clients{0};
+  size_t connections = 0;  // that ask for pages and images
 };
 
 using Request = boost::beast::http::request<boost::beast::http::string_body>;
@@ -38,7 +41,10 @@ std::string refusal(const Request& request, bool local_only);
 // Lives as long as an operation of it is pending.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
-  HttpSession(boost::asio::ip::tcp::socket socket, Shared& shared) : stream_(std::move(socket)), shared_(shared) {}
+  HttpSession(boost::asio::ip::tcp::socket socket, Shared& shared) : stream_(std::move(socket)), shared_(shared) {
+    ++shared_.connections;
+  }
+  ~HttpSession() { --shared_.connections; }
   void read();
 
  private:
@@ -48,6 +54,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   boost::beast::tcp_stream stream_;
   Shared& shared_;
   boost::beast::flat_buffer buffer_;
+  std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
   Request request_;
   Response response_;
 };

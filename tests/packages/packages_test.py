@@ -54,10 +54,21 @@ class Packages(unittest.TestCase):
         library = f'libcovis{".".join(version.split(".")[:2])}'
         self.assertEqual(set(PACKAGES), {'covis', 'covis-data', 'libcovis-dev', library, 'python3-covis'})
         for name, wanted in (('covis', 'libopencv-core'), ('covis', f'covis-data (= {version})'), (library, 'libhwy'),
-                             ('libcovis-dev', f'{library} (= {version})'), ('python3-covis', 'python3-numpy')):
+                             ('libcovis-dev', f'{library} (= {version})'), ('python3-covis', 'python3-numpy'), ('python3-covis', 'python3 (<<')):
             self.assertIn(wanted, field(PACKAGES[name], 'Depends'))
         self.assertNotIn('opencv', field(PACKAGES[library], 'Depends'), 'the library needs none')
         self.assertEqual(field(PACKAGES['covis-data'], 'Architecture'), 'all')
+
+    def test_each_has_its_licence_and_no_file_of_another(self):
+        owners = {}
+        for name, file in PACKAGES.items():
+            for line in run('dpkg-deb', '--contents', file).splitlines():
+                path = line.split()[5]
+                if not path.endswith('/'):
+                    self.assertNotIn(path, owners, name)
+                    owners[path] = name
+            self.assertIn(f'./usr/share/doc/{name}/NOTICE', owners)
+        self.assertIn('three.js', (ROOT / 'usr/share/doc/covis/NOTICE').read_text())
 
     def test_apt_would_install_them(self):
         text = run('apt-get', '-s', 'install', '--no-install-recommends', *PACKAGES.values())

@@ -29,11 +29,24 @@ function quantile(values, share) {
 
 const UP = new THREE.Vector3(0, -1, 0);  // a camera's y axis points down
 
+// Without WebGL nothing is drawn in 3D, and the page says so; its charts and texts need none.
+function rendererFor(canvas) {
+  try {
+    return new THREE.WebGLRenderer({canvas, antialias: drawsFast()});
+  } catch {
+    const note = document.createElement('p');
+    note.className = 'covis-note';
+    note.textContent = 'This browser has no WebGL, which the view in 3D needs.';
+    canvas.before(note);
+    return {setPixelRatio() {}, setSize() {}, render() {}};
+  }
+}
+
 export class Scene {
   constructor(canvas, model) {
     this.model = model;
     this.canvas = canvas;
-    this.renderer = new THREE.WebGLRenderer({canvas, antialias: drawsFast()});
+    this.renderer = rendererFor(canvas);
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.camera = new THREE.PerspectiveCamera(50, 1, 0.01, 10000);

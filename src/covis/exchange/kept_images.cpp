@@ -2,6 +2,7 @@
 #include "covis/exchange/kept_images.h"
 
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <utility>
 
@@ -15,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kList = "images.txt";
+constexpr Timestamp kSame = 1000;  // nanoseconds: stamps that were seconds meanwhile
 
 }  // namespace
 
@@ -64,7 +66,8 @@ Result<KeptImages> KeptImages::open_to_write(const fs::path& folder) {
 fs::path KeptImages::find(uint32_t serial, Timestamp stamp) const {
   const std::string stem = image_stem(serial);
   for (auto at = stamps_.lower_bound(stem); at != stamps_.end() && at->first.starts_with(stem); ++at) {
-    if (fs::path(at->first).stem() == stem && (!listed_ || at->second == stamp)) return folder_ / at->first;
+    if (fs::path(at->first).stem() == stem && (!listed_ || std::abs(at->second - stamp) < kSame))
+      return folder_ / at->first;
   }
   return {};
 }

@@ -16,18 +16,18 @@ TEST(KeptImages, AreThoseOfTheirMapAndNoOthersAreRemoved) {
   ASSERT_TRUE(first) << first.error().message;
   for (const char* name : {"000001.png", "000002.jpg"}) write_file(folder / "m.images" / name, name);
   KeptImages kept = first->none();
-  kept.add("000001.png", 10);
-  kept.add("000002.jpg", 20);
+  kept.add("000001.png", 10'000);
+  kept.add("000002.jpg", 20'000);
   ASSERT_TRUE(kept.write_list(*first));
   write_file(folder / "m.images/000009.png", "somebody's");
 
   auto second = KeptImages::open_to_write(folder / "m.images");
   ASSERT_TRUE(second) << second.error().message;
-  EXPECT_EQ(second->find(1, 10), folder / "m.images/000001.png");
-  EXPECT_EQ(second->find(1, 11), fs::path()) << "the key frame of another map";
+  EXPECT_EQ(second->find(1, 10'000), folder / "m.images/000001.png");
+  EXPECT_EQ(second->find(1, 11'000), fs::path()) << "the key frame of another map";
   EXPECT_EQ(second->find(9, 0), fs::path()) << "it is not in the list";
   KeptImages fewer = second->none();
-  fewer.add("000002.jpg", 20);
+  fewer.add("000002.jpg", 20'000);
   ASSERT_TRUE(fewer.write_list(*second));
   EXPECT_FALSE(fs::exists(folder / "m.images/000001.png"));
   EXPECT_TRUE(fs::exists(folder / "m.images/000002.jpg"));

@@ -27,13 +27,10 @@ std::vector<Wanted> without_colours(const Map& map, uint32_t first_serial) {
 
 }  // namespace
 
-void KeyFrameColours::map_loaded(uint32_t first_serial) {
-  const std::lock_guard lock(mutex_);
-  first_serial_ = first_serial;
-}
+void KeyFrameColours::map_loaded(uint32_t first_serial) { first_serial_ = first_serial; }
 
 size_t KeyFrameColours::fill(int width, int height, const ColourSource& image_of) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(filling_);
   size_t filled = 0;
   const std::vector<Wanted> all = without_colours(*map_.read(), first_serial_);
   for (const Wanted& wanted : all) {

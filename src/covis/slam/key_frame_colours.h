@@ -3,6 +3,7 @@
 // only the frames that became key frames are looked at, and when they are is up to the caller.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <mutex>
@@ -28,8 +29,9 @@ class KeyFrameColours {
 
  private:
   SharedMap& map_;
-  std::mutex mutex_;  // guards what follows, and is held while colours are filled in
-  uint32_t first_serial_ = 0;
+  std::mutex filling_;  // held while colours are filled in, so that one call at a time does so
+  // Atomic and not under the mutex: `fill` locks the map while it holds that, and a map may be loaded under its lock.
+  std::atomic<uint32_t> first_serial_{0};
 };
 
 }  // namespace covis
