@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finds the camera that a recording was made with from the recording alone: the focal length, and the first radial
+// coefficient of its lens. The recording's beginning is tracked with a few guesses of the focal length. The map of each
+// is adjusted together with the lens (lens_adjustment.h); the guess whose map fits best afterwards is tracked once more
+// with what was found, until that changes no more. The principal point is taken to be the middle of the image, pixels
+// to be square. Measured: docs/notes/032-camera-from-the-recording.md.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "covis/core/error.h"
+#include "covis/core/image.h"
+#include "covis/core/time.h"
+#include "covis/geometry/camera.h"
+#include "covis/slam/options.h"
+
+namespace covis {
+
+// Takes the frames of a recording in their order, all of one size; returns false when it has seen enough.
+using FrameVisitor = std::function<bool(ImageView<const uint8_t> image, Timestamp stamp)>;
+// Plays the recording from its first frame to the visitor, the same each time.
+using RecordingPlayer = std::function<Result<void>(const FrameVisitor& visit)>;
+
+struct FoundCamera {
+  Camera camera;           // of Brown's model with k1 alone
+  double focal_sigma = 0;  // standard deviation of the focal length, as a share of it
+  double k1_sigma = 0;     // that of k1
+  size_t key_frames = 0;   // of the map that told it
+};
+
+// `width`, `height`: size of the images, pixels. `tell` gets what is done, a line each. An error when the frames or the
+// motion do not tell the camera, and when interrupted.
+Result<FoundCamera> find_camera(int width, int height, const RecordingPlayer& play, const SystemOptions& options,
+                                const std::function<void(const std::string&)>& tell,
+                                const std::atomic<int>* interrupt = nullptr);
+
+}  // namespace covis
