@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "apps/run/camera_of_recording.h"
 #include "apps/run/key_frame_pictures.h"
 #include "apps/run/resources.h"
 #include "apps/run/run_json.h"
@@ -159,13 +160,29 @@ int run(const RunArguments& arguments) {
     return fail_with("run: PATH is missing: a recording's folder, a video file or a camera's number");
   // From here on Ctrl-C ends the run like the end of the recording.
   end_well_on_signals();
-  const auto sequence = io::open_sequence(arguments.path, arguments.reading.options());
+  io::SequenceOptions reading = arguments.reading.options();
+  reading.uncalibrated = arguments.map.empty();
+  auto sequence = io::open_sequence(arguments.path, reading);
   if (!sequence) return fail_with(sequence.error());
   options.sensor = (*sequence)->sensor();
   if (options.localize && arguments.map.empty())
     return fail_with("--localize: it needs a map to localise in, --map FILE");
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
+  RunRecord record;
+  if (lacks_calibration(**sequence)) {
+    if (const auto opened = open_output_folder(arguments.out); !opened) return fail_with(opened.error());
+    const auto found = find_camera_of(arguments.path, reading, options, arguments.out, arguments.quiet, interrupted);
+    if (interrupted != 0) {
+      log(LogLevel::warning, "interrupted; nothing is written");
+      return 128 + interrupted;
+    }
+    if (!found) return fail_with(found.error());
+    record.estimate = *found;
+    reading.camera_file = found->file;
+    sequence = io::open_sequence(arguments.path, reading);
+    if (!sequence) return fail_with(sequence.error());
+  }
   storage::MapHeader header = storage::header_of((*sequence)->camera(), options.sensor, options.orb, vocabulary->get());
   if (arguments.keep_images && arguments.save_map.empty())
     return fail_with("--keep-images: the images are kept beside a saved map, --save-map FILE");
@@ -179,7 +196,6 @@ int run(const RunArguments& arguments) {
     map = std::move(*opened);
     header.camera = map->header.camera;
   }
-  RunRecord record;
   record.source = (*sequence)->description();
   record.sensor = options.sensor;
   record.given = (*sequence)->camera().pinhole;
@@ -266,6 +282,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "Examples:\n"
       "  covis run rgbd_dataset_freiburg1_desk --out desk\n"
       "  covis run kitti/sequences/06 --sensor stereo --features 2000 --out kitti06\n"
+      "  covis run video.mp4 --out video                  the camera is found from the video\n"
       "  covis run video.mp4 --camera phone.yaml --out video\n"
       "  covis run 0 --camera webcam.yaml --realtime --out live\n"
       "  covis run 0 --camera webcam.yaml --realtime --view --out live          watch it in a browser\n"

@@ -185,6 +185,13 @@ json pinhole_json(const Pinhole& camera) {
   return figures;
 }
 
+json estimate_json(const CameraEstimate& estimate) {
+  return {{"file", estimate.file.string()},
+          {"focal_sigma", estimate.focal_sigma},
+          {"k1", estimate.k1},
+          {"k1_sigma", estimate.k1_sigma}};
+}
+
 json to_json(const RunSummary& s) {
   json all{{"source", s.source},
            {"sensor", name(s.sensor)},
@@ -214,6 +221,7 @@ json to_json(const RunSummary& s) {
            {"first_pose_ms", s.costs.first_pose_ms},
            {"peak_rss_mb", s.costs.peak_rss_mb},
            {"not_tracked", losses_json(s.not_tracked)}};
+  if (s.estimate) all["camera_estimate"] = estimate_json(*s.estimate);
   if (!s.accuracy) return all;
   const Accuracy& a = *s.accuracy;
   all.update({{"ate_m", a.ate},

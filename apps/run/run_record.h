@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -56,11 +58,19 @@ inline constexpr std::array<Stage, 8> kStages{
      {"mapping_wait", [](const FrameStats& f) { return f.timing.wait_ms; }},
      {"decode_wait", [](const FrameStats& f) { return f.decode_ms; }}}};
 
+// A camera that was found from the recording (covis/slam/camera_search.h).
+struct CameraEstimate {
+  std::filesystem::path file;  // where it is written
+  double focal_sigma = 0;      // standard deviation of its focal length, as a share of it
+  double k1 = 0, k1_sigma = 0;
+};
+
 struct RunRecord {
   std::string source;  // description of the recording
   Sensor sensor = Sensor::monocular;
-  Pinhole given;                          // the recording's camera, as it was before any refinement
-  int image_width = 0, image_height = 0;  // pixels
+  Pinhole given;                           // the recording's camera, as it was before any refinement
+  std::optional<CameraEstimate> estimate;  // of `given`, where the recording has none
+  int image_width = 0, image_height = 0;   // pixels
   std::vector<FrameStats> frames;
   std::vector<MappingReport> mapping;
   std::vector<view::LoopPaths> loops;

@@ -130,6 +130,7 @@ RunSummary summarise(const RunRecord& run, const Snapshot& snapshot, const Traje
   summary.sensor = run.sensor;
   summary.camera = snapshot.camera;
   summary.given = run.given;
+  summary.estimate = run.estimate;
   summary.interrupted = run.interrupted;
   summary.frames = count_frames(run, snapshot);
   summary.map = count_map(run, snapshot);

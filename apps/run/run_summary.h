@@ -83,7 +83,8 @@ struct Accuracy {
 struct RunSummary {
   std::string source;
   Sensor sensor = Sensor::monocular;
-  Pinhole camera, given;  // in use at the end, and as the recording has it
+  Pinhole camera, given;                   // in use at the end, and as the recording has it
+  std::optional<CameraEstimate> estimate;  // of `given`, where the recording has none
   bool interrupted = false;
   FrameCounts frames;
   MapCounts map;

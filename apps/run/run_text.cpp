@@ -16,6 +16,12 @@ std::string focal_text(const RunSummary& s) {
   return fixed(s.camera.fx, 1, " pixels instead of ") + fixed(s.given.fx, 1, "");
 }
 
+// "526.2 pixels ± 0.8 %, k1 -0.022 ± 0.003"
+std::string estimate_text(const RunSummary& s) {
+  return fixed(s.given.fx, 1, " pixels ± ") + fixed(100 * s.estimate->focal_sigma, 1, " %, k1 ") +
+         fixed(s.estimate->k1, 3, " ± ") + fixed(s.estimate->k1_sigma, 3, "");
+}
+
 }  // namespace
 
 std::string summary_text(const RunSummary& s, const std::filesystem::path& out) {
@@ -24,6 +30,10 @@ std::string summary_text(const RunSummary& s, const std::filesystem::path& out) 
   if (s.map.submaps.size() > 1) {
     text += std::to_string(s.map.submaps.size()) + " maps that could not be joined; trajectory.txt has the " +
             std::to_string(s.map.submaps.front().frames) + " frames of the first\n";
+  }
+  if (s.estimate) {
+    text += "the camera is an estimate from the recording: focal length " + estimate_text(s) + " (" +
+            s.estimate->file.string() + ")\n";
   }
   if (refined(s)) text += "focal length refined: " + focal_text(s) + "\n";
   text += "tracking " + fixed(s.times.tracking.median, 2, " ms a frame (median), ") +
@@ -47,6 +57,7 @@ std::vector<std::pair<std::string, std::string>> summary_rows(const RunSummary& 
       {"frames per second", fixed(s.costs.frames_per_second, 1, "")},
       {"peak memory", fixed(s.costs.peak_rss_mb, 0, " MB")}};
   if (s.map.submaps.size() > 1) rows.emplace_back("maps, not joined", std::to_string(s.map.submaps.size()));
+  if (s.estimate) rows.emplace_back("focal length, estimated from the recording", estimate_text(s));
   if (refined(s)) rows.emplace_back("focal length, refined", focal_text(s));
   if (s.accuracy) {
     rows.emplace_back(std::string("error (ATE RMSE, ") + name_of_alignment(s.accuracy->alignment) + ")",

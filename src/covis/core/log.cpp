@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/core/log.h"
 
+#include <atomic>
 #include <mutex>
 #include <utility>
 
@@ -17,6 +18,8 @@ LogSink& sink() {
   return instance;
 }
 
+std::atomic<int> pauses = 0;
+
 }  // namespace
 
 void set_log_sink(LogSink new_sink) {
@@ -25,8 +28,12 @@ void set_log_sink(LogSink new_sink) {
 }
 
 void log(LogLevel level, std::string_view message) {
+  if (pauses > 0) return;
   const std::lock_guard lock(sink_mutex());
   if (sink()) sink()(level, message);
 }
+
+LogPause::LogPause() { ++pauses; }
+LogPause::~LogPause() { --pauses; }
 
 }  // namespace covis

@@ -10,4 +10,13 @@ namespace covis {
 
 void log(LogLevel level, std::string_view message);
 
+// While one lives, messages of the whole process are dropped: those of work that is tried out.
+class LogPause {
+ public:
+  LogPause();
+  ~LogPause();
+  LogPause(const LogPause&) = delete;
+  LogPause& operator=(const LogPause&) = delete;
+};
+
 }  // namespace covis

@@ -28,5 +28,18 @@ TEST(Log, ReachesTheSinkOneMessageAtATimeAndWithoutOneIsDropped) {
   EXPECT_THAT(heard, testing::Each(testing::Pair(LogLevel::warning, "hello")));
 }
 
+TEST(Log, DropsMessagesDuringAPause) {
+  std::vector<std::string> heard;
+  set_log_sink([&](LogLevel, std::string_view message) { heard.emplace_back(message); });
+  log(LogLevel::info, "before");
+  {
+    const LogPause outer, inner;
+    log(LogLevel::error, "during");
+  }
+  log(LogLevel::info, "after");
+  set_log_sink({});
+  EXPECT_THAT(heard, testing::ElementsAre("before", "after"));
+}
+
 }  // namespace
 }  // namespace covis

@@ -37,6 +37,7 @@ struct Request {
   std::filesystem::path folder;
   std::optional<Sensor> wanted;
   std::optional<CameraFile> given;
+  bool uncalibrated = false;  // see SequenceOptions
 };
 Result<Recording> read_tum(const Request& request);
 Result<Recording> read_kitti(const Request& request);

@@ -124,11 +124,11 @@ Result<Recording> read_images(const Request& request) {
     auto loaded = load_camera(request.folder / "camera.yaml");
     if (!loaded) return tl::unexpected(loaded.error());
     camera = *loaded;
-  } else {
+  } else if (!request.uncalibrated) {
     return tl::unexpected(no_calibration(request.folder, "camera.yaml"));
   }
   recording.camera = camera.camera;
-  recording.calibration = camera.file.string();
+  recording.calibration = camera.file.empty() ? "the first image" : camera.file.string();
   auto stamps = find_stamps(request.folder, folder, images.size());
   if (!stamps) return tl::unexpected(stamps.error());
   if (stamps->empty()) *stamps = stamps_of_names(images);

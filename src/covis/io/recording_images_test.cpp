@@ -30,5 +30,17 @@ TEST_F(Sequences, TakesStampsFromAListOrFromNames) {
   EXPECT_EQ((*(*listed)->next())->stamp, 6'500'000'000);
 }
 
+TEST_F(Sequences, AnImageFolderOpenedUncalibratedHasASizeAlone) {
+  image("a.png", 1);
+  const auto opened = open_sequence(folder.string(), {.uncalibrated = true});
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ((*opened)->camera().width, kWidth);
+  EXPECT_EQ((*opened)->camera().pinhole.fx, 0);
+  camera_yaml();
+  const auto calibrated = open_sequence(folder.string(), {.uncalibrated = true});
+  ASSERT_TRUE(calibrated) << calibrated.error().message;
+  EXPECT_GT((*calibrated)->camera().pinhole.fx, 0) << "its own calibration is used";
+}
+
 }  // namespace
 }  // namespace covis::io

@@ -107,7 +107,7 @@ Result<std::unique_ptr<Sequence>> open(const std::string& path, const SequenceOp
     if (!found) return tl::unexpected(found.error());
     kind = *found;
   }
-  Request request{path, options.sensor, std::nullopt};
+  Request request{path, options.sensor, std::nullopt, options.uncalibrated};
   if (!options.camera_file.empty()) {
     auto camera = load_camera(options.camera_file);
     if (!camera) return tl::unexpected(camera.error());

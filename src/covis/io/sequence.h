@@ -34,6 +34,7 @@ struct SequenceOptions {
   SequenceKind kind = SequenceKind::automatic;  // automatic: recognised from the folder
   std::optional<Sensor> sensor = std::nullopt;  // nullopt: the richest one that the recording supports
   std::filesystem::path camera_file = {};       // YAML for data that the folder lacks; empty: none
+  bool uncalibrated = false;                    // true: images and videos need no calibration, see Sequence::camera()
   int decode_ahead = 4;                         // number of frames decoded ahead, in a thread of its own
   int64_t first = 0;                            // index of the first frame
   int64_t count = -1;                           // greatest number of frames; -1: all
@@ -55,7 +56,8 @@ class Sequence {
 
   virtual SequenceKind kind() const = 0;
   virtual Sensor sensor() const = 0;
-  // Returns the camera of the images from next() (after rectification), including bf.
+  // Returns the camera of the images from next() (after rectification), including bf. Opened `uncalibrated`, without a
+  // camera file and where no calibration lies beside it, it has a size alone: its focal lengths are 0.
   virtual const Camera& camera() const = 0;
   virtual int64_t size() const = 0;       // number of frames; -1 when unknown (camera, some videos)
   virtual double frame_rate() const = 0;  // Hz, from the stamps; 30 when unknown

@@ -150,27 +150,32 @@ Result<std::unique_ptr<Sequence>> open_capture(const std::string& path, Sequence
   const bool live = kind == SequenceKind::camera;
   if (request.wanted && *request.wanted != Sensor::monocular)
     return fail(path + ": a video or a camera serves --sensor mono only");
-  if (!request.given) return tl::unexpected(no_calibration(path, "--camera"));
+  if (!request.given && (live || !request.uncalibrated)) return tl::unexpected(no_calibration(path, "--camera"));
+  const CameraFile given = request.given.value_or(CameraFile());
   const std::optional<int> number = live ? camera_number(path) : std::nullopt;
   if (live && !number) return fail(path + ": a camera is named by its number: 0, 1 …");
   cv::VideoCapture capture = open_quietly(path, number);
   if (!capture.isOpened())
     return fail(path + (live ? ": the camera can't be opened" : ": it is not a video that can be read"));
-  Camera camera = request.given->camera;
+  Camera camera = given.camera;
   camera.pinhole.bf = 0;
   if (live) {
     capture.set(cv::CAP_PROP_FRAME_WIDTH, camera.width);
     capture.set(cv::CAP_PROP_FRAME_HEIGHT, camera.height);
-    if (request.given->fps > 0) capture.set(cv::CAP_PROP_FPS, request.given->fps);
+    if (given.fps > 0) capture.set(cv::CAP_PROP_FPS, given.fps);
   }
   const int width = static_cast<int>(capture.get(cv::CAP_PROP_FRAME_WIDTH));
   const int height = static_cast<int>(capture.get(cv::CAP_PROP_FRAME_HEIGHT));
+  if (camera.width == 0) {
+    if (width <= 0 || height <= 0) return fail(path + ": the video does not say how large its images are");
+    camera.width = width;
+    camera.height = height;
+  }
   if (width > 0 && height > 0 && (width != camera.width || height != camera.height)) {
     return fail(path + ": the images are " + std::to_string(width) + "x" + std::to_string(height) + ", the camera of " +
-                request.given->file.string() + " is " + std::to_string(camera.width) + "x" +
-                std::to_string(camera.height));
+                given.file.string() + " is " + std::to_string(camera.width) + "x" + std::to_string(camera.height));
   }
-  double rate = request.given->fps > 0 ? request.given->fps : capture.get(cv::CAP_PROP_FPS);
+  double rate = given.fps > 0 ? given.fps : capture.get(cv::CAP_PROP_FPS);
   if (!(rate > 0.01 && rate < 10000)) rate = 30;
   const int64_t frames = live ? -1 : count_frames(capture, options);
   return std::make_unique<CaptureSequence>(std::move(capture), path, kind, camera, rate, frames, options);

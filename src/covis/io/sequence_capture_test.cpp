@@ -27,6 +27,20 @@ TEST_F(Sequences, ReadsAVideo) {
   EXPECT_EQ(frames, 5);
 }
 
+TEST_F(Sequences, AVideoOpenedUncalibratedHasASizeAlone) {
+  const std::string video = (folder / "video.avi").string();
+  cv::VideoWriter writer(video, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25, {kWidth, kHeight});
+  for (int i = 0; i < 3; ++i) writer.write(cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(40 * i)));
+  writer.release();
+  const auto opened = open_sequence(video, {.uncalibrated = true});
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ((*opened)->camera().width, kWidth);
+  EXPECT_EQ((*opened)->camera().height, kHeight);
+  EXPECT_EQ((*opened)->camera().pinhole.fx, 0);
+  EXPECT_TRUE((*opened)->next()->has_value());
+  EXPECT_FALSE(open_sequence("987", {.uncalibrated = true})) << "a camera's images can't be looked at twice";
+}
+
 TEST_F(Sequences, TakesAPartOfAVideo) {
   camera_yaml("fps: 10\n");
   cv::VideoWriter writer((folder / "video.avi").string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25,

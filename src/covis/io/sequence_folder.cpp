@@ -153,6 +153,7 @@ Result<void> settle_size(Recording& recording) {
 Result<void> check_camera(const Recording& recording) {
   const Camera& camera = recording.camera;
   const Pinhole& p = camera.pinhole;
+  if (p.fx == 0) return {};  // opened uncalibrated
   if (!(p.cx > 0 && p.cx < camera.width && p.cy > 0 && p.cy < camera.height)) {
     return fail(recording.calibration + ": the principal point (" + std::to_string(p.cx) + ", " + std::to_string(p.cy) +
                 ") must lie inside the image of " + size_text(camera.width, camera.height));

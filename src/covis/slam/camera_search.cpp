@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "covis/core/log.h"
 #include "covis/optimization/lens_adjustment.h"
 #include "covis/slam/system.h"
 
@@ -229,6 +230,7 @@ class CameraSearch {
 
   // What was found is not ok where no map came about.
   Result<Round> round(const Lens& lens, double usual_k1, const Piece& piece) {
+    const LogPause pause;
     Round made;
     System system(camera(lens), options_);
     int64_t frame = 0, since_begin = 0;

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/run/camera_of_recording.h"
+
+#include <cstdio>
+#include <utility>
+
+#include "covis/core/atomic_file.h"
+#include "covis/core/log.h"
+#include "covis/io/camera_file.h"
+#include "covis/slam/camera_search.h"
+
+namespace covis::app {
+namespace {
+
+// Unreadable frames are passed over.
+Result<void> play(const std::string& path, const io::SequenceOptions& reading, const FrameVisitor& visit) {
+  const auto sequence = io::open_sequence(path, reading);
+  if (!sequence) return tl::unexpected(sequence.error());
+  io::Frame frame;
+  for (;;) {
+    auto next = (*sequence)->next(std::move(frame));
+    frame = {};
+    if (!next) continue;
+    if (!*next) return {};
+    frame = std::move(**next);
+    if (!visit(frame.image.view(), frame.stamp)) return {};
+  }
+}
+
+std::string file_text(const FoundCamera& found) {
+  char head[300];
+  std::snprintf(
+      head, sizeof head,
+      "# An estimate from the recording itself, by %zu key frames: the focal length is uncertain by %.1f %% (one\n"
+      "# standard deviation), k1 by %.3f; the principal point is taken to be the middle of the image.\n",
+      found.key_frames, 100 * found.focal_sigma, found.k1_sigma);
+  io::CameraFile file;
+  file.camera = found.camera;
+  return head + io::camera_text(file);
+}
+
+}  // namespace
+
+Result<CameraEstimate> find_camera_of(const std::string& path, const io::SequenceOptions& reading,
+                                      const SystemOptions& options, const std::filesystem::path& out, bool quiet,
+                                      const std::atomic<int>& interrupt) {
+  const auto opened = io::open_sequence(path, reading);
+  if (!opened) return tl::unexpected(opened.error());
+  const int width = (*opened)->camera().width, height = (*opened)->camera().height;
+  const auto tell = [&](const std::string& message) {
+    if (!quiet) log(LogLevel::info, message);
+  };
+  tell(path + ": no camera is given; finding it from the recording");
+  const RecordingPlayer player = [&](const FrameVisitor& visit) { return play(path, reading, visit); };
+  const auto found = find_camera(width, height, player, options, tell, &interrupt);
+  if (!found) {
+    return fail(path + ": no camera is given, and the recording does not tell it: " + found.error().message +
+                ". Give one with --camera FILE; covis calibrate makes one");
+  }
+  CameraEstimate estimate{out / "camera.yaml", found->focal_sigma, found->camera.coefficients[0], found->k1_sigma};
+  if (const auto written = write_atomically(estimate.file, file_text(*found)); !written)
+    return tl::unexpected(written.error());
+  return estimate;
+}
+
+}  // namespace covis::app

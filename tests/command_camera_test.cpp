@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// covis run on recordings without a calibration: the camera is found from the images, or it is said that they do not
+// tell it.
+#include <cmath>
+
+#include "command_results.h"
+#include "covis/io/camera_file.h"
+
+namespace covis {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+using CommandCamera = CommandTest;
+
+TEST_F(CommandCamera, IsFoundFromTheImagesAndWrittenLong) {
+  const fs::path recording = render("mono", 150), out = folder / "out";
+  const auto truth = io::load_camera(recording / "camera.yaml");
+  ASSERT_TRUE(truth);
+  fs::remove(recording / "camera.yaml");
+  const Outcome run = covis({"run", recording, "--out", out});
+  ASSERT_EQ(run.code, 0) << run.error;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("the camera is an estimate from the recording"), HasSubstr("camera.yaml")));
+  expect_results(out);
+  const json summary = parsed(out / "summary.json");
+  const double off = summary["camera_given"]["fx"].get<double>() / truth->camera.pinhole.fx - 1;
+  const double sigma = summary["camera_estimate"]["focal_sigma"].get<double>();
+  EXPECT_LT(std::abs(off), 0.02);
+  EXPECT_LT(std::abs(off), 4 * sigma);
+  EXPECT_LT(sigma, 0.04);
+  EXPECT_LT(summary["ate_m"].get<double>(), 0.02);
+
+  const auto found = io::load_camera(out / "camera.yaml");
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->camera.pinhole.fx, summary["camera_given"]["fx"].get<double>());
+  EXPECT_THAT(text_of(out / "camera.yaml"), HasSubstr("# An estimate from the recording itself"));
+  const Outcome again =
+      covis({"run", recording, "--camera", out / "camera.yaml", "--quiet", "--out", folder / "again"});
+  ASSERT_EQ(again.code, 0) << again.error;
+  EXPECT_EQ(text_of(folder / "again/trajectory.txt"), text_of(out / "trajectory.txt"));
+}
+
+TEST_F(CommandCamera, ThatTheImagesDoNotTellIsAskedFor) {
+  const fs::path recording = render("mono", 1), still = folder / "still";
+  fs::create_directories(still);
+  for (int i = 0; i < 20; ++i)
+    fs::copy_file(fs::directory_iterator(recording / "images")->path(), still / (std::to_string(i) + ".png"));
+  const Outcome run = covis({"run", still, "--out", folder / "out"});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.error, AllOf(HasSubstr(still.string() + ": no camera is given"), HasSubstr("must move sideways"),
+                               HasSubstr("--camera FILE"), HasSubstr("covis calibrate")));
+  EXPECT_THAT(run.out, Not(HasSubstr("written to")));
+  EXPECT_FALSE(fs::exists(folder / "out/camera.yaml"));
+}
+
+TEST_F(CommandCamera, IsNotFoundForAMapThatHasOne) {
+  const fs::path recording = render("mono", 3);
+  fs::remove(recording / "camera.yaml");
+  const Outcome run = covis({"run", recording, "--map", folder / "some.m", "--out", folder / "out"});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.error, AllOf(HasSubstr("no camera calibration found"), HasSubstr("--camera FILE")));
+}
+
+}  // namespace
+}  // namespace covis
