@@ -15,7 +15,7 @@ namespace covis::io {
 
 struct BagMessage {
   Timestamp time = 0;  // when it was recorded
-  size_t file = 0;     // of a bag of several files
+  size_t file = 0;     // its number, from 0
   int64_t row = 0;     // its place in the file
 };
 

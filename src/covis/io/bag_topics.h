@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which topics of a bag are read: those named, or found by their names and types.
+// The choice of a bag's topics: those named, or found by their names and types.
 #pragma once
 
 #include <optional>

@@ -57,7 +57,7 @@ Picture resampled(const Picture& picture, Resample&& resample) {
   return made;
 }
 
-// Where the images of a recording come from, by name. Not thread-safe.
+// Reads the images of a recording by their names. Not thread-safe.
 class ImageSource {
  public:
   virtual ~ImageSource() = default;

@@ -43,7 +43,7 @@ struct Request {
   std::filesystem::path folder;
   std::optional<Sensor> wanted;
   std::optional<CameraFile> given;
-  TopicNames topics = {};  // of a bag
+  TopicNames topics = {};  // a bag's
 };
 Result<Recording> read_tum(const Request& request);
 Result<Recording> read_kitti(const Request& request);

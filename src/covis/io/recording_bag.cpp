@@ -74,7 +74,7 @@ class BagImages : public ImageSource {
 
   const std::shared_ptr<const OpenBag> bag_;
   RosImageDecoder decoder_;
-  std::string bytes_;  // of the message
+  std::string bytes_;  // the message
 };
 
 // An image of a topic, before it is known whether it belongs to a frame.

@@ -102,7 +102,7 @@ Result<StereoCamera> stereo_camera(const RosCameraInfo& left, const RosCameraInf
   const auto R_rect_l = rotation_of(left, "left"), R_rect_r = rotation_of(right, "right");
   if (!R_rect_l) return tl::unexpected(R_rect_l.error());
   if (!R_rect_r) return tl::unexpected(R_rect_r.error());
-  // Of the rectified cameras the right one lies at (baseline, 0, 0) in the left one.
+  // The right rectified camera lies at (baseline, 0, 0) in the left one.
   const SE3 T_rl(R_rect_r->transpose() * *R_rect_l, -(R_rect_r->transpose() * Eigen::Vector3d(baseline, 0, 0)));
   auto made = StereoRectification::create(*left_camera, *right_camera, T_rl.normalized());
   if (!made) return tl::unexpected(made.error());

@@ -17,7 +17,7 @@ Result<Camera> raw_camera(const RosCameraInfo& info);
 Result<Camera> rectified_camera(const RosCameraInfo& info);
 
 struct StereoCamera {
-  Camera camera;  // of the images to be tracked, including bf
+  Camera camera;  // that of the images to be tracked, including bf
   std::optional<StereoRectification> rectification;
 };
 // rectified: the images are rectified already, so that P of both cameras describes them. Otherwise they are to be

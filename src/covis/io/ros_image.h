@@ -15,7 +15,7 @@ namespace covis::io {
 // Decodes into reused memory. Errors name the field of the message. Not thread-safe.
 class RosImageDecoder {
  public:
-  // Of 16 bits the upper 8 are kept.
+  // The upper 8 of 16 bits are kept.
   Result<void> grey(const RosImage& message, ImageU8& image);
   Result<void> grey(const RosCompressedImage& message, ImageU8& image);
   // Reads depth in metres: 16UC1 in units of 1 / scale metres, 32FC1 in metres. Negative and non-finite depths become 0

@@ -30,7 +30,7 @@ struct RosImage {
   RosHeader header;
   uint32_t width = 0, height = 0;  // pixels
   std::string_view encoding;       // "rgb8"
-  bool big_endian = false;         // of pixels with more than one byte
+  bool big_endian = false;         // the order of bytes in pixels that have several
   uint32_t step = 0;               // bytes between rows
   std::string_view data;
 };

@@ -43,7 +43,7 @@ struct SequenceOptions {
   SequenceKind kind = SequenceKind::automatic;  // automatic: recognised from the folder
   std::optional<Sensor> sensor = std::nullopt;  // nullopt: the richest one that the recording supports
   std::filesystem::path camera_file = {};       // YAML for data that the folder lacks; empty: none
-  TopicNames topics = {};                       // of a bag; for another kind an error
+  TopicNames topics = {};                       // a bag's; an error for another kind
   int decode_ahead = 4;                         // number of frames decoded ahead, in a thread of its own
   int64_t first = 0;                            // index of the first frame
   int64_t count = -1;                           // greatest number of frames; -1: all
