@@ -18,7 +18,7 @@ class BagFolder : public RecordingTest {
     for (int part = 0; part < 2; ++part) {
       WrittenBag bag(RosWire::cdr);
       bag.add("/camera_info", camera_info());
-      for (int i = 0; i < 2; ++i) bag.add_grey("/image", 1'000'000'000 * (1 + 2 * part + i), 10 * part + i);
+      for (int i = 0; i < 2; ++i) bag.add_grey("/image", (1 + 2 * part + i) * Timestamp{1'000'000'000}, 10 * part + i);
       bag.write(folder / ("bag_" + std::to_string(part) + ".db3"));
     }
     metadata("storage_identifier: sqlite3");
