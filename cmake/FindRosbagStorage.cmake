@@ -6,7 +6,7 @@ set(rosbag_variables RosbagStorage_INCLUDE_DIR)
 set(rosbag_libraries)
 set(rosbag_directories ${RosbagStorage_INCLUDE_DIR})
 # The library, and those that its headers call.
-foreach(library rosbag_storage rostime cpp_common roscpp_serialization class_loader rcutils)
+foreach(library rosbag_storage rostime cpp_common roscpp_serialization class_loader rcutils console_bridge)
   find_library(RosbagStorage_${library}_LIBRARY ${library})
   list(APPEND rosbag_variables RosbagStorage_${library}_LIBRARY)
   list(APPEND rosbag_libraries ${RosbagStorage_${library}_LIBRARY})

@@ -3,8 +3,11 @@
 #include <map>
 #include <mutex>
 
+#include "covis/core/mapped_file.h"
 #include "covis/io/bag.h"
+#include "covis/io/bag_ros1_check.h"
 #ifdef COVIS_ROSBAG
+#include <console_bridge/console.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #endif
@@ -33,6 +36,14 @@ class Ros1Bag : public Bag {
   explicit Ros1Bag(std::filesystem::path file) : file_(std::move(file)) {}
 
   Result<void> open() {
+    {
+      const auto mapped = MappedFile::open(file_);
+      if (!mapped) return tl::unexpected(mapped.error());
+      const auto bytes = (*mapped)->bytes();
+      if (auto checked = check_ros1_records({reinterpret_cast<const char*>(bytes.data()), bytes.size()}); !checked)
+        return damaged(checked.error().message);
+    }
+    console_bridge::noOutputHandler();  // what it prints would stand beside our message
     try {
       bag_.open(file_.string(), rosbag::bagmode::Read);
       list();

@@ -140,7 +140,7 @@ class Ros1BagWriter {
     const uint64_t chunk_at = magic.size() + 4096;
     const std::string made =
         record({op(5), field("compression", "none"), field("size", raw(static_cast<uint32_t>(chunk.size())))}, chunk);
-    const uint64_t index_at = chunk_at + made.size() + index.size();
+    const uint64_t index_at = messages.empty() ? chunk_at : chunk_at + made.size() + index.size();
     std::string head =
         record({op(3), field("index_pos", raw(index_at)), field("conn_count", raw(static_cast<uint32_t>(ids.size()))),
                 field("chunk_count", raw(messages.empty() ? 0u : 1u))},
