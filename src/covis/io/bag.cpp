@@ -13,6 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view kZstd = "\x28\xb5\x2f\xfd";  // the beginning of compressed data
+
 enum class BagFormat { ros1, ros2, mcap, zstd };
 
 std::optional<BagFormat> format_of(const fs::path& file) {
@@ -22,7 +24,7 @@ std::optional<BagFormat> format_of(const fs::path& file) {
   if (head.starts_with("#ROSBAG")) return BagFormat::ros1;
   if (head.starts_with("SQLite format 3")) return BagFormat::ros2;
   if (head.starts_with("\x89MCAP0")) return BagFormat::mcap;
-  if (head.starts_with("\x28\xb5\x2f\xfd")) return BagFormat::zstd;
+  if (head.starts_with(kZstd)) return BagFormat::zstd;
   return std::nullopt;
 }
 
@@ -70,6 +72,15 @@ Result<std::vector<fs::path>> listed_files(const fs::path& folder, const fs::pat
   return found;
 }
 
+// True when the first message begins as zstd's output; metadata.yaml says so, too, but a file may lie alone.
+bool compressed_messages(Bag& bag) {
+  std::string bytes;
+  for (const BagTopic& topic : bag.topics()) {
+    if (!topic.messages.empty()) return bag.read(topic.messages.front(), bytes, kZstd.size()) && bytes == kZstd;
+  }
+  return false;
+}
+
 std::vector<fs::path> databases(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
@@ -111,7 +122,10 @@ Result<std::unique_ptr<Bag>> open_bag(const fs::path& path) {
                   "database, as those of ROS 2 do");
     }
   }
-  return open_ros2_bag(files);
+  auto bag = open_ros2_bag(files);
+  if (bag && compressed_messages(**bag))
+    return tl::unexpected(convertible(path, "bags whose messages are compressed by zstd can't be read"));
+  return bag;
 }
 
 }  // namespace covis::io

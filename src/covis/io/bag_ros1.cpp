@@ -43,7 +43,7 @@ class Ros1Bag : public Bag {
       if (auto checked = check_ros1_records({reinterpret_cast<const char*>(bytes.data()), bytes.size()}); !checked)
         return damaged(checked.error().message);
     }
-    console_bridge::noOutputHandler();  // what it prints would stand beside our message
+    console_bridge::noOutputHandler();  // its output would stand beside our message
     try {
       bag_.open(file_.string(), rosbag::bagmode::Read);
       list();

@@ -54,6 +54,12 @@ TEST_F(BagFolder, WhatCantBeReadSaysHowItIsConverted) {
   EXPECT_THAT(bag_error(), AllOf(HasSubstr("zstd"), HasSubstr("ros2 bag convert")));
   metadata("storage_identifier: other");
   EXPECT_THAT(bag_error(), AllOf(HasSubstr("metadata.yaml"), HasSubstr("'other'"), HasSubstr("sqlite3")));
+  fs::remove(folder / "metadata.yaml");
+  WrittenBag bag(RosWire::cdr);
+  bag.messages().push_back({"/image", "sensor_msgs/Image", 1, "\x28\xb5\x2f\xfd and more"});
+  bag.write(folder / "bag_0.db3");
+  fs::remove(folder / "bag_1.db3");
+  EXPECT_THAT(bag_error(), AllOf(HasSubstr("zstd"), HasSubstr("ros2 bag convert")));
   write("some.mcap", "\x89MCAP0\r\n and more");
   EXPECT_THAT(open_sequence(folder / "some.mcap", {}).error().message, HasSubstr("ros2 bag convert"));
   write("some.db3.zstd", "\x28\xb5\x2f\xfd and more");

@@ -38,12 +38,10 @@ auto depth_rank(const BagTopic& topic) {
 
 using Topics = std::vector<const BagTopic*>;
 
-// Image topics that have messages.
 Topics image_topics(const std::vector<BagTopic>& topics) {
   Topics found;
   for (const BagTopic& topic : topics) {
-    if (topic.type != "sensor_msgs/CameraInfo" && is_listed_type(topic.type) && !topic.messages.empty())
-      found.push_back(&topic);
+    if (has_images(topic)) found.push_back(&topic);
   }
   return found;
 }
@@ -157,6 +155,10 @@ Result<ChosenTopics> choose_topics(const std::vector<BagTopic>& topics, const To
   if (chosen.image == chosen.right || chosen.image == chosen.depth)
     return fail("topic " + chosen.image->name + ": it can't be both images of a frame" + there_are);
   return chosen;
+}
+
+bool has_images(const BagTopic& topic) {
+  return (topic.type == "sensor_msgs/Image" || is_compressed(topic)) && !topic.messages.empty();
 }
 
 std::string camera_info_name(const BagTopic& image) {

@@ -26,6 +26,8 @@ struct ChosenTopics {
 Result<ChosenTopics> choose_topics(const std::vector<BagTopic>& topics, const TopicNames& names,
                                    std::optional<Sensor> wanted);
 
+// True for a topic of images that has messages.
+bool has_images(const BagTopic& topic);
 // Returns the topic of the camera's calibration, which lies beside the image's; nullptr: there is none.
 const BagTopic* camera_info_of(const std::vector<BagTopic>& topics, const BagTopic& image);
 // Returns the name that the topic would have beside the image's: "/camera/color/camera_info".

@@ -207,6 +207,16 @@ void note_other_frame(const OpenBag& bag, const ChosenTopics& topics, std::vecto
   }
 }
 
+// Notes the image topics that were not chosen.
+void note_unused(const OpenBag& bag, const ChosenTopics& topics, std::vector<std::string>& notes) {
+  std::string unused;
+  for (const BagTopic& topic : bag.bag->topics()) {
+    const bool used = &topic == topics.image || &topic == topics.right || &topic == topics.depth;
+    if (!used && has_images(topic)) unused += (unused.empty() ? "" : ", ") + topic.name;
+  }
+  if (!unused.empty()) notes.push_back("image topics that are not used: " + unused);
+}
+
 std::string topics_text(const ChosenTopics& topics) {
   std::string text = topics.image->name;
   if (topics.right) text += ", " + topics.right->name;
@@ -236,6 +246,7 @@ Result<Recording> read_bag(const Request& request) {
   if (!frames) return tl::unexpected(frames.error());
   recording.frames = std::move(*frames);
   if (topics->depth) note_other_frame(*bag, *topics, recording.notes);
+  if (!request.topics.any()) note_unused(*bag, *topics, recording.notes);
   recording.images = [bag = std::shared_ptr<const OpenBag>(bag)] { return std::make_unique<BagImages>(bag); };
   return recording;
 }

@@ -131,7 +131,7 @@ TEST(RosImage, CompressedImages) {
 }
 
 TEST(RosImage, CompressedDepth) {
-  const float parameters[] = {20, 5};  // of inverse depth
+  const float parameters[] = {20, 5};  // inverse depth's
   std::string data("\0\0\0\0", 4);
   data.append(reinterpret_cast<const char*>(parameters), sizeof parameters);
   data += encoded(cv::Mat(2, 2, CV_16UC1, cv::Scalar(1500)), ".png");
