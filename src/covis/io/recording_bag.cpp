@@ -217,6 +217,24 @@ void note_unused(const OpenBag& bag, const ChosenTopics& topics, std::vector<std
   if (!unused.empty()) notes.push_back("image topics that are not used: " + unused);
 }
 
+// Fails when none of a few frames can be decoded: then their encoding is one that nobody reads.
+Result<void> check_images(const std::shared_ptr<const OpenBag>& bag, const Recording& recording) {
+  BagImages images(bag);
+  ImageU8 image;
+  ImageF depth;
+  Result<void> first;
+  const size_t count = recording.frames.size();
+  for (const size_t k : {size_t{0}, count / 2, count - 1}) {
+    const FrameFiles& frame = recording.frames[k];
+    Result<void> read = images.grey(frame.image, image);
+    if (read && !frame.right.empty()) read = images.grey(frame.right, image);
+    if (read && !frame.depth.empty()) read = images.depth(frame.depth, recording.depth_scale, depth);
+    if (read) return {};  // next() will report the others
+    if (first) first = read;
+  }
+  return first;
+}
+
 std::string topics_text(const ChosenTopics& topics) {
   std::string text = topics.image->name;
   if (topics.right) text += ", " + topics.right->name;
@@ -247,6 +265,7 @@ Result<Recording> read_bag(const Request& request) {
   recording.frames = std::move(*frames);
   if (topics->depth) note_other_frame(*bag, *topics, recording.notes);
   if (!request.topics.any()) note_unused(*bag, *topics, recording.notes);
+  if (auto checked = check_images(bag, recording); !checked) return tl::unexpected(checked.error());
   recording.images = [bag = std::shared_ptr<const OpenBag>(bag)] { return std::make_unique<BagImages>(bag); };
   return recording;
 }

@@ -173,15 +173,13 @@ TEST_P(Bags, SayWhatIsMissing) {
   bag.add_image("/camera/image", kBegin, "nv21", std::string(64 * 48, '1'));
   EXPECT_THAT(open_error(), AllOf(HasSubstr("--camera"), HasSubstr("/camera/camera_info"), HasSubstr("fx:")));
   add_info("/camera/camera_info");
-  const auto opened = open();
-  ASSERT_TRUE(opened) << "next() says it of each frame";
-  EXPECT_THAT((*opened)->next().error().message,
-              AllOf(HasSubstr("/camera/image/0"), HasSubstr("'nv21'"), HasSubstr("mono8, 8UC1")));
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("/camera/image/0"), HasSubstr("'nv21'"), HasSubstr("mono8, 8UC1")));
   camera_yaml("fps: 5\n");
+  bag.add_grey("/camera/image", kBegin + kStep, 7);
   EXPECT_TRUE(open({.camera_file = folder / "camera.yaml"}));
   RosCameraInfo uncalibrated = camera_info();
   uncalibrated.K = {};
-  bag.messages().pop_back();
+  std::erase_if(bag.messages(), [](const WrittenMessage& m) { return m.topic == "/camera/camera_info"; });
   bag.add("/camera/camera_info", uncalibrated);
   EXPECT_THAT(open_error(), AllOf(HasSubstr("/camera/camera_info: K"), HasSubstr("not calibrated")));
 }
