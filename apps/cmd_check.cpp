@@ -173,7 +173,8 @@ void add_check_command(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<CheckArguments>();
   CLI::App* command =
       app.add_subcommand("check", "Describe a recording and report what is wrong with it, with a picture");
-  command->add_option("PATH", a->path, "folder (TUM RGB-D, KITTI, EuRoC, images), video file, or camera number")
+  command
+      ->add_option("PATH", a->path, "folder (TUM RGB-D, KITTI, EuRoC, images), ROS bag, video file, or camera number")
       ->required();
   add_reading_options(*command, a->reading);
   command->add_option("--out", a->out, "the picture: stereo rows, depth overlay, or keypoints")->capture_default_str();

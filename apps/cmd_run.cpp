@@ -157,7 +157,7 @@ int run(const RunArguments& arguments) {
   }
   if (const auto chosen = choose_instructions(arguments.simd); !chosen) return fail_with(chosen.error());
   if (arguments.path.empty())
-    return fail_with("run: PATH is missing: a recording's folder, a video file or a camera's number");
+    return fail_with("run: PATH is missing: a recording's folder, a bag, a video file or a camera's number");
   // From here on Ctrl-C ends the run like the end of the recording.
   end_well_on_signals();
   io::SequenceOptions reading = arguments.reading.options();
@@ -248,7 +248,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand("run", "Track a recording, a video or a camera, and make a map");
   command->add_option("PATH", arguments->path,
-                      "folder (TUM RGB-D, KITTI, EuRoC, images), video file, or camera number");
+                      "folder (TUM RGB-D, KITTI, EuRoC, images), ROS bag, video file, or camera number");
   add_reading_options(*command, arguments->reading);
   command->add_option("--out", arguments->out, "folder for the results")->capture_default_str();
   command->add_option("--map", arguments->map, "saved map to continue; the camera is located in it");
@@ -284,6 +284,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "  covis run kitti/sequences/06 --sensor stereo --features 2000 --out kitti06\n"
       "  covis run video.mp4 --out video                  the camera is found from the video\n"
       "  covis run video.mp4 --camera phone.yaml --out video\n"
+      "  covis run office.bag --topic /camera/color/image_raw --out office\n"
       "  covis run 0 --camera webcam.yaml --realtime --out live\n"
       "  covis run 0 --camera webcam.yaml --realtime --view --out live          watch it in a browser\n"
       "  covis run office1 --out o1 --save-map office.m\n"

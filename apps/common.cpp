@@ -21,8 +21,9 @@ const std::map<std::string, Sensor> kSensors{
     {"mono", Sensor::monocular}, {"stereo", Sensor::stereo}, {"rgbd", Sensor::rgbd}};
 
 const std::map<std::string, io::SequenceKind> kKinds{
-    {"tum", io::SequenceKind::tum},       {"kitti", io::SequenceKind::kitti}, {"euroc", io::SequenceKind::euroc},
-    {"images", io::SequenceKind::images}, {"video", io::SequenceKind::video}, {"camera", io::SequenceKind::camera}};
+    {"tum", io::SequenceKind::tum},      {"kitti", io::SequenceKind::kitti},   {"euroc", io::SequenceKind::euroc},
+    {"bag", io::SequenceKind::bag},      {"images", io::SequenceKind::images}, {"video", io::SequenceKind::video},
+    {"camera", io::SequenceKind::camera}};
 
 std::atomic<int> interrupted = 0;
 
@@ -31,6 +32,7 @@ io::SequenceOptions Reading::options() const {
   if (!sensor.empty()) options.sensor = kSensors.at(sensor);
   if (!kind.empty()) options.kind = kKinds.at(kind);
   options.camera_file = camera;
+  options.topics = topics;
   options.first = first;
   options.count = count;
   options.stride = stride;
@@ -43,6 +45,9 @@ void add_reading_options(CLI::App& command, Reading& reading) {
   command.add_option("--kind", reading.kind, "kind of recording (default: recognised)")
       ->check(CLI::IsMember(keys(kKinds)));
   command.add_option("--camera", reading.camera, "camera YAML, for what the recording does not say (docs/input.md)");
+  command.add_option("--topic", reading.topics.image, "image topic of a bag, the left one of a stereo pair");
+  command.add_option("--right-topic", reading.topics.right, "right image topic of a bag");
+  command.add_option("--depth-topic", reading.topics.depth, "depth topic of a bag, registered to the image");
   command.add_option("--first", reading.first, "index of the first frame")->check(CLI::NonNegativeNumber);
   command.add_option("--count", reading.count, "frames at most");
   command.add_option("--stride", reading.stride, "every n-th frame")->check(CLI::PositiveNumber);

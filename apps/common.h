@@ -41,12 +41,13 @@ std::string name_of(const std::map<std::string, Value>& map, Value wanted) {
 // Selection of the frames of a recording, and how they are read.
 struct Reading {
   std::string sensor, kind, camera;
+  io::TopicNames topics;
   int64_t first = 0, count = -1;
   int stride = 1;
 
   io::SequenceOptions options() const;
 };
-// Adds --sensor, --kind, --camera, --first, --count and --stride.
+// Adds --sensor, --kind, --camera, the topics of bags, --first, --count and --stride.
 void add_reading_options(CLI::App& command, Reading& reading);
 
 // Sets the fields that --set names, each as NAME=VALUE.

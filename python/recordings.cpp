@@ -197,6 +197,7 @@ PyRecording open(const std::string& path, const std::string& kind, const std::st
                             {"tum", K::tum},
                             {"kitti", K::kitti},
                             {"euroc", K::euroc},
+                            {"bag", K::bag},
                             {"images", K::images},
                             {"video", K::video},
                             {"camera", K::camera}});

@@ -53,7 +53,8 @@ class Packages(unittest.TestCase):
         version = field(PACKAGES['covis'], 'Version')
         library = f'libcovis{".".join(version.split(".")[:2])}'
         self.assertEqual(set(PACKAGES), {'covis', 'covis-data', 'libcovis-dev', library, 'python3-covis'})
-        for name, wanted in (('covis', 'libopencv-core'), ('covis', f'covis-data (= {version})'), (library, 'libhwy'),
+        for name, wanted in (('covis', 'libopencv-core'), ('covis', 'librosbag-storage'), ('covis', 'libsqlite3'),
+                             ('covis', f'covis-data (= {version})'), (library, 'libhwy'),
                              ('libcovis-dev', f'{library} (= {version})'), ('python3-covis', 'python3-numpy'), ('python3-covis', 'python3 (<<')):
             self.assertIn(wanted, field(PACKAGES[name], 'Depends'))
         self.assertNotIn('opencv', field(PACKAGES[library], 'Depends'), 'the library needs none')

@@ -50,35 +50,47 @@ bool is_turned(std::string_view bytes) {
   return block[at + (little ? 8 : 9)] != 1;
 }
 
-template <class T>
-cv::Mat as_mat(Image<T>& image, int type) {
-  if (image.empty()) return {};
-  return {image.height(), image.width(), type, image.row(0), static_cast<size_t>(image.stride()) * sizeof(T)};
+// Reads and decodes a file.
+Result<cv::Mat> decode_file(const std::filesystem::path& file, std::string& bytes, int flags, cv::Mat to) {
+  if (auto read = read_bytes(file, bytes); !read) return tl::unexpected(read.error());
+  return decode_image(file.string(), bytes, flags, std::move(to));
 }
 
-// Decodes into `to`'s memory if size and type match, else into new memory.
-Result<cv::Mat> decode(const std::filesystem::path& file, std::string& bytes, int flags, cv::Mat to) {
-  if (auto read = read_bytes(file, bytes); !read) return tl::unexpected(read.error());
-  if (bytes.empty()) return fail(file.string() + ": the image file is empty");
+}  // namespace
+
+Result<cv::Mat> decode_image(const std::string& name, std::string_view bytes, int flags, cv::Mat to) {
+  if (bytes.empty()) return fail(name + ": the image file is empty");
   if (cut_short(bytes))
-    return fail(file.string() + ": the image file is cut short (" + std::to_string(bytes.size()) + " bytes)");
+    return fail(name + ": the image file is cut short (" + std::to_string(bytes.size()) + " bytes)");
   // A file of unknown format would leave the old contents of `to`, which would look like a decoded image.
-  const std::string_view view = bytes;
-  if (!view.starts_with("\x89PNG\r\n\x1a\n") && !view.starts_with("\xff\xd8\xff")) to = cv::Mat();
-  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, bytes.data());
+  if (!bytes.starts_with("\x89PNG\r\n\x1a\n") && !bytes.starts_with("\xff\xd8\xff")) to = cv::Mat();
+  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
   bool decoded = false;
   try {
     decoded = !cv::imdecode(buffer, flags, &to).empty();
   } catch (const cv::Exception&) {
   }
-  if (!decoded) return fail(file.string() + ": it is not an image that can be read (PNG, JPEG, TIFF, BMP, PGM …)");
+  if (!decoded) return fail(name + ": it is not an image that can be read (PNG, JPEG, TIFF, BMP, PGM …)");
   return to;
 }
 
-}  // namespace
+void depth_in_metres(const cv::Mat& stored, double scale, ImageF& depth) {
+  depth.resize(stored.cols, stored.rows);
+  const auto inverse = static_cast<float>(1 / scale);
+  for (int y = 0; y < stored.rows; ++y) {
+    float* out = depth.row(y);
+    if (stored.type() == CV_16UC1) {
+      const auto* in = stored.ptr<uint16_t>(y);
+      for (int x = 0; x < stored.cols; ++x) out[x] = static_cast<float>(in[x]) * inverse;
+    } else {
+      const auto* in = stored.ptr<float>(y);
+      for (int x = 0; x < stored.cols; ++x) out[x] = in[x] > 0 && std::isfinite(in[x]) ? in[x] : 0.0f;
+    }
+  }
+}
 
 Result<void> ImageReader::grey(const std::filesystem::path& file, ImageU8& image) {
-  const auto decoded = decode(file, bytes_, cv::IMREAD_GRAYSCALE, as_mat(image, CV_8UC1));
+  const auto decoded = decode_file(file, bytes_, cv::IMREAD_GRAYSCALE, as_mat(image, CV_8UC1));
   if (!decoded) return tl::unexpected(decoded.error());
   if (!image.empty() && decoded->data == image.row(0)) return {};
   image.resize(decoded->cols, decoded->rows);
@@ -88,7 +100,7 @@ Result<void> ImageReader::grey(const std::filesystem::path& file, ImageU8& image
 
 Result<Picture> read_picture(const std::filesystem::path& file) {
   std::string bytes;
-  const auto decoded = decode(file, bytes, cv::IMREAD_ANYCOLOR, {});
+  const auto decoded = decode_file(file, bytes, cv::IMREAD_ANYCOLOR, {});
   if (!decoded) return tl::unexpected(decoded.error());
   Picture picture = picture_of(*decoded);
   if (!is_turned(bytes)) picture.file = file;
@@ -119,25 +131,18 @@ Result<void> write_picture(const std::filesystem::path& file, const Picture& pic
 }
 
 Result<void> ImageReader::depth(const std::filesystem::path& file, double scale, ImageF& depth) {
-  const auto decoded = decode(file, bytes_, cv::IMREAD_UNCHANGED, as_mat(raw_, CV_16UC1));
+  const auto decoded = decode_file(file, bytes_, cv::IMREAD_UNCHANGED, as_mat(raw_, CV_16UC1));
   if (!decoded) return tl::unexpected(decoded.error());
   if (decoded->type() != CV_16UC1 && decoded->type() != CV_32FC1) {
     return fail(file.string() + ": a depth image must have one channel of 16 bits or of 32-bit float");
   }
-  depth.resize(decoded->cols, decoded->rows);
+  depth_in_metres(*decoded, scale, depth);
   raw_.resize(decoded->type() == CV_16UC1 ? decoded->cols : 0, decoded->rows);  // memory for the next image
-  const auto inverse = static_cast<float>(1 / scale);
-  for (int y = 0; y < decoded->rows; ++y) {
-    float* out = depth.row(y);
-    if (decoded->type() == CV_16UC1) {
-      const auto* in = decoded->ptr<uint16_t>(y);
-      for (int x = 0; x < decoded->cols; ++x) out[x] = static_cast<float>(in[x]) * inverse;
-    } else {
-      const auto* in = decoded->ptr<float>(y);
-      for (int x = 0; x < decoded->cols; ++x) out[x] = in[x] > 0 && std::isfinite(in[x]) ? in[x] : 0.0f;
-    }
-  }
   return {};
 }
+
+Result<Picture> ImageReader::picture(const std::filesystem::path& file) { return read_picture(file); }
+
+bool ImageReader::may_have_colours(const std::filesystem::path& file) { return io::may_have_colours(file); }
 
 }  // namespace covis::io

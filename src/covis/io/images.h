@@ -57,16 +57,29 @@ Picture resampled(const Picture& picture, Resample&& resample) {
   return made;
 }
 
-// Reads images into reused memory: in the steady state only the decoders allocate memory of an image's size. Not
-// thread-safe.
-class ImageReader {
+// Reads the images of a recording by their names. Not thread-safe.
+class ImageSource {
  public:
-  // Reads grey values. Colour is converted on decoding (JPEG: the stored luma); of 16 bits the upper 8 are kept. Fails
-  // for a file that is missing, truncated or no image.
-  Result<void> grey(const std::filesystem::path& file, ImageU8& image);
-  // Reads depth in metres: 16-bit files are divided by `scale` (units per metre), 32-bit float files (TIFF) are used as
-  // they are. Negative and non-finite depths are stored as 0 (no measurement).
-  Result<void> depth(const std::filesystem::path& file, double scale, ImageF& depth);
+  virtual ~ImageSource() = default;
+  // Reads grey values. Of 16 bits the upper 8 are kept.
+  virtual Result<void> grey(const std::filesystem::path& name, ImageU8& image) = 0;
+  // Reads depth in metres: 16-bit images are divided by `scale` (units per metre), 32-bit float images are used as they
+  // are. Negative and non-finite depths are stored as 0 (no measurement).
+  virtual Result<void> depth(const std::filesystem::path& name, double scale, ImageF& depth) = 0;
+  virtual Result<Picture> picture(const std::filesystem::path& name) = 0;
+  // False when picture() would give a grey image.
+  virtual bool may_have_colours(const std::filesystem::path& name) = 0;
+};
+
+// Reads image files into reused memory: in the steady state only the decoders allocate memory of an image's size.
+class ImageReader : public ImageSource {
+ public:
+  // Colour is converted on decoding (JPEG: the stored luma). Fails for a file that is missing, truncated or no image.
+  Result<void> grey(const std::filesystem::path& file, ImageU8& image) override;
+  // 32-bit float files are TIFF.
+  Result<void> depth(const std::filesystem::path& file, double scale, ImageF& depth) override;
+  Result<Picture> picture(const std::filesystem::path& file) override;
+  bool may_have_colours(const std::filesystem::path& file) override;
 
  private:
   std::string bytes_;    // contents of the file

@@ -1,14 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures out of OpenCV's images, which have blue first.
+// Between OpenCV's images and ours. For .cpp files of this module only.
 #pragma once
 
 #include <cstring>
 #include <opencv2/imgproc.hpp>
+#include <string>
+#include <string_view>
 
 #include "covis/io/images.h"
 
 namespace covis::io {
 
+// Returns the image's memory as a matrix of the type.
+template <class T>
+cv::Mat as_mat(Image<T>& image, int type) {
+  if (image.empty()) return {};
+  return {image.height(), image.width(), type, image.row(0), static_cast<size_t>(image.stride()) * sizeof(T)};
+}
+
+// Decodes the bytes of an image file with cv::imdecode's flags, into `to`'s memory if size and type match, else into
+// new memory. name: for messages.
+Result<cv::Mat> decode_image(const std::string& name, std::string_view bytes, int flags, cv::Mat to);
+
+// Converts a depth image of 16 bits, divided by `scale` (units per metre), or of 32-bit float, in metres. Negative and
+// non-finite depths become 0 (no measurement). Bytes in `stored` must be aligned for its type.
+void depth_in_metres(const cv::Mat& stored, double scale, ImageF& depth);
+
+// Blue is first in OpenCV's.
 inline Picture picture_of(const cv::Mat& image) {
   Picture picture{.width = image.cols, .height = image.rows, .channels = image.channels() == 1 ? 1 : 3, .bytes = {}};
   picture.bytes.resize(picture.row_bytes() * static_cast<size_t>(image.rows));

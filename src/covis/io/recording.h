@@ -3,16 +3,20 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "covis/features/rectification.h"
 #include "covis/io/camera_file.h"
+#include "covis/io/images.h"
 #include "covis/io/sequence.h"
 
 namespace covis::io {
 
+// Names of a frame's images, which are files unless the recording has an ImageSource of its own.
 struct FrameFiles {
   Timestamp stamp = 0;
   std::filesystem::path image, right, depth;  // right, depth: empty when the recording has none
@@ -29,6 +33,8 @@ struct Recording {
   std::optional<Truth> truth;
   std::string name;                // "TUM RGB-D folder"
   std::vector<std::string> notes;  // items that were skipped: see Sequence::notes()
+  // Makes what reads the frames' images. Empty: they are files. What it makes may be used in several threads, one each.
+  std::function<std::unique_ptr<ImageSource>()> images;
 };
 
 // Input of the readers, one per layout. wanted: the sensor asked for, if any. given: the camera file from the command
@@ -38,11 +44,13 @@ struct Request {
   std::optional<Sensor> wanted;
   std::optional<CameraFile> given;
   bool uncalibrated = false;  // see SequenceOptions
+  TopicNames topics = {};  // a bag's
 };
 Result<Recording> read_tum(const Request& request);
 Result<Recording> read_kitti(const Request& request);
 Result<Recording> read_euroc(const Request& request);
 Result<Recording> read_images(const Request& request);
+Result<Recording> read_bag(const Request& request);
 
 // Lists the image files of a folder in natural order (2 before 10).
 std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // TUM RGB-D folders (Sturm et al., IROS 2012): rgb.txt and depth.txt, or associations.txt; groundtruth.txt.
 #include <algorithm>
-#include <cmath>
-#include <map>
 
 #include "covis/io/files.h"
 #include "covis/io/recording.h"
+#include "covis/io/stamp_pairs.h"
 
 namespace covis::io {
 namespace {
-
-constexpr Timestamp kMaxDifference = 20'000'000;  // ns, between an image and its depth
 
 struct Listed {
   Timestamp stamp;
@@ -47,37 +44,10 @@ Result<std::vector<std::vector<Listed>>> read_list(const std::filesystem::path& 
   return rows;
 }
 
-// Pairs images and depths by stamp, nearest first, each used at most once.
-std::vector<FrameFiles> associate(const std::vector<std::vector<Listed>>& images,
-                                  const std::vector<std::vector<Listed>>& depths) {
-  struct Pair {
-    Timestamp difference;
-    size_t image, depth;
-  };
-  std::vector<size_t> order(depths.size());
-  for (size_t d = 0; d < order.size(); ++d) order[d] = d;
-  std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return depths[a][0].stamp < depths[b][0].stamp; });
-  std::vector<Pair> pairs;
-  for (size_t i = 0; i < images.size(); ++i) {
-    const Timestamp stamp = images[i][0].stamp;
-    auto d = std::lower_bound(order.begin(), order.end(), stamp - kMaxDifference,
-                              [&](size_t a, Timestamp t) { return depths[a][0].stamp < t; });
-    for (; d != order.end() && depths[*d][0].stamp <= stamp + kMaxDifference; ++d) {
-      pairs.push_back({std::abs(depths[*d][0].stamp - stamp), i, *d});
-    }
-  }
-  std::stable_sort(pairs.begin(), pairs.end(),
-                   [](const Pair& a, const Pair& b) { return a.difference < b.difference; });
-  std::vector<uint8_t> image_used(images.size(), 0), depth_used(depths.size(), 0);
-  std::map<size_t, size_t> depth_of;
-  for (const Pair& pair : pairs) {
-    if (image_used[pair.image] || depth_used[pair.depth]) continue;
-    image_used[pair.image] = depth_used[pair.depth] = 1;
-    depth_of[pair.image] = pair.depth;
-  }
-  std::vector<FrameFiles> frames;
-  for (const auto& [i, d] : depth_of) frames.push_back({images[i][0].stamp, images[i][0].file, {}, depths[d][0].file});
-  return frames;
+std::vector<Timestamp> stamps_of(const std::vector<std::vector<Listed>>& rows) {
+  std::vector<Timestamp> stamps;
+  for (const auto& row : rows) stamps.push_back(row[0].stamp);
+  return stamps;
 }
 
 // Reads calibration.txt as in ETH3D: fx fy cx cy, optionally k1 k2 p1 p2 [k3].
@@ -183,7 +153,8 @@ Result<Recording> read_tum(const Request& request) {
     if (recording.sensor == Sensor::rgbd) {
       const auto depths = read_list(folder / "depth.txt", 1);
       if (!depths) return tl::unexpected(depths.error());
-      recording.frames = associate(*images, *depths);
+      for (const auto& [i, d] : pair_by_stamps(stamps_of(*images), stamps_of(*depths)))
+        recording.frames.push_back({(*images)[i][0].stamp, (*images)[i][0].file, {}, (*depths)[d][0].file});
       if (recording.frames.empty()) {
         return fail(folder.string() +
                     ": no image of rgb.txt has a depth image of depth.txt within 20 ms; are the stamps in seconds?");

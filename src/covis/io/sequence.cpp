@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "covis/io/bag.h"
 #include "covis/io/files.h"
 #include "covis/io/recording.h"
 #include "covis/io/sequence_sources.h"
@@ -30,6 +31,7 @@ bool is_number(const std::string& text) {
 }
 
 std::optional<SequenceKind> kind_of_folder(const fs::path& folder) {
+  if (is_bag(folder)) return SequenceKind::bag;
   if (fs::is_directory(folder / "mav0") || fs::is_directory(folder / "cam0")) return SequenceKind::euroc;
   if (fs::is_directory(folder / "image_0") || fs::is_directory(folder / "image_2")) return SequenceKind::kitti;
   if (fs::exists(folder / "rgb.txt") || fs::exists(folder / "associations.txt")) return SequenceKind::tum;
@@ -61,17 +63,17 @@ std::string contents(const fs::path& folder) {
 Result<SequenceKind> recognise(const std::string& path) {
   if (is_number(path) && !fs::exists(path)) return SequenceKind::camera;
   if (!fs::exists(path))
-    return fail(path + ": it does not exist; a folder, a video file or a camera's number is expected");
-  if (!fs::is_directory(path)) return SequenceKind::video;
+    return fail(path + ": it does not exist; a folder, a bag, a video file or a camera's number is expected");
+  if (!fs::is_directory(path)) return is_bag(path) ? SequenceKind::bag : SequenceKind::video;
   if (const auto kind = kind_of_folder(path)) return *kind;
   return fail(path +
               ": it is no recording that can be read. A TUM RGB-D folder has rgb.txt (and depth.txt) or "
               "associations.txt, a KITTI sequence has image_0 (and image_1) and calib.txt, a EuRoC sequence has "
-              "mav0/cam0, an image folder has images. " +
+              "mav0/cam0, a ROS 2 bag metadata.yaml, an image folder images. " +
               contents(path));
 }
 
-// Checks that stamps are ascending and that every file exists.
+// Checks that stamps are ascending and that every file exists, where the images are files.
 Result<void> check_frames(const Recording& recording) {
   const FrameFiles* last = nullptr;
   for (const FrameFiles& frame : recording.frames) {
@@ -81,6 +83,7 @@ Result<void> check_frames(const Recording& recording) {
     }
     last = &frame;
   }
+  if (recording.images) return {};
   for (const FrameFiles& frame : recording.frames) {
     for (const fs::path& file : {frame.image, frame.right, frame.depth}) {
       if (!file.empty() && !fs::exists(file)) return fail(file.string() + ": the file is listed but missing");
@@ -107,17 +110,20 @@ Result<std::unique_ptr<Sequence>> open(const std::string& path, const SequenceOp
     if (!found) return tl::unexpected(found.error());
     kind = *found;
   }
-  Request request{path, options.sensor, std::nullopt, options.uncalibrated};
+  if (options.topics.any() && kind != SequenceKind::bag)
+    return fail(path + ": topics are named for a bag only, and this is none");
+  Request request{path, options.sensor, std::nullopt, options.uncalibrated, options.topics};
   if (!options.camera_file.empty()) {
     auto camera = load_camera(options.camera_file);
     if (!camera) return tl::unexpected(camera.error());
     request.given = *camera;
   }
   if (kind == SequenceKind::video || kind == SequenceKind::camera) return open_capture(path, kind, request, options);
-  if (!fs::is_directory(path)) return fail(path + ": it is not a folder");
+  if (kind != SequenceKind::bag && !fs::is_directory(path)) return fail(path + ": it is not a folder");
   auto recording = kind == SequenceKind::tum     ? read_tum(request)
                    : kind == SequenceKind::kitti ? read_kitti(request)
                    : kind == SequenceKind::euroc ? read_euroc(request)
+                   : kind == SequenceKind::bag   ? read_bag(request)
                                                  : read_images(request);
   if (!recording) return tl::unexpected(recording.error());
   if (auto checked = check_frames(*recording); !checked) return tl::unexpected(checked.error());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recordings as streams of frames: TUM RGB-D, KITTI odometry, EuRoC, an image folder, a video file, a camera.
+// Recordings as streams of frames: TUM RGB-D, KITTI odometry, EuRoC, a ROS bag, an image folder, a video file, a
+// camera.
 #pragma once
 
 #include <filesystem>
@@ -27,7 +28,15 @@ struct Frame {
   ImageF depth;   // metres; RGB-D only
 };
 
-enum class SequenceKind { automatic, tum, kitti, euroc, images, video, camera };
+enum class SequenceKind { automatic, tum, kitti, euroc, bag, images, video, camera };
+
+// Topics of a bag by name; an empty one is chosen by names and types.
+struct TopicNames {
+  std::string image = {};  // or left image
+  std::string right = {}, depth = {};
+
+  bool any() const { return !image.empty() || !right.empty() || !depth.empty(); }
+};
 
 // Selects the source and the frames to read. first < 0, stride < 1 and decode_ahead < 1 are errors.
 struct SequenceOptions {
@@ -35,6 +44,7 @@ struct SequenceOptions {
   std::optional<Sensor> sensor = std::nullopt;  // nullopt: the richest one that the recording supports
   std::filesystem::path camera_file = {};       // YAML for data that the folder lacks; empty: none
   bool uncalibrated = false;                    // true: images and videos need no calibration, see Sequence::camera()
+  TopicNames topics = {};                       // a bag's; an error for another kind
   int decode_ahead = 4;                         // number of frames decoded ahead, in a thread of its own
   int64_t first = 0;                            // index of the first frame
   int64_t count = -1;                           // greatest number of frames; -1: all

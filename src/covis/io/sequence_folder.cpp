@@ -14,6 +14,10 @@ const char* sensor_text(Sensor sensor) {
   return sensor == Sensor::monocular ? "monocular" : sensor == Sensor::stereo ? "stereo" : "RGB-D";
 }
 
+std::unique_ptr<ImageSource> image_source(const Recording& recording) {
+  return recording.images ? recording.images() : std::make_unique<ImageReader>();
+}
+
 std::string wrong_size(const std::filesystem::path& file, int width, int height, const Recording& recording) {
   return file.string() + ": the image is " + size_text(width, height) + ", the camera of " + recording.calibration +
          " is " + size_text(recording.camera.width, recording.camera.height);
@@ -24,6 +28,8 @@ class FolderSequence : public Sequence {
   FolderSequence(Recording recording, const SequenceOptions& options)
       : recording_(std::move(recording)),
         options_(options),
+        images_(image_source(recording_)),
+        pictures_(image_source(recording_)),
         ahead_([this](Frame memory) { return decode(std::move(memory)); }, options.decode_ahead) {}
 
   SequenceKind kind() const override { return recording_.kind; }
@@ -49,7 +55,7 @@ class FolderSequence : public Sequence {
   Result<Picture> picture(int64_t frame) override {
     const std::filesystem::path file = file_of(frame);
     if (file.empty()) return fail("frame " + std::to_string(frame) + ": there is none");
-    auto picture = read_picture(file);
+    auto picture = pictures_->picture(file);
     if (!picture) return picture;
     if (auto checked = check_size(file, picture->width, picture->height); !checked)
       return tl::unexpected(checked.error());
@@ -59,7 +65,7 @@ class FolderSequence : public Sequence {
     }
     return picture;
   }
-  bool may_have_colours(int64_t frame) const override { return io::may_have_colours(file_of(frame)); }
+  bool may_have_colours(int64_t frame) const override { return pictures_->may_have_colours(file_of(frame)); }
 
  private:
   // Empty for a frame that is not read.
@@ -97,12 +103,12 @@ class FolderSequence : public Sequence {
       frame.depth = {};
       return {};
     }
-    if (auto read = reader_.depth(files.depth, recording_.depth_scale, frame.depth); !read) return read;
+    if (auto read = images_->depth(files.depth, recording_.depth_scale, frame.depth); !read) return read;
     return check_size(files.depth, frame.depth.width(), frame.depth.height());
   }
 
   Result<void> load_grey(const std::filesystem::path& file, ImageU8& image) {
-    if (auto read = reader_.grey(file, image); !read) return read;
+    if (auto read = images_->grey(file, image); !read) return read;
     return check_size(file, image.width(), image.height());
   }
 
@@ -116,9 +122,10 @@ class FolderSequence : public Sequence {
   const SequenceOptions options_;
   // Used by the decoding thread only.
   size_t next_ = 0;
-  ImageReader reader_;
+  const std::unique_ptr<ImageSource> images_;
   ImageU8 scratch_;
-  DecodeAhead ahead_;  // last member: its thread uses the others
+  const std::unique_ptr<ImageSource> pictures_;  // used by picture() and may_have_colours() only
+  DecodeAhead ahead_;                            // last member: its thread uses the others
 };
 
 // Takes the image size from the first readable image when the calibration has none. When the calibration has a size
@@ -126,12 +133,12 @@ class FolderSequence : public Sequence {
 Result<void> settle_size(Recording& recording) {
   Camera& camera = recording.camera;
   const size_t count = recording.frames.size();
-  ImageReader reader;
+  const std::unique_ptr<ImageSource> reader = image_source(recording);
   ImageU8 image;
   if (camera.width == 0) {
     Result<void> read;
     for (const FrameFiles& frame : recording.frames) {
-      read = reader.grey(frame.image, image);
+      read = reader->grey(frame.image, image);
       if (!read) continue;
       camera.width = image.width();
       camera.height = image.height();
@@ -142,7 +149,7 @@ Result<void> settle_size(Recording& recording) {
   std::string problem;
   for (const size_t k : {size_t{0}, count / 2, count - 1}) {
     const std::filesystem::path& file = recording.frames[k].image;
-    if (!reader.grey(file, image)) continue;  // next() will report the error
+    if (!reader->grey(file, image)) continue;  // next() will report the error
     if (image.width() == camera.width && image.height() == camera.height) return {};
     problem = wrong_size(file, image.width(), image.height(), recording);
   }
