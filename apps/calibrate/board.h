@@ -26,7 +26,7 @@ struct Board {
 struct BoardView {
   int64_t frame = 0;
   std::vector<cv::Point3f> corners;  // on the board, metres, z = 0
-  std::vector<cv::Point2f> pixels;   // where each corner is seen
+  std::vector<cv::Point2f> pixels;   // pixel of each corner
 };
 
 class BoardFinder {

@@ -12,7 +12,7 @@ namespace covis::app {
 // recorded: frames are processed at their own times, and late ones are dropped; free: as fast as possible.
 enum class Pacing { free, recorded };
 
-// Which frames are processed, and how.
+// Selects the frames that are processed, and how.
 struct PlayOptions {
   int64_t first = 0;  // index of the first frame
   int stride = 1;

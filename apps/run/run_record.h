@@ -60,7 +60,7 @@ inline constexpr std::array<Stage, 8> kStages{
 
 // A camera that was found from the recording (covis/slam/camera_search.h).
 struct CameraEstimate {
-  std::filesystem::path file;  // where it is written
+  std::filesystem::path file;  // the camera file that holds it
   double focal_sigma = 0;      // standard deviation of its focal length, as a share of it
   double k1 = 0, k1_sigma = 0;
 };
@@ -69,7 +69,7 @@ struct RunRecord {
   std::string source;  // description of the recording
   Sensor sensor = Sensor::monocular;
   Pinhole given;                           // the recording's camera, as it was before any refinement
-  std::optional<CameraEstimate> estimate;  // of `given`, where the recording has none
+  std::optional<CameraEstimate> estimate;  // tells how `given` was found; nullopt: the recording has it
   int image_width = 0, image_height = 0;   // pixels
   std::vector<FrameStats> frames;
   std::vector<MappingReport> mapping;

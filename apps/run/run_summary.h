@@ -84,7 +84,7 @@ struct RunSummary {
   std::string source;
   Sensor sensor = Sensor::monocular;
   Pinhole camera, given;                   // in use at the end, and as the recording has it
-  std::optional<CameraEstimate> estimate;  // of `given`, where the recording has none
+  std::optional<CameraEstimate> estimate;  // tells how `given` was found; nullopt: the recording has it
   bool interrupted = false;
   FrameCounts frames;
   MapCounts map;

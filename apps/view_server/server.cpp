@@ -63,7 +63,7 @@ class Server::Impl {
         try {
           context_.run();
         } catch (const std::exception& problem) {
-          // Of one connection; the run and the other pages go on.
+          // The error is one connection's; the run and the other pages go on.
           log(LogLevel::warning, std::string("viewer: ") + problem.what());
         }
       }

@@ -105,7 +105,7 @@ Response respond(const Request& request, Shared& shared) {
 }
 
 void HttpSession::read() {
-  // Nothing that this server answers has a body.
+  // No request that this server answers has a body.
   parser_.emplace();
   parser_->body_limit(0);
   stream_.expires_after(kIdle);

@@ -45,7 +45,7 @@ Vector2d distorted(const Eigen::Vector3d& p_c, const Lens& lens) {
   return lens.focal * (1 + lens.k1 * at.squaredNorm()) * at;
 }
 
-// Nothing where the point is behind the camera, or where the lens would fold the image over itself.
+// Returns nullopt where the point is behind the camera, or where the lens would fold the image over itself.
 std::optional<Vector2d> residual_of(const BundleObservation& o, const Eigen::Vector3d& p_c, const Lens& lens,
                                     const Pinhole& camera) {
   if (!(p_c.z() > kMinDepth)) return std::nullopt;
@@ -111,7 +111,7 @@ class LensProblem {
     return row;
   }
 
-  // Where a pose's parameters begin; nothing for the first, which stays.
+  // Returns the index of a pose's first parameter; nullopt for the first pose, which stays.
   std::optional<int> offset(const BundleObservation& o) const {
     return o.pose == 0 ? std::nullopt : std::optional(kLens + 6 * (o.pose - 1));
   }
@@ -180,7 +180,7 @@ class ReducedSystem {
     Eigen::Matrix3d inverse;
     Eigen::Vector3d g;
   };
-  struct Coupling {  // of the parameters from `at` on with the point
+  struct Coupling {  // couples the parameters from `at` on with the point
     int at = 0, size = 0;
     Eigen::Matrix<double, 6, 3> W;
   };
@@ -254,7 +254,7 @@ State moved(const LensProblem& problem, const State& state, const ReducedSystem&
 bool minimise(const LensProblem& problem, State& state, const std::atomic<bool>* interrupt) {
   constexpr int kIterations = 60;
   constexpr double kEnough = 1e-6;  // relative decrease of the cost
-  constexpr double kMaxStep = 0.3;  // of the focal length's logarithm
+  constexpr double kMaxStep = 0.3;  // bound for the focal length's logarithm
   double damping = 1e-4, growth = 2, cost = problem.cost(state);
   for (int i = 0; i < kIterations && damping < 1e10; ++i) {
     if (interrupt && *interrupt) return false;

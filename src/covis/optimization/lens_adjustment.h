@@ -13,10 +13,10 @@
 
 namespace covis {
 
-// What the adjustment moves of a camera.
+// The parameters of a camera that are adjusted.
 struct Lens {
   double focal = 0;  // pixels
-  double k1 = 0;     // of Brown's model: radii in focal lengths
+  double k1 = 0;     // coefficient of Brown's model: radii in focal lengths
 };
 
 struct LensAdjustment {

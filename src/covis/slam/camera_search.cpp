@@ -113,12 +113,12 @@ BundleProblem problem_of(const Map& map) {
   return problem;
 }
 
-// What tracking with one lens, and adjusting it with the map, brought.
+// The result of tracking with one lens and adjusting it with the map.
 struct Round {
   LensAdjustment found;
   int64_t tracked = 0;
   size_t key_frames = 0;
-  double change = 0;  // of the focal length's logarithm
+  double change = 0;  // change of the focal length's logarithm
 };
 
 // The lens that tracking with it, and adjusting it with the map, gives back.
@@ -126,7 +126,7 @@ struct Settled {
   Lens lens;
   double focal_sigma = 0;  // standard deviation of the focal length, as a share of it
   double k1_sigma = 0;
-  double change = 1;  // of the focal length's logarithm, to the one before
+  double change = 1;  // change of the focal length's logarithm, to the one before
   size_t key_frames = 0;
 };
 
@@ -228,7 +228,7 @@ class CameraSearch {
     return made;
   }
 
-  // What was found is not ok where no map came about.
+  // The adjustment is not ok where no map came about.
   Result<Round> round(const Lens& lens, double usual_k1, const Piece& piece) {
     const LogPause pause;
     Round made;

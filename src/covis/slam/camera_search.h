@@ -26,10 +26,10 @@ using FrameVisitor = std::function<bool(ImageView<const uint8_t> image, Timestam
 using RecordingPlayer = std::function<Result<void>(const FrameVisitor& visit)>;
 
 struct FoundCamera {
-  Camera camera;           // of Brown's model with k1 alone
+  Camera camera;           // has Brown's model with k1 alone
   double focal_sigma = 0;  // standard deviation of the focal length, as a share of it
   double k1_sigma = 0;     // that of k1
-  size_t key_frames = 0;   // of the map that told it
+  size_t key_frames = 0;   // number of key frames of the map that shows it
 };
 
 // `width`, `height`: size of the images, pixels. `tell` gets what is done, a line each. An error when the frames or the

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the search says of frames that tell it nothing; tests/command_camera_test.cpp has it find cameras.
+// Recordings that do not show their camera; tests/command_camera_test.cpp has cameras found.
 #include "covis/slam/camera_search.h"
 
 #include <gmock/gmock.h>
