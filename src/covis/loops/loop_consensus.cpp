@@ -16,14 +16,13 @@ bool same_points(const std::vector<MapPointId>& a, const std::vector<MapPointId>
   return 2 * shared > std::min(a.size(), b.size());
 }
 
-constexpr double kDrift = 0.1, kDepthShare = 0.1, kRotation = 5 * std::numbers::pi / 180, kScale = 1.2;
-
-// True when the errors of two opinions of where a camera is explain how far they turn and scale it differently.
-bool alike(const Sim3& difference) {
-  return so3_log(difference.R()).norm() <= kRotation && std::abs(std::log(difference.scale())) <= std::log(kScale);
-}
-
 }  // namespace
+
+bool opinions_agree(const Sim3& difference, double way, double depth) {
+  constexpr double kDrift = 0.1, kDepthShare = 0.1, kRotation = 5 * std::numbers::pi / 180, kScale = 1.2;
+  return so3_log(difference.R()).norm() <= kRotation && std::abs(std::log(difference.scale())) <= std::log(kScale) &&
+         difference.t().norm() <= kDrift * way + kDepthShare * depth;
+}
 
 bool LoopConsensus::confirms(const Map& map, KeyFrameId current, const Loop& claim, By by) {
   constexpr size_t kKept = 20;
@@ -39,9 +38,7 @@ bool LoopConsensus::confirms(const Map& map, KeyFrameId current, const Loop& cla
     if (earlier.submap != now.submap || earlier.serial == now.serial) return false;
     if (by == By::other_points && (earlier.by != by || same_points(earlier.points, now.points))) return false;
     const Sim3 difference = claim.S_cw * earlier.S_there_here * Sim3(key_frame.T_cw).inverse();
-    return alike(difference) &&
-           difference.t().norm() <=
-               kDrift * path_between(map, now.submap, earlier.serial, now.serial) + kDepthShare * depth;
+    return opinions_agree(difference, path_between(map, now.submap, earlier.serial, now.serial), depth);
   });
   if (claims_.size() == kKept) claims_.erase(claims_.begin());
   claims_.push_back(std::move(now));

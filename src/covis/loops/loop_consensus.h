@@ -12,6 +12,11 @@
 
 namespace covis {
 
+// Two opinions of where a camera is agree when their errors explain the difference, of the camera as one has it to as
+// the other has it: to 10 % of the way between the places they come from and of the depth there, 5 degrees and a
+// factor 1.2.
+bool opinions_agree(const Sim3& difference, double way, double depth);
+
 class LoopConsensus {
  public:
   enum class By { other_points, any_points };

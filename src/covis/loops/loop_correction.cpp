@@ -31,18 +31,12 @@ constexpr double kLoose = 1e-3;  // weight of a motion across a weak link
 LoopGraph::LoopGraph(const Map& map, KeyFrameId current, const Loop& loop, Sensor sensor, int weak_link) {
   constexpr int kSharedForEdge = 15;  // matched points a key frame of the old place must see to be tied to the new one
   problem_.fix_scale = sensor != Sensor::monocular;
-  frames_ = map.key_frames(map.at(current).submap);
-  map.for_each_key_frame([&](KeyFrameId id, const KeyFrame&) { index_.resize(id.slot + size_t{1}, -1); });
-  for (size_t k = 0; k < frames_.size(); ++k) index_[frames_[k].slot] = static_cast<int32_t>(k);
-  std::vector<Sim3> before;
-  for (const KeyFrameId& id : frames_) before.emplace_back(map.at(id).T_cw);
-  // The world stays where it is, and the points that refer to its root.
-  for (const KeyFrameId& id : frames_) problem_.fixed.push_back(map.is_root(id));
+  take_poses(map, map.at(current).submap);
+  const std::vector<Sim3> before = start_;
   moved_.push_back(index_of(current));
   for (const Neighbour& n : map.neighbours(current)) moved_.push_back(index_of(n.key_frame));
   std::erase_if(moved_, [&](int32_t k) { return problem_.fixed[static_cast<size_t>(k)] != 0; });
   std::sort(moved_.begin(), moved_.end());
-  start_ = before;
   const Sim3 S_wc = Sim3(map.at(current).T_cw.inverse());
   for (const int32_t k : moved_) {
     Sim3& S = start_[static_cast<size_t>(k)];
@@ -70,6 +64,31 @@ LoopGraph::LoopGraph(const Map& map, KeyFrameId current, const Loop& loop, Senso
     problem_.edges.push_back({i, j, before[static_cast<size_t>(j)] * loop.S_cw.inverse()});
     tied_.insert(std::upper_bound(tied_.begin(), tied_.end(), std::pair{i, j}), {i, j});
   }
+}
+
+LoopGraph::LoopGraph(const Map& map, uint32_t submap, const std::vector<LoopTie>& ties, Sensor sensor) {
+  problem_.fix_scale = sensor != Sensor::monocular;
+  take_poses(map, submap);
+  for (const auto& [a, b] : map.essential_graph()) {
+    const int32_t i = index_of(a), j = index_of(b);
+    if (i >= 0) problem_.edges.push_back({i, j, motion(start_, i, j)});
+  }
+  for (const LoopTie& tie : ties) {
+    const int32_t j = index_of(tie.place);
+    problem_.edges.push_back({index_of(tie.current), j, start_[static_cast<size_t>(j)] * tie.S_cw.inverse()});
+  }
+}
+
+void LoopGraph::take_poses(const Map& map, uint32_t submap) {
+  frames_ = map.key_frames(submap);
+  map.for_each_key_frame([&](KeyFrameId id, const KeyFrame&) { index_.resize(id.slot + size_t{1}, -1); });
+  for (size_t k = 0; k < frames_.size(); ++k) {
+    index_[frames_[k].slot] = static_cast<int32_t>(k);
+    start_.emplace_back(map.at(frames_[k]).T_cw);
+    // The world stays where it is, and the points that refer to its root.
+    problem_.fixed.push_back(map.is_root(frames_[k]));
+  }
+  problem_.poses = start_;
 }
 
 Sim3 LoopGraph::motion(const std::vector<Sim3>& poses, int32_t i, int32_t j) const {
@@ -109,6 +128,15 @@ int LoopGraph::tie(const Map& map) {
 }
 
 bool LoopGraph::solve() { return optimize_pose_graph(problem_).ok; }
+
+double LoopGraph::greatest_move() const {
+  double greatest = 0;
+  for (size_t k = 0; k < start_.size(); ++k) {
+    const Eigen::Vector3d before = start_[k].as_pose().centre(), after = problem_.poses[k].as_pose().centre();
+    greatest = std::max(greatest, (after - before).norm());
+  }
+  return greatest;
+}
 
 void LoopGraph::write_back(SharedMap& shared) const {
   std::vector<std::pair<MapPointId, Eigen::Vector3d>> places;

@@ -19,10 +19,18 @@
 
 namespace covis {
 
+// A key frame as another, of the same submap, would have it.
+struct LoopTie {
+  KeyFrameId current, place;
+  Sim3 S_cw;
+};
+
 // The essential graph of the current key frame's submap as a problem: edges as they were before the loop, and those
 // that the loop brings.
 class LoopGraph {
  public:
+  // A submap as the map has it, and many ties at once.
+  LoopGraph(const Map& map, uint32_t submap, const std::vector<LoopTie>& ties, Sensor sensor);
   // The key frames beside the current one start where the loop has them. The submap's root stays. Motions across links
   // of fewer than `weak_link` points are hardly known: they bend first.
   LoopGraph(const Map& map, KeyFrameId current, const Loop& loop, Sensor sensor, int weak_link = 0);
@@ -34,6 +42,8 @@ class LoopGraph {
   int tie(const Map& map);
   // False when it could not be solved; then the loop bends its end alone.
   bool solve();
+  // The greatest distance by which the solution moves a key frame, in the map's unit.
+  double greatest_move() const;
   // Writes the poses, and the points, which go with their reference key frames.
   void write_back(SharedMap& map) const;
 
@@ -41,6 +51,8 @@ class LoopGraph {
   const std::vector<KeyFrameId>& frames() const { return frames_; }
 
  private:
+  // The poses of a submap, those of its root fixed, and no edges.
+  void take_poses(const Map& map, uint32_t submap);
   int32_t index_of(KeyFrameId id) const { return id.slot < index_.size() ? index_[id.slot] : -1; }
   Sim3 motion(const std::vector<Sim3>& poses, int32_t i, int32_t j) const;
 

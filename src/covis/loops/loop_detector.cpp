@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace covis {
 
@@ -27,34 +28,54 @@ std::vector<KeyFrameId> within_steps(const Map& map, KeyFrameId from, int steps)
   return reached;
 }
 
+// The least similarity among the key frame's own neighbours.
+double least_score(const Map& map, const KeyFrame& key_frame, KeyFrameId id) {
+  double least = 1;
+  for (const Neighbour& n : map.neighbours(id))
+    least = std::min(least, word_score(key_frame.words->words, map.at(n.key_frame).words->words));
+  return least;
+}
+
+// Adds what the database finds beside what is excluded: each place once, the best first, as many as are verified.
+void add_places(const Map& map, const KeyFrame& key_frame, std::vector<KeyFrameId> excluded, double min_score,
+                std::vector<KeyFrameId>& places) {
+  if (places.size() == LoopDetector::kCandidates) return;
+  std::sort(excluded.begin(), excluded.end());
+  for (const auto& candidate : map.database().query(map, *key_frame.words, excluded, min_score)) {
+    const KeyFrameId id = candidate.key_frame;
+    const auto same = [&](KeyFrameId other) { return other == id || map.weight(other, id) >= kCovisibilityThreshold; };
+    if (places.size() < LoopDetector::kCandidates && std::none_of(places.begin(), places.end(), same))
+      places.push_back(id);
+  }
+}
+
 }  // namespace
 
 std::vector<KeyFrameId> LoopDetector::candidates(const Map& map, KeyFrameId current) const {
   const KeyFrame* key_frame = map.find(current);
   if (!key_frame || !key_frame->words) return {};
   if (last_loop_serial_ && key_frame->serial < *last_loop_serial_ + kBetweenLoops) return {};
-  double min_score = 1;
-  for (const Neighbour& n : map.neighbours(current))
-    min_score = std::min(min_score, word_score(key_frame->words->words, map.at(n.key_frame).words->words));
+  const double min_score = least_score(map, *key_frame, current);
   std::vector<KeyFrameId> result;
-  const auto ask = [&](int steps) {
-    if (result.size() == kCandidates) return;
+  for (const int steps : {kNearSteps, 1}) {
     // The camera has not come back to a place that was mapped a moment ago.
     std::vector<KeyFrameId> excluded = within_steps(map, current, steps);
     map.for_each_key_frame([&](KeyFrameId id, const KeyFrame& place) {
       if (place.submap == key_frame->submap && place.serial + kBetweenLoops > key_frame->serial) excluded.push_back(id);
     });
-    std::sort(excluded.begin(), excluded.end());
-    for (const auto& candidate : map.database().query(map, *key_frame->words, excluded, min_score)) {
-      const KeyFrameId id = candidate.key_frame;
-      const auto same = [&](KeyFrameId other) {
-        return other == id || map.weight(other, id) >= kCovisibilityThreshold;
-      };
-      if (result.size() < kCandidates && std::none_of(result.begin(), result.end(), same)) result.push_back(id);
-    }
-  };
-  ask(kNearSteps);
-  ask(1);
+    add_places(map, *key_frame, std::move(excluded), min_score, result);
+  }
+  return result;
+}
+
+std::vector<KeyFrameId> LoopDetector::candidates_elsewhere(const Map& map, KeyFrameId current) {
+  const KeyFrame* key_frame = map.find(current);
+  if (!key_frame || !key_frame->words) return {};
+  std::vector<KeyFrameId> excluded, result;
+  map.for_each_key_frame([&](KeyFrameId id, const KeyFrame& place) {
+    if (place.submap == key_frame->submap) excluded.push_back(id);
+  });
+  add_places(map, *key_frame, std::move(excluded), least_score(map, *key_frame, current), result);
   return result;
 }
 

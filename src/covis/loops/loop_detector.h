@@ -22,6 +22,8 @@ class LoopDetector {
   // Each place once: none shares 15 points with one before it. The far ones first, of these the best. None for a key
   // frame that is gone or has no words, or that comes soon after a loop.
   std::vector<KeyFrameId> candidates(const Map& map, KeyFrameId current) const;
+  // Places in other submaps alone, by the same rule, and whenever the last loop was.
+  static std::vector<KeyFrameId> candidates_elsewhere(const Map& map, KeyFrameId current);
   // A place was recognised by the key frame of this serial.
   void recognised(uint32_t serial) { last_loop_serial_ = serial; }
   void reset() { last_loop_serial_.reset(); }

@@ -213,6 +213,13 @@ bool LoopVerifier::seen_from_there(const LoopCandidate& candidate, const Sim3& S
   return true;
 }
 
+LoopVerifier::View LoopVerifier::look_for(const LoopPlace& place, const Pinhole& camera, const KeyFrameView& view,
+                                          const SE3& T_cw) {
+  const Projection seen = project(place, camera, view, T_cw, 8);
+  if (seen.in_view < 2 * options_.min_found) return View::says_nothing;
+  return enough_for_neighbour(seen) ? View::agrees : View::disagrees;
+}
+
 bool LoopVerifier::drift_explains(const LoopDrift& drift) const {
   return drift.distance <= options_.drift(sensor_) * drift.path && drift.rotation_deg <= options_.max_rotation &&
          std::abs(std::log(drift.scale)) <= std::log(options_.max_scale);

@@ -43,6 +43,11 @@ class LoopVerifier {
 
   LoopVerdict verify(const LoopCandidate& candidate);
 
+  enum class View { agrees, disagrees, says_nothing };
+  // A view at a pose in the place's world is asked whether it sees the place: it finds as much of it as a neighbour of
+  // the key frame must (test 4), or does not, or has too little of it in view to tell.
+  View look_for(const LoopPlace& place, const Pinhole& camera, const KeyFrameView& view, const SE3& T_cw);
+
  private:
   // The place's points that were found in a view at a pose.
   struct Projection {

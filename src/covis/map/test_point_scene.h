@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cmath>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -27,7 +28,8 @@ struct PointScene {
   struct Point {
     Eigen::Vector3d position_w;
     Descriptor descriptor;
-    double reach = 8;  // metres: the distance at which it is seen at level 0 (MapPoint::d_max)
+    double reach = 8;                 // metres: the distance at which it is seen at level 0 (MapPoint::d_max)
+    std::optional<uint32_t> twin_of;  // the index of a point that looks the same
   };
   // The view of a camera, without occlusion.
   struct View {
@@ -47,7 +49,7 @@ struct PointScene {
   SE3 T_cw(size_t i) const { return T_wc_of(i).inverse(); }
 
   void add_point(const Eigen::Vector3d& position_w, double reach, Random& random) {
-    points.push_back({position_w, random_descriptor(random), reach});
+    points.push_back({position_w, random_descriptor(random), reach, {}});
   }
 
   // Points 4 to 8 metres ahead of a camera that moves sideways along x, 0.2 metres a step.
@@ -74,6 +76,20 @@ struct PointScene {
     for (size_t i = 0; i < steps; ++i) {
       const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(steps);
       scene.T_wc.emplace_back(so3_exp({0, angle, 0}), Eigen::Vector3d(2 * std::sin(angle), 0, 2 * std::cos(angle)));
+    }
+    return scene;
+  }
+
+  // A ring whose second half looks the same as its first, point by point.
+  static PointScene twin_halves(int count = 2400, size_t steps = 48, uint64_t seed = 1) {
+    PointScene scene = ring(count, steps, seed);
+    std::erase_if(scene.points, [](const Point& p) { return p.position_w.x() < 0; });
+    const auto half = static_cast<uint32_t>(scene.points.size());
+    for (uint32_t p = 0; p < half; ++p) {
+      Point twin = scene.points[p];
+      twin.position_w = so3_exp({0, std::numbers::pi, 0}) * twin.position_w;
+      twin.twin_of = p;
+      scene.points.push_back(twin);
     }
     return scene;
   }
@@ -108,9 +124,11 @@ struct PointScene {
 
   // Words that a vocabulary would make of a view, had it one word for each point of the scene.
   std::shared_ptr<const Words> words(const View& view) const {
-    Words words;
+    std::map<uint32_t, float> weight;
     for (const size_t p : view.point)
-      words.words.push_back({static_cast<uint32_t>(p), 1.0f / static_cast<float>(view.point.size())});
+      weight[points[p].twin_of.value_or(static_cast<uint32_t>(p))] += 1.0f / static_cast<float>(view.point.size());
+    Words words;
+    for (const auto& [word, w] : weight) words.words.push_back({word, w});
     return std::make_shared<const Words>(std::move(words));
   }
 };

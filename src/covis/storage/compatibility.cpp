@@ -49,6 +49,22 @@ Result<void> check_compatible(const MapHeader& saved, const MapHeader& run, MapU
   return {};
 }
 
+Result<void> check_mergeable(const MapHeader& first, const MapHeader& other) {
+  std::string differs;
+  const auto add = [&](const std::string& text) { differs += (differs.empty() ? "" : ", ") + text; };
+  if (other.sensor != first.sensor)
+    add("sensor " + std::string(name(other.sensor)) + " instead of " + std::string(name(first.sensor)));
+  if (other.levels != first.levels)
+    add("orb.levels " + std::to_string(other.levels) + " instead of " + std::to_string(first.levels));
+  if (other.factor != first.factor) {
+    add("orb.scale_factor " + number(static_cast<double>(other.factor)) + " instead of " +
+        number(static_cast<double>(first.factor)));
+  }
+  if (const std::string camera = difference(first.camera, other.camera); !camera.empty()) add("camera: " + camera);
+  if (differs.empty()) return {};
+  return fail("it was made otherwise (" + differs + "): a map has one camera and one kind of features");
+}
+
 Result<SavedMap> load_compatible_map(const std::filesystem::path& file, const MapHeader& run, MapUse use) {
   auto saved = load_map(file);
   if (!saved) return saved;

@@ -24,6 +24,10 @@ MapHeader header_of(const Camera& camera, Sensor sensor, const OrbOptions& orb, 
 // have.
 Result<void> check_compatible(const MapHeader& saved, const MapHeader& run, MapUse use);
 
+// Succeeds when a map can become one with another: key frames of one camera, with features of one kind. The error names
+// all that differs.
+Result<void> check_mergeable(const MapHeader& first, const MapHeader& other);
+
 // Loads a map for a run; fails when it does not fit or has no key frames. Errors name the file.
 Result<SavedMap> load_compatible_map(const std::filesystem::path& file, const MapHeader& run, MapUse use);
 

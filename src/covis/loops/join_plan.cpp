@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/loops/join_plan.h"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <set>
+#include <tuple>
+#include <utility>
+
+namespace covis {
+namespace {
+
+constexpr int kLeastClaims = 2;  // distinct pairs of key frames
+
+std::pair<uint32_t, uint32_t> ordered(uint32_t a, uint32_t b) { return std::minmax({a, b}); }
+
+// Pairs of key frames, each counted once whichever of both claims to see the other.
+int distinct(const std::vector<JoinClaim>& claims, const JoinGroup& group) {
+  std::set<std::pair<KeyFrameId, KeyFrameId>> pairs;
+  for (const size_t k : group.claims) pairs.insert(std::minmax({claims[k].current, claims[k].place}));
+  return static_cast<int>(pairs.size());
+}
+
+// The pair that a key frame and a place belong to.
+JoinedPair& pair_of(std::vector<JoinedPair>& pairs, uint32_t a, uint32_t b) {
+  const auto at = std::lower_bound(pairs.begin(), pairs.end(), ordered(a, b), [](const JoinedPair& p, const auto& ids) {
+    return std::pair(p.older, p.younger) < ids;
+  });
+  return *at;
+}
+
+std::vector<JoinedPair> all_pairs(const Map& map) {
+  std::vector<JoinedPair> pairs;
+  for (const Submap& a : map.submaps()) {
+    for (const Submap& b : map.submaps()) {
+      if (a.id < b.id) pairs.push_back({.older = a.id, .younger = b.id, .refusal = JoinRefusal::not_alike});
+    }
+  }
+  return pairs;
+}
+
+// The refusal that came furthest stands for its pair.
+void note_refusals(const Map& map, const JoinClaims& found, std::vector<JoinedPair>& pairs) {
+  const auto reached = [](LoopRefusal why, const LoopEvidence& e) {
+    return std::tuple(why, e.found_again, e.inliers, e.matches);
+  };
+  for (size_t k = 0; k < found.refused.size(); ++k) {
+    const RefusedPlace& refused = found.refused[k];
+    JoinedPair& pair = pair_of(pairs, map.at(refused.place).submap, map.at(found.refused_of[k]).submap);
+    pair.refusal = JoinRefusal::not_verified;
+    if (reached(refused.why, refused.evidence) < reached(pair.why, pair.evidence)) continue;
+    pair.why = refused.why;
+    pair.evidence = refused.evidence;
+  }
+}
+
+bool contradicts_itself(const JoinedPair& pair) { return 2 * pair.contrary >= pair.claims; }
+
+// Marks the pairs whose claims contradict one another, and adds the key frames of these claims to `unsure`.
+void find_ambiguous(const std::vector<JoinClaim>& claims, const std::vector<JoinGroup>& groups,
+                    std::vector<JoinedPair>& pairs, std::set<KeyFrameId>& unsure) {
+  for (JoinedPair& pair : pairs) {
+    std::vector<const JoinGroup*> of;  // the largest first
+    for (const JoinGroup& group : groups) {
+      if (group.older == pair.older && group.younger == pair.younger) of.push_back(&group);
+    }
+    if (of.empty()) continue;
+    pair.claims = distinct(claims, *of.front());
+    pair.contrary = 0;
+    for (size_t g = 1; g < of.size(); ++g) pair.contrary += distinct(claims, *of[g]);
+    pair.why = LoopRefusal::none;
+    pair.evidence = claims[of.front()->claims.front()].evidence;
+    if (!contradicts_itself(pair)) continue;
+    for (const JoinGroup* group : of) {
+      for (const size_t k : group->claims) unsure.insert({claims[k].current, claims[k].place});
+    }
+  }
+}
+
+}  // namespace
+
+SideBySide::SideBySide(const Map& map, const std::vector<JoinClaim>& claims, const JoinGroup& group,
+                       LoopVerifier& verifier) {
+  constexpr double kWay = 1, kApart = 0.3, kTurned = std::numbers::pi / 9;  // shares of the depth; radians
+  struct Nearest {
+    double way = std::numeric_limits<double>::infinity();
+    double depth = 0;
+    Sim3 S_old_young;
+  };
+  std::vector<Nearest> nearest;  // by slot: the claim that says where a key frame of the younger submap is
+  for (const size_t k : group.claims) {
+    const JoinSides side(map, claims[k]);
+    const std::vector<double> ways = ways_from(map, side.in_younger);
+    nearest.resize(ways.size());
+    for (size_t slot = 0; slot < ways.size(); ++slot) {
+      if (ways[slot] < nearest[slot].way) nearest[slot] = {ways[slot], side.depth, side.S_old_young};
+    }
+  }
+  const std::vector<KeyFrameId> old_frames = map.key_frames(group.older);
+  for (const KeyFrameId& id : map.key_frames(group.younger)) {
+    const Nearest& at = nearest[id.slot];
+    if (at.way * at.S_old_young.scale() > kWay * at.depth) continue;
+    const SE3 T_cw = (Sim3(map.at(id).T_cw) * at.S_old_young.inverse()).as_pose();
+    KeyFrameId beside;
+    double least = kApart * at.depth;
+    for (const KeyFrameId& other : old_frames) {
+      const SE3& there = map.at(other).T_cw;
+      const double apart = (there.centre() - T_cw.centre()).norm();
+      if (apart > least || so3_log(there.R() * T_cw.R().transpose()).norm() > kTurned) continue;
+      least = apart;
+      beside = other;
+    }
+    if (!beside.valid()) continue;
+    const LoopVerifier::View view =
+        verifier.look_for(LoopPlace(map, beside), map.camera(), KeyFrameView(map, id), T_cw);
+    agree += view == LoopVerifier::View::agrees;
+    disagree += view == LoopVerifier::View::disagrees;
+  }
+}
+
+JoinPlan::JoinPlan(const Map& map, const JoinClaims& found, LoopVerifier& verifier) : pairs(all_pairs(map)) {
+  note_refusals(map, found, pairs);
+  const std::vector<JoinClaim>& claims = found.claims;
+  std::set<KeyFrameId> unsure;
+  std::vector<JoinGroup> all = group_claims(map, claims);
+  find_ambiguous(claims, all, pairs, unsure);
+  for (JoinGroup& group : all) {
+    JoinedPair& pair = pair_of(pairs, group.older, group.younger);
+    if (pair.refusal == JoinRefusal::none || pair.refusal == JoinRefusal::ambiguous) continue;  // a smaller group
+    if (contradicts_itself(pair)) {
+      pair.refusal = JoinRefusal::ambiguous;
+      continue;
+    }
+    std::erase_if(group.claims,
+                  [&](size_t k) { return unsure.contains(claims[k].current) || unsure.contains(claims[k].place); });
+    if (group.claims.empty()) {
+      pair.refusal = JoinRefusal::ambiguous;
+      continue;
+    }
+    if (pair.refusal == JoinRefusal::unconfirmed || pair.refusal == JoinRefusal::contradicted) continue;
+    if (distinct(claims, group) < kLeastClaims) {
+      pair.refusal = JoinRefusal::unconfirmed;
+      continue;
+    }
+    const SideBySide views(map, claims, group, verifier);
+    pair.views_agree = views.agree;
+    pair.views_disagree = views.disagree;
+    pair.refusal = views.disagree > views.agree ? JoinRefusal::contradicted : JoinRefusal::none;
+    pair.S_older_younger = JoinSides(map, claims[group.claims.front()]).S_old_young;
+    if (pair.refusal == JoinRefusal::none) groups.push_back(std::move(group));
+  }
+}
+
+}  // namespace covis

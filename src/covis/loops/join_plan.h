@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Decides which submaps are joined, before any is moved. One claim may be mistaken, and a false join ties two places
+// together for good; with both maps whole there is more to ask than while running. A pair is joined when
+//   1. two key frames at least claim to see the other submap, and agree on how both lie,
+//   2. fewer than half as many claims say otherwise: else one submap has two places that look like one of the other,
+//      and nobody can tell which it is. Key frames of such claims are not believed about other submaps either,
+//   3. where key frames of both would stand side by side, and so must see the same, they do, rather than not.
+#pragma once
+
+#include <vector>
+
+#include "covis/loops/join_claims.h"
+#include "covis/loops/join_report.h"
+#include "covis/loops/loop_verifier.h"
+
+namespace covis {
+
+struct JoinPlan {
+  std::vector<JoinGroup> groups;  // those that are believed, the surest (of the most claims) first
+  std::vector<JoinedPair> pairs;  // all pairs of submaps, by their ids, with what was decided
+
+  JoinPlan(const Map& map, const JoinClaims& found, LoopVerifier& verifier);
+};
+
+// Counts pairs of key frames of two submaps that would stand side by side, near the group's claims: those that see the
+// same and those that do not.
+struct SideBySide {
+  int agree = 0, disagree = 0;
+
+  SideBySide(const Map& map, const std::vector<JoinClaim>& claims, const JoinGroup& group, LoopVerifier& verifier);
+};
+
+}  // namespace covis

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/loops/map_merging.h"
+
+#include <algorithm>
+#include <memory>
+#include <tuple>
+#include <utility>
+
+#include "covis/map/map_union.h"
+
+namespace covis {
+namespace {
+
+// The map of the most key frames. Among equal ones the order in which they are given must not matter.
+size_t best_camera(const std::vector<MapState>& maps) {
+  const auto rank = [](const MapState& map) {
+    return std::tuple(map.key_frames.size(), map.points.size(), map.camera.fx, map.camera.fy);
+  };
+  const auto best = std::max_element(maps.begin(), maps.end(),
+                                     [&](const MapState& a, const MapState& b) { return rank(a) < rank(b); });
+  return static_cast<size_t>(best - maps.begin());
+}
+
+// The submaps of each input: its key frames have the serials that follow those of the input before.
+void find_inputs(const Map& map, const std::vector<uint32_t>& first_serials, std::vector<MergedInput>& inputs) {
+  for (const Submap& submap : map.submaps()) {
+    const uint32_t serial = map.at(submap.root).serial;
+    const auto next = std::upper_bound(first_serials.begin(), first_serials.end(), serial);
+    inputs[static_cast<size_t>(next - first_serials.begin()) - 1].submaps.push_back(submap.id);
+  }
+}
+
+}  // namespace
+
+Result<MergeReport> merge_maps(std::vector<MapState> maps, const Vocabulary& vocabulary, const JoinSettings& settings,
+                               SharedMap& merged) {
+  MergeReport report;
+  if (maps.empty()) return report;
+  report.camera_of = best_camera(maps);
+  const Pinhole camera = maps[report.camera_of].camera;
+  std::vector<uint32_t> first_serials;
+  std::vector<size_t> to_adjust;  // inputs whose camera is another one from now on
+  MapState all;
+  for (size_t i = 0; i < maps.size(); ++i) {
+    report.inputs.push_back({{}, maps[i].key_frames.size(), maps[i].points.size()});
+    if (maps[i].camera.fx != camera.fx || maps[i].camera.fy != camera.fy) to_adjust.push_back(i);
+    first_serials.push_back(all.next_serial);
+    if (const auto added = append_map(all, std::move(maps[i])); !added) return tl::unexpected(added.error());
+  }
+  all.camera = camera;
+  auto map = Map::from_state(std::move(all));
+  if (!map) return tl::unexpected(map.error());
+  find_inputs(*map, first_serials, report.inputs);
+  for (const KeyFrameId& id : map->key_frames())
+    map->set_words(id, std::make_shared<const Words>(vocabulary.transform(map->at(id).features->descriptor)));
+  *merged.write() = std::move(*map);
+  for (const size_t i : to_adjust) {
+    for (const uint32_t submap : report.inputs[i].submaps) adjust_submap(merged, submap, settings.loop.ba_iterations);
+  }
+  report.join = join_submaps(merged, settings);
+  return report;
+}
+
+}  // namespace covis

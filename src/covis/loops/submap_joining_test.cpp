@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/loops/submap_joining.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "covis/loops/join_plan.h"
+#include "covis/loops/test_loop_scene.h"
+#include "covis/map/map_state.h"
+
+namespace covis {
+namespace {
+
+const SE3 kShift = SE3::exp((Vector6d() << 3, 1, -2, 0.1, 0.7, 0.2).finished());
+
+// Submaps of a scene, each along some steps of its path, in a world of its own.
+struct Pieces {
+  PointScene scene;
+  SceneMap world;
+  Sensor sensor;
+
+  explicit Pieces(PointScene of, Sensor by = Sensor::rgbd) : scene(std::move(of)), world(scene, by), sensor(by) {}
+
+  // A submap of the steps from `first` to before `last`, displaced by T_shift, with a drift that grows to `drift`.
+  void add(size_t first, size_t last, const SE3& T_shift = SE3(), const Vector6d& drift = Vector6d::Zero()) {
+    world.begin_submap();
+    for (size_t i = first; i < last; ++i) {
+      const Vector6d xi = drift * (static_cast<double>(i - first) / static_cast<double>(last - first));
+      world.add(scene.T_cw(i), SE3::exp(xi) * scene.T_cw(i) * T_shift);
+      steps.push_back(i);
+    }
+  }
+  // Lengths of a submap become `factor` times as great.
+  void scale(uint32_t submap, double factor) {
+    const auto map = world.shared.write();
+    for (const KeyFrameId& id : map->key_frames(submap)) {
+      const SE3& T = map->at(id).T_cw;
+      map->set_pose(id, SE3(T.R(), Eigen::Vector3d(factor * T.t())));
+    }
+    for (const MapPointId& id : map->points()) {
+      if (map->at(map->at(id).reference).submap != submap) continue;
+      map->set_position(id, factor * map->at(id).position_w);
+      map->refresh_point(id);
+    }
+  }
+  JoinReport join() {
+    const JoinReport report = join_submaps(world.shared, {.sensor = sensor, .loop = {}, .mapper = {}, .seed = 0});
+    EXPECT_EQ(world.shared.read()->check(), "");
+    return report;
+  }
+  // The greatest distance of a key frame of the oldest submap from its true place.
+  double worst() const {
+    const auto map = world.shared.read();
+    double greatest = 0;
+    for (size_t k = 0; k < world.frames.size(); ++k) {
+      const KeyFrame& key_frame = map->at(world.frames[k]);
+      if (key_frame.submap != 0) continue;
+      greatest = std::max(greatest, (key_frame.T_cw.centre() - scene.T_wc_of(steps[k]).t()).norm());
+    }
+    return greatest;
+  }
+  size_t submaps() const { return world.shared.read()->submaps().size(); }
+
+  std::vector<size_t> steps;  // of the scene's path, for each key frame
+};
+
+class JoinedPieces : public testing::TestWithParam<Sensor> {};
+
+INSTANTIATE_TEST_SUITE_P(Sensors, JoinedPieces, testing::Values(Sensor::rgbd, Sensor::monocular),
+                         [](const auto& instance) { return std::string(name(instance.param)); });
+
+TEST_P(JoinedPieces, AreOneMapInTheOldestWorld) {
+  const bool monocular = GetParam() == Sensor::monocular;
+  Pieces pieces(PointScene::ring(2400, LoopScene::kSteps), GetParam());
+  pieces.add(0, 16);
+  pieces.add(8, 24, kShift);
+  pieces.add(20, 36, kShift.inverse());
+  if (monocular) pieces.scale(1, 1.7);
+  const size_t points = pieces.world.shared.read()->point_count();
+  const JoinReport report = pieces.join();
+  EXPECT_EQ(pieces.submaps(), 1u);
+  EXPECT_LT(pieces.worst(), 0.02);
+  ASSERT_EQ(report.maps.size(), 1u);
+  EXPECT_EQ(report.maps[0].of, (std::vector<uint32_t>{0, 1, 2}));
+  ASSERT_EQ(report.pairs.size(), 3u);
+  const JoinedPair& first = report.pairs[0];
+  EXPECT_EQ(first.refusal, JoinRefusal::none);
+  EXPECT_GE(first.claims, 8);
+  EXPECT_EQ(first.contrary, 0);
+  EXPECT_GT(first.views_agree, 4);
+  EXPECT_EQ(first.views_disagree, 0);
+  EXPECT_GT(first.fused, 500);
+  EXPECT_NEAR(first.S_older_younger.scale(), monocular ? 1 / 1.7 : 1, 1e-3);
+  EXPECT_NE(report.pairs[1].refusal, JoinRefusal::none) << "the first and the last see hardly anything of each other";
+  EXPECT_LT(pieces.world.shared.read()->point_count(), 0.75 * static_cast<double>(points)) << "duplicates are fused";
+}
+
+TEST(SubmapJoining, TheDriftBetweenTwoSeamsIsSpread) {
+  Pieces pieces(PointScene::ring(2400, LoopScene::kSteps));
+  pieces.add(0, 14);
+  // Around the rest of the ring and over its beginning: both ends see the first piece.
+  pieces.add(10, LoopScene::kSteps + 6, kShift, (Vector6d() << 0.15, 0.08, 0.05, 0, 0.03, 0).finished());
+  const JoinReport report = pieces.join();
+  ASSERT_EQ(pieces.submaps(), 1u);
+  EXPECT_EQ(report.pairs[0].contrary, 0);
+  EXPECT_GT(report.maps[0].correction, 0.05);
+  EXPECT_LT(pieces.worst(), 0.03);
+}
+
+TEST(SubmapJoining, WhatSharesNothingStaysApart) {
+  Pieces pieces(PointScene::ring(2400, LoopScene::kSteps));
+  pieces.add(0, 8);
+  pieces.add(24, 32, kShift);
+  const auto before = pieces.world.shared.read()->state();
+  const JoinReport report = pieces.join();
+  EXPECT_EQ(pieces.submaps(), 2u);
+  EXPECT_EQ(report.pairs[0].refusal, JoinRefusal::not_alike);
+  EXPECT_EQ(report.maps.size(), 2u);
+  const auto after = pieces.world.shared.read()->state();
+  for (size_t k = 0; k < before.key_frames.size(); ++k)
+    EXPECT_EQ(before.key_frames[k].T_cw.t(), after.key_frames[k].T_cw.t());
+}
+
+// One submap has two places that look like the other's: nobody can tell which of them it is.
+TEST(SubmapJoining, APlaceThatIsThereTwiceJoinsNothing) {
+  Pieces pieces(PointScene::twin_halves(2400, LoopScene::kSteps));
+  pieces.add(0, LoopScene::kSteps);
+  pieces.add(6, 18, kShift);
+  const JoinReport report = pieces.join();
+  EXPECT_EQ(pieces.submaps(), 2u);
+  EXPECT_EQ(report.pairs[0].refusal, JoinRefusal::ambiguous);
+  EXPECT_GT(report.pairs[0].contrary, 2);
+}
+
+// … and a place that is known to be there twice is not believed about a third submap either, which has it once.
+TEST(SubmapJoining, AnUnsurePlaceIsUnsureEverywhere) {
+  Pieces pieces(PointScene::twin_halves(2400, LoopScene::kSteps));
+  pieces.add(0, LoopScene::kSteps);
+  pieces.add(6, 18, kShift);
+  pieces.add(30, 42, kShift.inverse());  // the other half, which looks the same as the second submap
+  const JoinReport report = pieces.join();
+  EXPECT_EQ(pieces.submaps(), 3u);
+  for (const JoinedPair& pair : report.pairs) EXPECT_EQ(pair.refusal, JoinRefusal::ambiguous);
+}
+
+TEST(SubmapJoining, OneViewAloneIsNotBelieved) {
+  Pieces pieces(PointScene::ring(2400, LoopScene::kSteps));
+  pieces.add(0, 16);
+  pieces.add(8, 24, kShift);
+  const auto map = pieces.world.shared.read();
+  JoinClaims found = JoinClaims::collect(*map, Sensor::rgbd, {}, 0);
+  ASSERT_GE(found.claims.size(), 8u);
+  LoopVerifier verifier(Sensor::rgbd, {}, 0);
+  EXPECT_EQ(JoinPlan(*map, found, verifier).groups.size(), 1u);
+  found.claims.erase(found.claims.begin() + 1, found.claims.end());
+  const JoinPlan plan(*map, found, verifier);
+  EXPECT_TRUE(plan.groups.empty());
+  EXPECT_EQ(plan.pairs[0].refusal, JoinRefusal::unconfirmed);
+}
+
+TEST(SubmapJoining, TheWayLeadsAlongTheGraph) {
+  Pieces pieces(PointScene::ring(2400, LoopScene::kSteps));
+  pieces.add(0, 24);
+  pieces.add(0, 4);
+  const auto map = pieces.world.shared.read();
+  const std::vector<double> way = ways_from(*map, pieces.world.frames[0]);
+  EXPECT_EQ(way[pieces.world.frames[0].slot], 0);
+  const double chord =
+      (map->at(pieces.world.frames[23]).T_cw.centre() - map->at(pieces.world.frames[0]).T_cw.centre()).norm();
+  EXPECT_GT(way[pieces.world.frames[23].slot], 1.2 * chord) << "around the ring, not across it";
+  EXPECT_LT(way[pieces.world.frames[23].slot], 3.2 * 2);
+  EXPECT_TRUE(std::isinf(way[pieces.world.frames[24].slot])) << "another submap";
+}
+
+}  // namespace
+}  // namespace covis

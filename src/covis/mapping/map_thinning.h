@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Thins a saved map to a number of key frames: those go first whose points the others see anyway.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "covis/map/map.h"
+
+namespace covis {
+
+struct ThinnedKeyFrame {
+  int64_t frame = 0;
+  SE3 T_cw;
+  uint32_t submap = 0;
+  FeaturesPtr features;
+};
+
+// Erases key frames until so many are left, and points that too few see then (Map::erase_key_frame). Each time that one
+// goes whose loss costs least: a point that n key frames see counts 2^-(n-1). Roots stay. Returns what was erased, in
+// that order.
+std::vector<ThinnedKeyFrame> thin_map(Map& map, size_t key_frames);
+
+}  // namespace covis

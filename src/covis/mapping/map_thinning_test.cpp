@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/mapping/map_thinning.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "covis/map/test_point_scene.h"
+
+namespace covis {
+namespace {
+
+TEST(MapThinning, KeepsSoManyKeyFramesAndThePointsTheySee) {
+  const PointScene scene = PointScene::wall();
+  SceneMap world(scene);
+  world.add_key_frames(20);
+  const auto map = world.shared.write();
+  const size_t points = map->point_count();
+  const std::vector<ThinnedKeyFrame> erased = thin_map(*map, 6);
+  EXPECT_EQ(map->check(), "");
+  EXPECT_EQ(map->key_frame_count(), 6u);
+  EXPECT_EQ(erased.size(), 14u);
+  EXPECT_GT(map->point_count(), points * 9 / 10);
+  EXPECT_TRUE(map->find(world.frames[0])) << "the root";
+}
+
+// Of ten key frames at one place and five along the way those at one place go first.
+TEST(MapThinning, WhatOthersSeeAnywayGoesFirst) {
+  const PointScene scene = PointScene::wall();
+  SceneMap world(scene);
+  world.add_key_frames(10, 0, 0);
+  world.add_key_frames(5, 3, 3);
+  const auto map = world.shared.write();
+  for (const ThinnedKeyFrame& gone : thin_map(*map, 8)) EXPECT_LT(gone.frame, 10);
+  EXPECT_EQ(map->check(), "");
+}
+
+TEST(MapThinning, ABudgetThatIsKeptChangesNothing) {
+  const PointScene scene = PointScene::wall();
+  SceneMap world(scene);
+  world.add_key_frames(4);
+  EXPECT_TRUE(thin_map(*world.shared.write(), 4).empty());
+  EXPECT_EQ(thin_map(*world.shared.write(), 0).size(), 3u) << "the root stays";
+  EXPECT_EQ(world.shared.read()->check(), "");
+}
+
+}  // namespace
+}  // namespace covis
