@@ -13,7 +13,9 @@
 #include "covis/storage/map_file.h"
 #include "map_export.h"
 #include "map_import.h"
+#include "map_merge.h"
 #include "map_picture.h"
+#include "map_prune.h"
 
 namespace covis::app {
 namespace {
@@ -101,9 +103,13 @@ void add_map_command(CLI::App& app, int& exit_code) {
   check->callback([a, &exit_code] { exit_code = run_check(*a); });
   add_map_export(*command, exit_code);
   add_map_import(*command, exit_code);
+  add_map_merge(*command, exit_code);
+  add_map_prune(*command, exit_code);
+  add_map_split(*command, exit_code);
   command->footer(
       "Examples:\n  covis map info office.covis --picture office.png\n  covis map check office.covis\n"
       "  covis map export office.covis --to colmap --out office_colmap\n"
       "  covis map import sparse/0 --images images --out office.covis\n"
+      "  covis map merge monday.m tuesday.m --out site.m\n"
       "Exit code 1 when the file can't be read or is not whole.");
 }

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// covis map merge, as people run it: its report, what loads the file it writes, and what it refuses.
+#include "command_results.h"
+
+namespace covis {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class CommandMerge : public CommandTest {
+ protected:
+  // Two maps of one walk along a desk, which share some of it.
+  void SetUp() override {
+    CommandTest::SetUp();
+    recording = render("rgbd", 60);
+    one = folder / "one.m";
+    two = folder / "two.m";
+    map("0", "35", one);
+    map("25", "35", two);
+  }
+  void map(const std::string& first, const std::string& count, const fs::path& file) const {
+    const Outcome run = covis(
+        {"run", recording, "--first", first, "--count", count, "--quiet", "--out", folder / "out", "--save-map", file});
+    ASSERT_EQ(run.code, 0) << run.error;
+  }
+  Outcome merge(std::vector<std::string> more) const {
+    std::vector<std::string> words{"map", "merge"};
+    words.insert(words.end(), more.begin(), more.end());
+    return covis(words);
+  }
+
+  fs::path recording, one, two;
+};
+
+TEST_F(CommandMerge, WritesAMapThatAllElseLoads) {
+  const fs::path site = folder / "site.m";
+  const std::string before = text_of(one) + text_of(two);
+  const Outcome made = merge({one, two, "--out", site, "--json"});
+  ASSERT_EQ(made.code, 0) << made.error;
+  const json report = json::parse(made.out, nullptr, false);
+  ASSERT_TRUE(report.is_object()) << made.out;
+  EXPECT_EQ(report["inputs"][1]["maps"], json::array({0}));
+  ASSERT_EQ(report["pairs"].size(), 1u);
+  EXPECT_EQ(report["pairs"][0]["joined"], true);
+  EXPECT_GE(report["pairs"][0]["claims"], 2);
+  EXPECT_GT(report["pairs"][0]["fused"], 50);
+  EXPECT_EQ(report["maps"].size(), 1u);
+  EXPECT_EQ(text_of(one) + text_of(two), before) << "the inputs stay as they are";
+
+  const Outcome text = merge({one, two, "--out", folder / "again.m"});
+  EXPECT_THAT(text.out, AllOf(HasSubstr("joined"), HasSubstr("points found again"), HasSubstr(one.string())));
+  EXPECT_EQ(text_of(folder / "again.m"), text_of(site)) << "the same bytes";
+
+  EXPECT_EQ(covis({"map", "check", site}).code, 0);
+  EXPECT_EQ(json::parse(covis({"map", "info", site, "--json"}).out, nullptr, false)["maps"], 1);
+  EXPECT_EQ(covis({"map", "export", site, "--to", "bundler", "--out", folder / "bundler"}).code, 0);
+  const fs::path found = folder / "found.txt";
+  ASSERT_EQ(covis({"localize", recording, "--map", site, "--out", found}).code, 0);
+  EXPECT_GE(line_count(found), 50) << "of both parts of the walk";
+  ASSERT_EQ(covis({"run", recording, "--quiet", "--out", folder / "out", "--map", site, "--save-map", site}).code, 0);
+  EXPECT_EQ(parsed(folder / "out/summary.json")["maps"].size(), 1u);
+  EXPECT_EQ(covis({"map", "check", site}).code, 0);
+}
+
+TEST_F(CommandMerge, RefusesWhatItCanNotDoAndWritesNothing) {
+  const fs::path site = folder / "site.m", other = folder / "other.m", broken = folder / "broken.m";
+  const Outcome twice = merge({one, one, "--out", site});
+  EXPECT_EQ(twice.code, 1);
+  EXPECT_THAT(twice.error, HasSubstr(one.string() + ": given twice"));
+  const Outcome over = merge({one, two, "--out", two});
+  EXPECT_EQ(over.code, 1);
+  EXPECT_THAT(over.error, HasSubstr("left as they are"));
+  EXPECT_EQ(merge({one, "--out", site}).code, 2) << "one map alone";
+
+  const std::string camera = text_of(recording / "camera.yaml");
+  std::ofstream(folder / "camera.yaml") << camera << "\n";
+  std::string longer = camera;
+  longer.replace(longer.find("fx:"), longer.find('\n', longer.find("fx:")) - longer.find("fx:"), "fx: 260");
+  std::ofstream(recording / "camera.yaml") << longer;
+  map("0", "20", other);
+  const Outcome cameras = merge({one, other, "--out", site});
+  EXPECT_EQ(cameras.code, 1);
+  EXPECT_THAT(cameras.error, AllOf(HasSubstr(other.string() + ": it can't be merged with " + one.string()),
+                                   HasSubstr("fx 260 instead of")));
+
+  std::ofstream(broken, std::ios::binary) << text_of(two).substr(0, 2000);
+  EXPECT_EQ(merge({one, broken, "--out", site}).code, 1);
+  EXPECT_FALSE(fs::exists(site));
+}
+
+TEST_F(CommandMerge, EndsAtOnceByCtrlC) {
+  const fs::path site = folder / "site.m";
+  Process process(command({"map", "merge", one, two, "--out", site}), folder / "stdout", folder / "stderr");
+  process.send(SIGINT);
+  EXPECT_THAT(process.wait(kPatience), testing::AnyOf(128 + SIGINT, 0));
+  EXPECT_TRUE(!fs::exists(site) || covis({"map", "check", site}).code == 0);
+}
+
+}  // namespace
+}  // namespace covis
