@@ -171,6 +171,9 @@ void print(const Names& names, const JoinedPair& pair) {
       std::printf(" (at best: %s; %d matches, %d inliers, %d of %d points found again)", name(pair.why), e.matches,
                   e.inliers, e.found_again, e.in_view);
       break;
+    case JoinRefusal::unconfirmed:
+      std::printf(" (%d)", pair.claims);
+      break;
     case JoinRefusal::ambiguous:
       std::printf(" (%d views for one relation, %d for others)", pair.claims, pair.contrary);
       break;

@@ -81,7 +81,7 @@ TEST_P(Merging, TwoWalksBecomeOneMap) {
   ASSERT_EQ(merged.map.read()->submaps().size(), 1u);
   const JoinedPair& pair = merged.report.join.pairs.at(0);
   EXPECT_EQ(pair.refusal, JoinRefusal::none);
-  EXPECT_GE(pair.claims, 2);
+  EXPECT_GE(pair.claims, 3);
   EXPECT_EQ(pair.contrary, 0);
   EXPECT_GT(pair.fused, 100);
   EXPECT_EQ(pair.S_older_younger.scale() == 1, !monocular());
@@ -132,7 +132,7 @@ TEST_P(Merging, PlacesThatOnlyLookAlikeAreNotJoinedLong) {
     int frames;
     double fps;
     std::vector<std::pair<int, int>> pieces;
-  } cases[] = {{"posters", 265, 10, {{0, 60}, {100, 160}, {260, 200}}}};
+  } cases[] = {{"posters", 265, 10, {{0, 60}, {100, 160}, {260, 200}}}, {"twins", 190, 8, {{0, 80}, {100, 190}}}};
   for (const auto& c : cases) {
     SCOPED_TRACE(c.world);
     Recording& recording = shared_recording(GetParam(), c.frames, c.fps, c.world, {400, 300});

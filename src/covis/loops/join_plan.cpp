@@ -11,7 +11,9 @@
 namespace covis {
 namespace {
 
-constexpr int kLeastClaims = 2;  // distinct pairs of key frames
+// Distinct pairs of key frames that must agree; and where more than a quarter of the views that would stand side by
+// side do not see the same.
+constexpr int kLeastClaims = 3, kLeastClaimsInDoubt = 5;
 
 std::pair<uint32_t, uint32_t> ordered(uint32_t a, uint32_t b) { return std::minmax({a, b}); }
 
@@ -146,7 +148,8 @@ JoinPlan::JoinPlan(const Map& map, const JoinClaims& found, LoopVerifier& verifi
     const SideBySide views(map, claims, group, verifier);
     pair.views_agree = views.agree;
     pair.views_disagree = views.disagree;
-    pair.refusal = views.disagree > views.agree ? JoinRefusal::contradicted : JoinRefusal::none;
+    const bool in_doubt = 3 * views.disagree > views.agree && distinct(claims, group) < kLeastClaimsInDoubt;
+    pair.refusal = views.disagree > views.agree || in_doubt ? JoinRefusal::contradicted : JoinRefusal::none;
     pair.S_older_younger = JoinSides(map, claims[group.claims.front()]).S_old_young;
     if (pair.refusal == JoinRefusal::none) groups.push_back(std::move(group));
   }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decides which submaps are joined, before any is moved. One claim may be mistaken, and a false join ties two places
 // together for good; with both maps whole there is more to ask than while running. A pair is joined when
-//   1. two key frames at least claim to see the other submap, and agree on how both lie,
+//   1. three pairs of key frames at least claim to see the same place, and agree on how both submaps lie,
 //   2. fewer than half as many claims say otherwise: else one submap has two places that look like one of the other,
 //      and nobody can tell which it is. Key frames of such claims are not believed about other submaps either,
-//   3. where key frames of both would stand side by side, and so must see the same, they do, rather than not.
+//   3. where key frames of both would stand side by side, and so must see the same, they do, rather than not; where
+//   more
+//      than a quarter do not, five claims must agree.
 #pragma once
 
 #include <vector>

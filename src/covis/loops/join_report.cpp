@@ -12,7 +12,7 @@ const char* name(JoinRefusal refusal) {
     case JoinRefusal::not_verified:
       return "no place that looks alike is the same";
     case JoinRefusal::unconfirmed:
-      return "one view alone shows the same place";
+      return "too few views show the same place";
     case JoinRefusal::ambiguous:
       return "places that look alike contradict one another";
     case JoinRefusal::contradicted:

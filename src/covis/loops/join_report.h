@@ -14,7 +14,7 @@ enum class JoinRefusal {
   none,          // the pair is joined
   not_alike,     // no key frame of one looks like a place of the other
   not_verified,  // none that does is verified: LoopRefusal says why
-  unconfirmed,   // a single key frame claims to see the other submap
+  unconfirmed,   // too few key frames claim to see the other submap
   ambiguous,     // claims contradict one another, as when one submap has two places that look like one of the other
   contradicted,  // key frames that would stand side by side do not see the same things
   inconsistent,  // both are joined with others, in another way than these claims say
