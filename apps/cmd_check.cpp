@@ -14,12 +14,13 @@
 #include "covis/core/log.h"
 #include "covis/core/quantile.h"
 #include "covis/io/sequence.h"
+#include "import_camera.h"
 
 namespace covis::app {
 namespace {
 
 struct CheckArguments {
-  std::string path, out = "check.png";
+  std::string path, out, import_camera;
   Reading reading;
   bool json = false;
 };
@@ -144,6 +145,8 @@ nlohmann::json to_json(const io::Sequence& sequence, const Findings& f) {
 }
 
 int run(const CheckArguments& a) {
+  if (!a.import_camera.empty()) return import_camera(a.import_camera, a.out.empty() ? "camera.yaml" : a.out);
+  const std::string out = a.out.empty() ? "check.png" : a.out;
   const auto opened = io::open_sequence(a.path, a.reading.options());
   if (!opened) {
     log(LogLevel::error, opened.error().message);
@@ -153,13 +156,13 @@ int run(const CheckArguments& a) {
   const Findings f = read_all(**opened, a.reading, picture);
   nlohmann::json found = to_json(**opened, f);
   Result<void> written;
-  if (!f.stamps.empty()) written = picture.write(a.out);
-  if (written && !f.stamps.empty()) found["picture"] = a.out;
+  if (!f.stamps.empty()) written = picture.write(out);
+  if (written && !f.stamps.empty()) found["picture"] = out;
   if (a.json) {
     std::cout << found.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
   } else {
     print(found);
-    if (found.contains("picture")) std::cout << picture.caption() << ": " << a.out << "\n";
+    if (found.contains("picture")) std::cout << picture.caption() << ": " << out << "\n";
   }
   if (!written) log(LogLevel::error, written.error().message);
   return f.problems.empty() && written && !f.stamps.empty() ? 0 : 1;
@@ -173,14 +176,25 @@ void add_check_command(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<CheckArguments>();
   CLI::App* command =
       app.add_subcommand("check", "Describe a recording and report what is wrong with it, with a picture");
-  command
-      ->add_option("PATH", a->path, "folder (TUM RGB-D, KITTI, EuRoC, images), ROS bag, video file, or camera number")
-      ->required();
+  CLI::Option* path = command->add_option("PATH", a->path,
+                                          "folder (TUM RGB-D, KITTI, EuRoC, TartanAir, OpenLORIS-Scene, images), ROS "
+                                          "bag, video file, or camera number");
   add_reading_options(*command, a->reading);
-  command->add_option("--out", a->out, "the picture: stereo rows, depth overlay, or keypoints")->capture_default_str();
-  command->add_flag("--json", a->json, "JSON on stdout");
+  command->add_option("--out", a->out,
+                      "the picture: stereo rows, depth overlay, or keypoints (default: check.png); with "
+                      "--import-camera the camera file (default: camera.yaml)");
+  CLI::Option* json = command->add_flag("--json", a->json, "JSON on stdout");
+  command
+      ->add_option("--import-camera", a->import_camera,
+                   "instead of checking a recording, make a camera file of a camera of Kalibr, COLMAP, Kimera, EuRoC, "
+                   "ROS, OpenCV or Open3D (docs/input.md)")
+      ->excludes(path)
+      ->excludes(json);
   command->footer(
-      "Examples:\n  covis check rgbd_dataset_freiburg1_desk\n  covis check kitti/sequences/06 --out rows.png\nExit "
-      "code 1 when there is a problem.");
-  command->callback([a, &exit_code] { exit_code = run(*a); });
+      "Examples:\n  covis check rgbd_dataset_freiburg1_desk\n  covis check kitti/sequences/06 --out rows.png\n  covis "
+      "check --import-camera camchain.yaml --out camera.yaml\nExit code 1 when there is a problem.");
+  command->callback([a, &exit_code] {
+    if (a->path.empty() && a->import_camera.empty()) throw CLI::RequiredError("PATH");
+    exit_code = run(*a);
+  });
 }

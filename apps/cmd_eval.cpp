@@ -28,10 +28,10 @@ const std::map<std::string, AlignMode> kAligns{{"se3", AlignMode::se3},
                                                {"first-sim3", AlignMode::first_sim3}};
 const std::map<std::string, DeltaUnit> kUnits{
     {"frames", DeltaUnit::frames}, {"s", DeltaUnit::seconds}, {"m", DeltaUnit::metres}};
-const std::map<std::string, io::TrajectoryFormat> kReadFormats{{"auto", io::TrajectoryFormat::automatic},
-                                                               {"tum", io::TrajectoryFormat::tum},
-                                                               {"kitti", io::TrajectoryFormat::kitti},
-                                                               {"euroc", io::TrajectoryFormat::euroc}};
+const std::map<std::string, io::TrajectoryFormat> kReadFormats{
+    {"auto", io::TrajectoryFormat::automatic},      {"tum", io::TrajectoryFormat::tum},
+    {"kitti", io::TrajectoryFormat::kitti},         {"euroc", io::TrajectoryFormat::euroc},
+    {"tartanair", io::TrajectoryFormat::tartanair}, {"icl-nuim", io::TrajectoryFormat::icl_nuim}};
 
 int run(const EvalArguments& a) {
   const auto estimate = io::read_trajectory(a.trajectory, kReadFormats.at(a.format), a.stamps);
@@ -67,8 +67,9 @@ void add_eval_command(CLI::App& app, int& exit_code) {
       app.add_subcommand("eval", "Compare a trajectory with the truth: ATE, RPE, KITTI errors, coverage");
   command->add_option("TRAJECTORY", a->trajectory, "the estimate: TUM, KITTI or EuRoC file")->required();
   command
-      ->add_option("TRUTH", a->truth,
-                   "the truth: TUM, KITTI or EuRoC file (of the camera; EuRoC's own truth is of the body)")
+      ->add_option(
+          "TRUTH", a->truth,
+          "the truth: TUM, KITTI, EuRoC, TartanAir or ICL-NUIM file (of the camera; EuRoC's own truth is of the body)")
       ->required();
   command
       ->add_option("--align", a->align,
@@ -94,12 +95,13 @@ void add_eval_command(CLI::App& app, int& exit_code) {
   command->add_option("--truth-format", a->truth_format, "of the truth")
       ->capture_default_str()
       ->check(CLI::IsMember(keys(kReadFormats)));
-  command->add_option("--stamps", a->stamps, "times.txt of a KITTI trajectory");
-  command->add_option("--truth-stamps", a->truth_stamps, "times.txt of a KITTI truth");
+  command->add_option("--stamps", a->stamps, "times.txt of a KITTI or TartanAir trajectory");
+  command->add_option("--truth-stamps", a->truth_stamps, "times.txt of a KITTI or TartanAir truth");
   command->footer(
       "Examples:\n"
       "  covis eval out/trajectory.txt groundtruth.txt --plot errors.png\n"
       "  covis eval out/trajectory_online.txt groundtruth.txt --align sim3 --json\n"
-      "  covis eval out/trajectory.txt poses.txt --truth-stamps times.txt");
+      "  covis eval out/trajectory.txt poses.txt --truth-stamps times.txt\n"
+      "  covis eval out/trajectory.txt P001/pose_left.txt            # TartanAir");
   command->callback([a, &exit_code] { exit_code = run(*a); });
 }

@@ -20,10 +20,16 @@ void on_signal(int signal) {
 const std::map<std::string, Sensor> kSensors{
     {"mono", Sensor::monocular}, {"stereo", Sensor::stereo}, {"rgbd", Sensor::rgbd}};
 
-const std::map<std::string, io::SequenceKind> kKinds{
-    {"tum", io::SequenceKind::tum},      {"kitti", io::SequenceKind::kitti},   {"euroc", io::SequenceKind::euroc},
-    {"bag", io::SequenceKind::bag},      {"images", io::SequenceKind::images}, {"video", io::SequenceKind::video},
-    {"camera", io::SequenceKind::camera}};
+const std::map<std::string, io::SequenceKind> kKinds{{"tum", io::SequenceKind::tum},
+                                                     {"kitti", io::SequenceKind::kitti},
+                                                     {"euroc", io::SequenceKind::euroc},
+                                                     {"tartanair", io::SequenceKind::tartanair},
+                                                     {"openloris", io::SequenceKind::openloris},
+                                                     {"open3d", io::SequenceKind::open3d},
+                                                     {"bag", io::SequenceKind::bag},
+                                                     {"images", io::SequenceKind::images},
+                                                     {"video", io::SequenceKind::video},
+                                                     {"camera", io::SequenceKind::camera}};
 
 std::atomic<int> interrupted = 0;
 

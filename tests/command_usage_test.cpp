@@ -67,6 +67,25 @@ TEST_F(CommandCheck, NamesTheFrameThatCantBeRead) {
   EXPECT_EQ(parsed(folder / "out" / "summary.json")["frames_unreadable"], 1);
 }
 
+TEST_F(CommandCheck, MakesACameraFileOfAnotherProgramsCamera) {
+  const fs::path chain = folder / "camchain.yaml", camera = folder / "camera.yaml";
+  const std::string lens =
+      "  camera_model: pinhole\n  distortion_model: radtan\n  distortion_coeffs: [-0.28, 0.07, 0.0002, 1.7e-05]\n"
+      "  intrinsics: [458, 457, 367, 248]\n  resolution: [752, 480]\n";
+  std::ofstream(chain) << "cam0:\n"
+                       << lens << "cam1:\n  T_cn_cnm1: [[1, 0, 0, -0.11], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
+                       << lens;
+  const Outcome made = covis({"check", "--import-camera", chain, "--out", camera});
+  EXPECT_EQ(made.code, 0) << made.error;
+  EXPECT_THAT(made.out, HasSubstr("Kalibr"));
+  EXPECT_THAT(text_of(camera), HasSubstr("fx: 458\n"));
+  EXPECT_THAT(text_of(folder / "camera_cam1_sensor.yaml"), HasSubstr("radial-tangential"));
+  EXPECT_EQ(covis({"check", "--import-camera", camera, "--out", folder / "c.yaml"}).code, 1) << "it is one already";
+  EXPECT_THAT(covis({"check", "--import-camera", chain, "--out", chain}).error, HasSubstr("another file"));
+  EXPECT_THAT(text_of(chain), HasSubstr("cam1"));
+  EXPECT_EQ(covis({"check", folder, "--import-camera", chain}).code, 2) << "one or the other";
+}
+
 using CommandUsage = CommandTest;
 
 TEST_F(CommandUsage, WrongArgumentsAreNamedWithCode2) {
@@ -99,23 +118,25 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
   const struct {
     std::vector<std::string> words;
     std::string message;
-  } cases[] = {{{"run"}, "PATH is missing"},
-               {{"run", gone}, gone + ": it does not exist"},
-               {{"run", gone, "--set", "orb.featurs=3"}, "nearest known one is 'orb.features'"},
-               {{"run", gone, "--set", "orb.features=x"}, "whole number from 50"},
-               {{"run", gone, "--set", "orb.features"}, "NAME=VALUE"},
-               {{"run", gone, "--config", gone}, gone},
-               {{"run", gone, "--simd", "abacus"}, "no such instruction set here; there are best, "},
-               {{"localize", gone, "--map", gone}, gone + ": it does not exist"},
-               {{"localize", gone, "--map", gone, "--set", "orb.features"}, "NAME=VALUE"},
-               {{"map", "info", gone}, gone},
-               {{"calibrate", gone, "--board", "9x6", "--square", "0.03"}, gone + ": there is no such video"},
-               {{"calibrate", gone, "--board", "9by6", "--square", "0.03"}, "COLUMNSxROWS is wanted"},
-               {{"calibrate", gone, "--board", "9x6", "--square", "0.03", "--marker", "0.02"}, "--charuco"},
-               {{"eval", gone, gone}, gone},
-               {{"eval", file, file}, "file.txt"},
-               {{"check", gone}, gone},
-               {{"synth", "mars", "--out", gone}, "no world 'mars'"}};
+  } cases[] = {
+      {{"run"}, "PATH is missing"},
+      {{"run", gone}, gone + ": it does not exist"},
+      {{"run", gone, "--set", "orb.featurs=3"}, "nearest known one is 'orb.features'"},
+      {{"run", gone, "--set", "orb.features=x"}, "whole number from 50"},
+      {{"run", gone, "--set", "orb.features"}, "NAME=VALUE"},
+      {{"run", gone, "--config", gone}, gone},
+      {{"run", gone, "--simd", "abacus"}, "no such instruction set here; there are best, "},
+      {{"localize", gone, "--map", gone}, gone + ": it does not exist"},
+      {{"localize", gone, "--map", gone, "--set", "orb.features"}, "NAME=VALUE"},
+      {{"map", "info", gone}, gone},
+      {{"calibrate", gone, "--board", "9x6", "--square", "0.03"}, gone + ": there is no such video"},
+      {{"calibrate", gone, "--board", "9by6", "--square", "0.03"}, "COLUMNSxROWS is wanted"},
+      {{"calibrate", gone, "--board", "9x6", "--square", "0.03", "--marker", "0.02"}, "--charuco"},
+      {{"eval", gone, gone}, gone},
+      {{"eval", file, file}, "file.txt"},
+      {{"check", gone}, gone},
+      {{"check", "--import-camera", file, "--out", gone}, "it is no camera that can be read. Readable are: Kalibr"},
+      {{"synth", "mars", "--out", gone}, "no world 'mars'"}};
   for (const auto& c : cases) {
     const Outcome outcome = covis(c.words);
     EXPECT_EQ(outcome.code, 1) << c.message;

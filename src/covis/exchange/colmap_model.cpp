@@ -80,7 +80,7 @@ Result<Camera> read_camera(const fs::path& file, int& id) {
     return lines.problem("a " + model +
                          " of at least 64 x 64 pixels with positive focal lengths and its principal point "
                          "in the image is wanted");
-  if (lines.next()) return lines.problem("there is a second camera; a map has one");
+  if (lines.next()) return lines.problem("there is a second camera; one is wanted");
   return camera;
 }
 
@@ -112,6 +112,11 @@ Result<ColmapModel::Image> read_image(Lines& lines, std::istringstream& line, in
 }
 
 }  // namespace
+
+Result<Camera> read_colmap_camera(const fs::path& file) {
+  int id = 0;
+  return read_camera(file, id);
+}
 
 Result<ColmapModel> read_colmap(const fs::path& folder) {
   if (fs::exists(folder / "cameras.bin") && !fs::exists(folder / "cameras.txt")) {

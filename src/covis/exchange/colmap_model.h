@@ -28,4 +28,7 @@ struct ColmapModel {
 // RADIAL, OPENCV, OPENCV_FISHEYE), an image of another camera, numbers that are none.
 Result<ColmapModel> read_colmap(const std::filesystem::path& folder);
 
+// Reads cameras.txt alone.
+Result<Camera> read_colmap_camera(const std::filesystem::path& file);
+
 }  // namespace covis::exchange

@@ -44,13 +44,21 @@ struct Request {
   std::optional<Sensor> wanted;
   std::optional<CameraFile> given;
   bool uncalibrated = false;  // see SequenceOptions
-  TopicNames topics = {};  // a bag's
+  TopicNames topics = {};     // a bag's
 };
 Result<Recording> read_tum(const Request& request);
 Result<Recording> read_kitti(const Request& request);
 Result<Recording> read_euroc(const Request& request);
+Result<Recording> read_tartanair(const Request& request);
+Result<Recording> read_openloris(const Request& request);
+Result<Recording> read_open3d(const Request& request);
 Result<Recording> read_images(const Request& request);
 Result<Recording> read_bag(const Request& request);
+
+// True for a folder with the layout and names of TartanAir.
+bool is_tartanair(const std::filesystem::path& folder);
+// True for a folder with images in color/, rgb/ or image/ and depth images in depth/.
+bool is_open3d(const std::filesystem::path& folder);
 
 // Lists the image files of a folder in natural order (2 before 10).
 std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);

@@ -1,77 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // EuRoC sequences (Burri et al., "The EuRoC micro aerial vehicle datasets", IJRR 2016): mav0/cam0, cam1 with data.csv
 // and sensor.yaml.
-#include <Eigen/LU>
 #include <map>
 
 #include "covis/io/files.h"
 #include "covis/io/recording.h"
-#include "covis/io/yaml.h"
+#include "covis/io/sensor_file.h"
 
 namespace covis::io {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Sensored {
-  Camera camera;
-  SE3 T_bs;  // sensor to body
-};
-
-Result<std::vector<double>> numbers(const fs::path& file, const YAML::Node& parent, const char* key, size_t least) {
-  const YAML::Node node = parent[key];
-  if (!node || !node.IsSequence())
-    return fail(file.string() + ": '" + key + "' is missing, a list of numbers is expected");
-  std::vector<double> values;
-  for (const auto& item : node) {
-    const auto value = parse_double(item.Scalar());
-    if (!value) return fail(yaml_place(file, item) + ": " + key + ": '" + item.Scalar() + "' is not a finite number");
-    values.push_back(*value);
-  }
-  if (values.size() < least)
-    return fail(yaml_place(file, node) + ": " + key + " needs " + std::to_string(least) + " numbers");
-  return values;
-}
-
-Result<Sensored> read_sensor(const fs::path& file) {
-  const auto root = load_yaml(file);
-  if (!root) return tl::unexpected(root.error());
-  if (!root->IsMap() || !(*root)["T_BS"]) return fail(file.string() + ": 'T_BS' is missing");
-  const auto t = numbers(file, (*root)["T_BS"], "data", 16);
-  if (!t) return tl::unexpected(t.error());
-  const auto size = numbers(file, *root, "resolution", 2);
-  if (!size) return tl::unexpected(size.error());
-  const auto k = numbers(file, *root, "intrinsics", 4);
-  if (!k) return tl::unexpected(k.error());
-  if (!((*k)[0] > 0) || !((*k)[1] > 0)) return fail(file.string() + ": intrinsics: the focal lengths must be positive");
-  Sensored sensor;
-  sensor.camera.width = static_cast<int>((*size)[0]);
-  sensor.camera.height = static_cast<int>((*size)[1]);
-  sensor.camera.pinhole = {(*k)[0], (*k)[1], (*k)[2], (*k)[3], 0};
-  const std::string model = (*root)["distortion_model"] ? (*root)["distortion_model"].Scalar() : "none";
-  if (model == "radial-tangential" || model == "radtan" || model == "plumb_bob") {
-    sensor.camera.distortion = Distortion::brown_conrady;
-  } else if (model == "equidistant") {
-    sensor.camera.distortion = Distortion::kannala_brandt;
-  } else if (model != "none") {
-    return fail(file.string() + ": distortion_model '" + model +
-                "' is unknown; it must be radial-tangential, equidistant or none");
-  }
-  if (sensor.camera.distortion != Distortion::none) {
-    const auto d = numbers(file, *root, "distortion_coefficients", 4);
-    if (!d) return tl::unexpected(d.error());
-    std::copy_n(d->begin(), std::min<size_t>(d->size(), 5), sensor.camera.coefficients.begin());
-  }
-  Eigen::Matrix3d R;
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) R(r, c) = (*t)[static_cast<size_t>(r * 4 + c)];
-  }
-  if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > 1e-3 || R.determinant() < 0) {
-    return fail(file.string() + ": T_BS does not hold a rotation");
-  }
-  sensor.T_bs = SE3(R, Eigen::Vector3d((*t)[3], (*t)[7], (*t)[11])).normalized();
-  return sensor;
-}
 
 using Images = std::map<Timestamp, fs::path>;
 
@@ -161,13 +100,13 @@ Result<SE3> find_camera(const Request& request, const fs::path& base, Recording&
   } else if (!fs::exists(left_file)) {
     return tl::unexpected(no_calibration(request.folder, left_file.string()));
   }
-  const auto left = read_sensor(left_file);
+  const auto left = read_sensor_file(left_file);
   if (!left) return tl::unexpected(left.error());
   if (request.given) return left->T_bs;
   recording.camera = left->camera;
   recording.calibration = left_file.string();
   if (recording.sensor != Sensor::stereo) return left->T_bs;
-  const auto right = read_sensor(right_file);
+  const auto right = read_sensor_file(right_file);
   if (!right) return tl::unexpected(right.error());
   auto rectification = StereoRectification::create(left->camera, right->camera, right->T_bs.inverse() * left->T_bs);
   if (!rectification)

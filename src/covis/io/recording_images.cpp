@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "covis/io/files.h"
+#include "covis/io/image_stamps.h"
 #include "covis/io/images.h"
 #include "covis/io/recording.h"
 
@@ -84,6 +85,18 @@ std::vector<Timestamp> stamps_of_names(const std::vector<fs::path>& images) {
 
 }  // namespace
 
+Result<std::vector<Timestamp>> stamps_of_images(const fs::path& recording, const fs::path& folder,
+                                                const std::vector<fs::path>& images, double rate) {
+  constexpr double kDefaultRate = 30;
+  auto stamps = find_stamps(recording, folder, images.size());
+  if (!stamps) return stamps;
+  if (stamps->empty()) *stamps = stamps_of_names(images);
+  if (!stamps->empty()) return stamps;
+  for (size_t i = 0; i < images.size(); ++i)
+    stamps->push_back(from_seconds(static_cast<double>(i) / (rate > 0 ? rate : kDefaultRate)));
+  return stamps;
+}
+
 std::vector<fs::path> list_images(const fs::path& folder) {
   std::vector<fs::path> images;
   std::error_code error;
@@ -101,7 +114,6 @@ Error no_calibration(const fs::path& folder, const std::string& looked_for) {
 }
 
 Result<Recording> read_images(const Request& request) {
-  constexpr double kDefaultRate = 30;
   Recording recording;
   recording.kind = SequenceKind::images;
   recording.name = "image folder";
@@ -129,14 +141,9 @@ Result<Recording> read_images(const Request& request) {
   }
   recording.camera = camera.camera;
   recording.calibration = camera.file.empty() ? "the first image" : camera.file.string();
-  auto stamps = find_stamps(request.folder, folder, images.size());
+  const auto stamps = stamps_of_images(request.folder, folder, images, camera.fps);
   if (!stamps) return tl::unexpected(stamps.error());
-  if (stamps->empty()) *stamps = stamps_of_names(images);
-  const double rate = camera.fps > 0 ? camera.fps : kDefaultRate;
-  for (size_t i = 0; i < images.size(); ++i) {
-    recording.frames.push_back(
-        {stamps->empty() ? from_seconds(static_cast<double>(i) / rate) : (*stamps)[i], images[i], {}, {}});
-  }
+  for (size_t i = 0; i < images.size(); ++i) recording.frames.push_back({(*stamps)[i], images[i], {}, {}});
   if (fs::exists(request.folder / "groundtruth.txt"))
     recording.truth = Truth{request.folder / "groundtruth.txt", {}, {}};
   return recording;

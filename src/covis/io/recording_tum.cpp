@@ -1,54 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// TUM RGB-D folders (Sturm et al., IROS 2012): rgb.txt and depth.txt, or associations.txt; groundtruth.txt.
+// TUM RGB-D folders (Sturm et al., IROS 2012): rgb.txt and depth.txt, or associations.txt; groundtruth.txt. Among them
+// those of ICL-NUIM (Handa et al., "A benchmark for RGB-D visual odometry, 3D reconstruction and SLAM", ICRA 2014).
 #include <algorithm>
 
 #include "covis/io/files.h"
-#include "covis/io/recording.h"
-#include "covis/io/stamp_pairs.h"
+#include "covis/io/listed_images.h"
 
 namespace covis::io {
 namespace {
-
-struct Listed {
-  Timestamp stamp;
-  std::string name;  // name as written in the file
-  std::filesystem::path file;
-};
-
-// Reads rows with `columns / 2` pairs "stamp file".
-Result<std::vector<std::vector<Listed>>> read_list(const std::filesystem::path& list, size_t pairs) {
-  const auto text = read_text(list);
-  if (!text) return tl::unexpected(text.error());
-  std::vector<std::vector<Listed>> rows;
-  std::string problem;
-  for_each_line(*text, [&](std::string_view line, int number) {
-    const auto parts = split(line);
-    if (parts.size() != 2 * pairs) {
-      problem = place(list, number) + ": it must hold " + std::to_string(pairs) + " pair(s) of stamp and file name";
-      return false;
-    }
-    std::vector<Listed> row;
-    for (size_t p = 0; p < pairs; ++p) {
-      const auto stamp = parse_stamp(parts[2 * p]);
-      if (!stamp) {
-        problem = place(list, number) + ": '" + std::string(parts[2 * p]) + "' is not a stamp in seconds";
-        return false;
-      }
-      row.push_back({*stamp, std::string(parts[2 * p + 1]), list.parent_path() / parts[2 * p + 1]});
-    }
-    rows.push_back(std::move(row));
-    return true;
-  });
-  if (!problem.empty()) return fail(problem);
-  if (rows.empty()) return fail(list.string() + ": no file is listed in it");
-  return rows;
-}
-
-std::vector<Timestamp> stamps_of(const std::vector<std::vector<Listed>>& rows) {
-  std::vector<Timestamp> stamps;
-  for (const auto& row : rows) stamps.push_back(row[0].stamp);
-  return stamps;
-}
 
 // Reads calibration.txt as in ETH3D: fx fy cx cy, optionally k1 k2 p1 p2 [k3].
 Result<Camera> read_calibration(const std::filesystem::path& file) {
@@ -99,7 +58,41 @@ std::optional<Camera> published_camera(const std::string& folder) {
   return std::nullopt;
 }
 
-Result<CameraFile> find_camera(const Request& request) {
+bool is_depth_first(const ListedRow& row) {
+  return row[0].name.find("depth") != std::string::npos && row[1].name.find("depth") == std::string::npos;
+}
+
+// In ICL-NUIM's folders of PNG files associations.txt has numbers of frames in the place of stamps, and depth first.
+bool is_icl_nuim(const std::vector<ListedRow>& rows) {
+  return std::all_of(rows.begin(), rows.end(), [](const ListedRow& row) {
+    const bool numbered = row[0].stamp % 1'000'000'000 == 0 && row[0].stamp < Timestamp{1'000'000} * 1'000'000'000;
+    return is_depth_first(row) && numbered && row[0].stamp == row[1].stamp;
+  });
+}
+
+// The data set's page (doc.ic.ac.uk/~ahanda/VaFRIC/iclnuim.html) gives fy as -480, for a y axis that points up. Here
+// it points down.
+Camera icl_nuim_camera() {
+  Camera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.pinhole = {481.2, 480, 319.5, 239.5, 0};
+  return camera;
+}
+
+// Finds the one file with the ending that ICL-NUIM's truth has.
+std::optional<Truth> icl_nuim_truth(const std::filesystem::path& folder, std::vector<std::string>& notes) {
+  std::vector<std::filesystem::path> found;
+  for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().string().ends_with(".gt.freiburg")) found.push_back(entry.path());
+  }
+  if (found.size() > 1)
+    notes.push_back(std::to_string(found.size()) + " files end in .gt.freiburg; with one it is taken as the truth");
+  return found.size() == 1 ? std::optional(Truth{found.front(), {}, {}}) : std::nullopt;
+}
+
+// published: the camera of the data set that the folder is known to be of.
+Result<CameraFile> find_camera(const Request& request, const std::optional<CameraFile>& published) {
   if (request.given) return *request.given;
   if (std::filesystem::exists(request.folder / "camera.yaml")) return load_camera(request.folder / "camera.yaml");
   CameraFile file;
@@ -110,6 +103,7 @@ Result<CameraFile> find_camera(const Request& request) {
     file.camera = *camera;
     return file;
   }
+  if (published) return *published;
   if (const auto camera = published_camera(std::filesystem::absolute(request.folder).string())) {
     file.file = "freiburg1, 2 or 3, as published";
     file.camera = *camera;
@@ -138,45 +132,41 @@ Result<Recording> read_tum(const Request& request) {
   }
   // Associations leave out images without depth, but a monocular run uses all images.
   const bool all_images = recording.sensor == Sensor::monocular && std::filesystem::exists(folder / "rgb.txt");
+  std::optional<CameraFile> published;
   if (!associations.empty() && !all_images) {
-    const auto rows = read_list(associations, 2);
+    const auto rows = read_listed_images(associations, 2);
     if (!rows) return tl::unexpected(rows.error());
+    const bool icl_nuim = is_icl_nuim(*rows);
     for (const auto& row : *rows) {
-      const bool depth_first =
-          row[0].name.find("depth") != std::string::npos && row[1].name.find("depth") == std::string::npos;
-      const Listed& image = row[depth_first ? 1 : 0];
-      recording.frames.push_back({image.stamp, image.file, {}, row[depth_first ? 0 : 1].file});
+      const bool depth_first = is_depth_first(row);
+      const ListedImage& image = row[depth_first ? 1 : 0];
+      const Timestamp stamp = icl_nuim ? image.stamp / kIclNuimRate : image.stamp;
+      recording.frames.push_back({stamp, image.file, {}, row[depth_first ? 0 : 1].file});
     }
+    if (icl_nuim) {
+      recording.name = "ICL-NUIM sequence";
+      published = CameraFile{.file = "ICL-NUIM, as published", .camera = icl_nuim_camera()};
+      recording.truth = icl_nuim_truth(folder, recording.notes);
+    }
+  } else if (recording.sensor == Sensor::rgbd) {
+    auto frames = pair_with_depth(folder / "rgb.txt", folder / "depth.txt", recording.notes);
+    if (!frames) return tl::unexpected(frames.error());
+    recording.frames = std::move(*frames);
   } else {
-    const auto images = read_list(folder / "rgb.txt", 1);
+    const auto images = read_listed_images(folder / "rgb.txt", 1);
     if (!images) return tl::unexpected(images.error());
-    if (recording.sensor == Sensor::rgbd) {
-      const auto depths = read_list(folder / "depth.txt", 1);
-      if (!depths) return tl::unexpected(depths.error());
-      for (const auto& [i, d] : pair_by_stamps(stamps_of(*images), stamps_of(*depths)))
-        recording.frames.push_back({(*images)[i][0].stamp, (*images)[i][0].file, {}, (*depths)[d][0].file});
-      if (recording.frames.empty()) {
-        return fail(folder.string() +
-                    ": no image of rgb.txt has a depth image of depth.txt within 20 ms; are the stamps in seconds?");
-      }
-      if (recording.frames.size() < images->size()) {
-        recording.notes.push_back(std::to_string(images->size() - recording.frames.size()) + " of " +
-                                  std::to_string(images->size()) +
-                                  " images have no depth image within 20 ms and are left out");
-      }
-    } else {
-      for (const auto& row : *images) recording.frames.push_back({row[0].stamp, row[0].file, {}, {}});
-    }
+    for (const auto& row : *images) recording.frames.push_back({row[0].stamp, row[0].file, {}, {}});
   }
   if (recording.sensor == Sensor::monocular) {
     for (FrameFiles& frame : recording.frames) frame.depth.clear();
   }
-  const auto camera = find_camera(request);
+  const auto camera = find_camera(request, published);
   if (!camera) return tl::unexpected(camera.error());
   recording.camera = camera->camera;
   recording.depth_scale = camera->depth_scale > 0 ? camera->depth_scale : 5000;
   recording.calibration = camera->file.string();
-  if (std::filesystem::exists(folder / "groundtruth.txt")) recording.truth = Truth{folder / "groundtruth.txt", {}, {}};
+  if (!recording.truth && std::filesystem::exists(folder / "groundtruth.txt"))
+    recording.truth = Truth{folder / "groundtruth.txt", {}, {}};
   return recording;
 }
 

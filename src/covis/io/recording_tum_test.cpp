@@ -84,6 +84,43 @@ TEST_F(Sequences, KnowsTheCamerasOfTheTumDataSet) {
   }
 }
 
+TEST_F(Sequences, KnowsIclNuimByItsAssociations) {
+  const auto number = [&](int i) { return std::to_string(i); };
+  std::string rows;
+  for (int i = 1; i <= 3; ++i) {
+    image("rgb/" + number(i) + ".png", 10 + i, 640, 480);
+    depth("depth/" + number(i) + ".png", 10000, 640, 480);
+    rows += number(i) + " depth/" + number(i) + ".png " + number(i) + " rgb/" + number(i) + ".png\n";
+  }
+  write("associations.txt", rows);
+  write("traj0.gt.freiburg", "1 0 0 -2.25 0 0 0 1\n2 0 0 -2 0 0 0 1\n3 0 0 -1 0 0 0 1\n");
+  auto opened = open();
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_THAT((*opened)->description(), HasSubstr("ICL-NUIM"));
+  EXPECT_EQ((*opened)->kind(), SequenceKind::tum);
+  EXPECT_EQ((*opened)->camera().pinhole.fx, 481.2);
+  EXPECT_EQ((*opened)->camera().pinhole.fy, 480);
+  EXPECT_NEAR((*opened)->frame_rate(), 30, 1e-5);
+  const auto frame = (*opened)->next();
+  ASSERT_TRUE(frame && *frame);
+  EXPECT_EQ((*frame)->image(0, 0), 11);
+  EXPECT_FLOAT_EQ((*frame)->depth(0, 0), 2);
+  const auto truth = load_truth(**opened);
+  ASSERT_TRUE(truth) << truth.error().message;
+  EXPECT_EQ(truth->front().stamp, (*frame)->stamp);
+  write("traj1.gt.freiburg", "1 0 0 nan 0 0 0 1\n");
+  opened = open();
+  EXPECT_FALSE((*opened)->truth());
+  EXPECT_THAT((*opened)->notes(), testing::ElementsAre(HasSubstr("2 files end in .gt.freiburg")));
+  fs::remove(folder / "traj0.gt.freiburg");
+  EXPECT_THAT(load_truth(**open()).error().message, HasSubstr("traj1.gt.freiburg:1"));
+  // Stamps that are none of frames' numbers: another recording, whose camera nobody knows.
+  write("associations.txt", "1.5 depth/1.png 1.5 rgb/1.png\n");
+  EXPECT_THAT(open_error(), HasSubstr("--camera"));
+  write("associations.txt", "1 depth/1.png 1 rgb/1.png\n1 depth/2.png 1 rgb/2.png\n");
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("rgb/2.png"), HasSubstr("must rise")));
+}
+
 TEST_F(BadInput, DepthFolderEmpty) {
   tum();
   fs::remove_all(folder / "depth");

@@ -34,7 +34,10 @@ std::optional<SequenceKind> kind_of_folder(const fs::path& folder) {
   if (is_bag(folder)) return SequenceKind::bag;
   if (fs::is_directory(folder / "mav0") || fs::is_directory(folder / "cam0")) return SequenceKind::euroc;
   if (fs::is_directory(folder / "image_0") || fs::is_directory(folder / "image_2")) return SequenceKind::kitti;
+  if (is_tartanair(folder)) return SequenceKind::tartanair;
   if (fs::exists(folder / "rgb.txt") || fs::exists(folder / "associations.txt")) return SequenceKind::tum;
+  if (fs::exists(folder / "color.txt")) return SequenceKind::openloris;
+  if (is_open3d(folder)) return SequenceKind::open3d;
   for (const char* inner : {"", "images", "image", "rgb", "data"}) {
     if (!list_images(folder / inner).empty()) return SequenceKind::images;
   }
@@ -69,7 +72,9 @@ Result<SequenceKind> recognise(const std::string& path) {
   return fail(path +
               ": it is no recording that can be read. A TUM RGB-D folder has rgb.txt (and depth.txt) or "
               "associations.txt, a KITTI sequence has image_0 (and image_1) and calib.txt, a EuRoC sequence has "
-              "mav0/cam0, a ROS 2 bag metadata.yaml, an image folder images. " +
+              "mav0/cam0, a TartanAir trajectory image_left and pose_left.txt, an OpenLORIS-Scene sequence color.txt, "
+              "an RGB-D image folder color (or rgb) and depth, a ROS 2 bag metadata.yaml, an image "
+              "folder images. " +
               contents(path));
 }
 
@@ -102,6 +107,27 @@ void choose_frames(Recording& recording, const SequenceOptions& options) {
   frames = std::move(chosen);
 }
 
+Result<Recording> read_folder(SequenceKind kind, const Request& request) {
+  switch (kind) {
+    case SequenceKind::tum:
+      return read_tum(request);
+    case SequenceKind::kitti:
+      return read_kitti(request);
+    case SequenceKind::euroc:
+      return read_euroc(request);
+    case SequenceKind::tartanair:
+      return read_tartanair(request);
+    case SequenceKind::openloris:
+      return read_openloris(request);
+    case SequenceKind::open3d:
+      return read_open3d(request);
+    case SequenceKind::bag:
+      return read_bag(request);
+    default:
+      return read_images(request);
+  }
+}
+
 Result<std::unique_ptr<Sequence>> open(const std::string& path, const SequenceOptions& options) {
   if (auto checked = check_options(options); !checked) return tl::unexpected(checked.error());
   SequenceKind kind = options.kind;
@@ -120,11 +146,7 @@ Result<std::unique_ptr<Sequence>> open(const std::string& path, const SequenceOp
   }
   if (kind == SequenceKind::video || kind == SequenceKind::camera) return open_capture(path, kind, request, options);
   if (kind != SequenceKind::bag && !fs::is_directory(path)) return fail(path + ": it is not a folder");
-  auto recording = kind == SequenceKind::tum     ? read_tum(request)
-                   : kind == SequenceKind::kitti ? read_kitti(request)
-                   : kind == SequenceKind::euroc ? read_euroc(request)
-                   : kind == SequenceKind::bag   ? read_bag(request)
-                                                 : read_images(request);
+  auto recording = read_folder(kind, request);
   if (!recording) return tl::unexpected(recording.error());
   if (auto checked = check_frames(*recording); !checked) return tl::unexpected(checked.error());
   const size_t all = recording->frames.size();

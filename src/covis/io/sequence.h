@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recordings as streams of frames: TUM RGB-D, KITTI odometry, EuRoC, a ROS bag, an image folder, a video file, a
-// camera.
+// Recordings as streams of frames: TUM RGB-D, KITTI odometry, EuRoC, TartanAir, OpenLORIS-Scene, RGB-D image
+// folders, a ROS bag, an image folder, a video
+// file, a camera.
 #pragma once
 
 #include <filesystem>
@@ -28,7 +29,7 @@ struct Frame {
   ImageF depth;   // metres; RGB-D only
 };
 
-enum class SequenceKind { automatic, tum, kitti, euroc, bag, images, video, camera };
+enum class SequenceKind { automatic, tum, kitti, euroc, tartanair, openloris, open3d, bag, images, video, camera };
 
 // Topics of a bag by name; an empty one is chosen by names and types.
 struct TopicNames {

@@ -37,9 +37,9 @@ class RecordingTest : public testing::Test {
     fs::create_directories((folder / name).parent_path());
     cv::imwrite((folder / name).string(), cv::Mat(height, width, CV_8UC3, cv::Scalar::all(grey)));
   }
-  void depth(const fs::path& name, int value) const {
+  void depth(const fs::path& name, int value, int width = kWidth, int height = kHeight) const {
     fs::create_directories((folder / name).parent_path());
-    cv::imwrite((folder / name).string(), cv::Mat(kHeight, kWidth, CV_16U, cv::Scalar(value)));
+    cv::imwrite((folder / name).string(), cv::Mat(height, width, CV_16U, cv::Scalar(value)));
   }
   void camera_yaml(const std::string& more = "") const {
     write("camera.yaml", "width: 64\nheight: 48\nfx: 50\nfy: 50\ncx: 32\ncy: 24\n" + more);

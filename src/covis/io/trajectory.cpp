@@ -36,6 +36,47 @@ std::optional<SE3> from_quaternion(double tx, double ty, double tz, double x, do
   return SE3(q, Eigen::Vector3d(tx, ty, tz));
 }
 
+// Rotation from the usual axes of a camera (right, down, forward) to forward, right, down.
+SE3 forward_right_down() {
+  Eigen::Matrix3d R;
+  R << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  return {R, Eigen::Vector3d::Zero()};
+}
+
+TrajectoryFormat format_of(const std::filesystem::path& file, std::string_view line, size_t columns) {
+  if (columns == 12) return TrajectoryFormat::kitti;
+  if (line.find(',') != std::string_view::npos) return TrajectoryFormat::euroc;
+  if (columns == 7) return TrajectoryFormat::tartanair;
+  return file.string().ends_with(".gt.freiburg") ? TrajectoryFormat::icl_nuim : TrajectoryFormat::tum;
+}
+
+// v: the numbers of a row behind its stamp, as many as its format has.
+std::optional<SE3> pose_of(TrajectoryFormat format, const std::vector<double>& v) {
+  switch (format) {
+    case TrajectoryFormat::kitti:
+      return from_matrix_row(v);
+    case TrajectoryFormat::euroc:
+      return from_quaternion(v[0], v[1], v[2], v[4], v[5], v[6], v[3]);
+    case TrajectoryFormat::tartanair: {
+      const auto pose = from_quaternion(v[0], v[1], v[2], v[3], v[4], v[5], v[6]);
+      return pose ? std::optional(*pose * forward_right_down()) : std::nullopt;
+    }
+    default:
+      return from_quaternion(v[0], v[1], v[2], v[3], v[4], v[5], v[6]);
+  }
+}
+
+bool has_stamps(TrajectoryFormat format) {
+  return format != TrajectoryFormat::kitti && format != TrajectoryFormat::tartanair;
+}
+
+// text: the stamp in a row.
+std::optional<Timestamp> stamp_of(TrajectoryFormat format, std::string_view text) {
+  auto stamp = parse_stamp(text, format == TrajectoryFormat::euroc ? WholeStamp::nanoseconds : WholeStamp::seconds);
+  if (stamp && format == TrajectoryFormat::icl_nuim) *stamp /= kIclNuimRate;
+  return stamp;
+}
+
 void append(std::string& text, const char* format, double value) {
   char buffer[400];  // the greatest double has 309 digits before the point
   text.append(buffer, static_cast<size_t>(std::snprintf(buffer, sizeof buffer, format, value)));
@@ -57,40 +98,30 @@ Result<Trajectory> read_trajectory(const std::filesystem::path& file, Trajectory
   std::string problem;
   for_each_line(*text, [&](std::string_view line, int number) {
     const std::vector<std::string_view> parts = split(line);
-    TrajectoryFormat row = format;
-    if (row == TrajectoryFormat::automatic) {
-      row = parts.size() == 12                         ? TrajectoryFormat::kitti
-            : line.find(',') != std::string_view::npos ? TrajectoryFormat::euroc
-                                                       : TrajectoryFormat::tum;
-    }
-    const size_t least = row == TrajectoryFormat::kitti ? 12 : 8;
+    const TrajectoryFormat row = format == TrajectoryFormat::automatic ? format_of(file, line, parts.size()) : format;
+    const size_t least = row == TrajectoryFormat::kitti ? 12 : row == TrajectoryFormat::tartanair ? 7 : 8;
     const bool sized = row == TrajectoryFormat::euroc ? parts.size() >= least : parts.size() == least;
     if (!sized) {
-      problem =
-          place(file, number) + ": it has " + std::to_string(parts.size()) +
-          " columns; TUM has 8 (t tx ty tz qx qy qz qw), KITTI 12, EuRoC at least 8 (ns, x, y, z, qw, qx, qy, qz)";
+      problem = place(file, number) + ": it has " + std::to_string(parts.size()) +
+                " columns; TUM has 8 (t tx ty tz qx qy qz qw), KITTI 12, EuRoC at least 8 (ns, x, y, z, qw, qx, qy, "
+                "qz), TartanAir 7 (tx ty tz qx qy qz qw)";
       return false;
     }
-    const auto v = numbers(parts, row == TrajectoryFormat::kitti ? 0 : 1);
+    const auto v = numbers(parts, has_stamps(row) ? 1 : 0);
     std::optional<Timestamp> stamp;
-    std::optional<SE3> pose;
-    if (row == TrajectoryFormat::kitti) {
+    if (has_stamps(row)) {
+      stamp = stamp_of(row, parts[0]);
+    } else {
       const size_t index = trajectory.size();
-      stamp = stamps_file.empty()     ? static_cast<Timestamp>(index) * 1000000000
-              : index < stamps.size() ? std::optional(stamps[index])
-                                      : std::nullopt;
+      const Timestamp step = row == TrajectoryFormat::kitti ? 1'000'000'000 : kTartanAirStep;
+      if (stamps_file.empty()) stamp = static_cast<Timestamp>(index) * step;
+      if (index < stamps.size()) stamp = stamps[index];
       if (!stamp) {
         problem = place(file, number) + ": " + stamps_file.string() + " has no stamp for this row";
         return false;
       }
-      if (v) pose = from_matrix_row(*v);
-    } else {
-      stamp = parse_stamp(parts[0], row == TrajectoryFormat::euroc ? WholeStamp::nanoseconds : WholeStamp::seconds);
-      if (v && row == TrajectoryFormat::tum)
-        pose = from_quaternion((*v)[0], (*v)[1], (*v)[2], (*v)[3], (*v)[4], (*v)[5], (*v)[6]);
-      if (v && row == TrajectoryFormat::euroc)
-        pose = from_quaternion((*v)[0], (*v)[1], (*v)[2], (*v)[4], (*v)[5], (*v)[6], (*v)[3]);
     }
+    const std::optional<SE3> pose = v ? pose_of(row, *v) : std::nullopt;
     if (!v || !stamp) {
       problem = place(file, number) + ": a column is not a finite number";
     } else if (!pose) {

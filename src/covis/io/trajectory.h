@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Trajectories: lists of stamped poses T_wc (camera to world), read and written as TUM, KITTI and EuRoC files.
+// Trajectories: lists of stamped poses T_wc (camera to world), read and written as TUM, KITTI and EuRoC files, and read
+// as TartanAir and ICL-NUIM have them.
 #pragma once
 
 #include <filesystem>
@@ -20,16 +21,24 @@ using Trajectory = std::vector<StampedPose>;
 
 namespace io {
 
-enum class TrajectoryFormat { automatic, tum, kitti, euroc };
+// tartanair: seven numbers a row, tx ty tz qx qy qz qw, of a camera whose axes are forward, right and down; T_wc is
+// that of the usual axes, in the file's world. icl_nuim: a TUM file that numbers frames where the stamps would be.
+enum class TrajectoryFormat { automatic, tum, kitti, euroc, tartanair, icl_nuim };
 
-// automatic: recognised from the number of columns and the separator. Stamps are in seconds; they are in nanoseconds
-// when they have 16 digits or more before the point, and in EuRoC rows when they are integers. KITTI rows have no
-// stamps: these come from `stamps` (a times.txt) or, without it, are the row number in seconds. Blank lines and lines
-// starting with '#' are skipped; any other malformed line is an error with file and line.
+// Time between the frames of data sets that give no stamps. TartanAir: 10 Hz, the rate of its second version; ICL-NUIM:
+// its number of frames a second, by which the number of a frame is divided.
+inline constexpr Timestamp kTartanAirStep = 100'000'000;  // ns
+inline constexpr Timestamp kIclNuimRate = 30;             // Hz
+
+// automatic: recognised from the number of columns and the separator, and by the name's ending .gt.freiburg (ICL-NUIM).
+// Stamps are in seconds; they are in nanoseconds when they have 16 digits or more before the point, and in EuRoC rows
+// when they are integers. KITTI and TartanAir rows have no stamps: these come from `stamps` (a times.txt) or, without
+// it, from the row's number, in seconds or by kTartanAirStep. Blank lines and lines starting with '#' are skipped; any
+// other malformed line is an error with file and line.
 Result<Trajectory> read_trajectory(const std::filesystem::path& file,
                                    TrajectoryFormat format = TrajectoryFormat::automatic,
                                    const std::filesystem::path& stamps = {});
-// Writes to a temporary name and renames, so that a full disk leaves no partial file.
+// Writes to a temporary name and renames, so that a full disk leaves no partial file. format: tum, kitti or euroc.
 Result<void> write_trajectory(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFormat format);
 // Maps that are not joined have a world each, and so a file each: FILE, FILE_map1, … Files of that name with higher
 // numbers from an earlier run are removed, because they would be mistaken for this run's. The first failure is

@@ -19,6 +19,25 @@ TEST_F(Trajectories, FullDiskIsAnErrorOfATrajectory) {
               HasSubstr("No space left"));
 }
 
+TEST_F(Trajectories, AreReadAsTartanAirAndIclNuimHaveThem) {
+  write("pose_left.txt", "1 2 3 0 0 0 1\n4 5 6 0 0 0 1\n");
+  write("times.txt", "0\n0.5\n");
+  EXPECT_EQ(read_trajectory(folder / "pose_left.txt")->back().stamp, kTartanAirStep);
+  EXPECT_EQ(read_trajectory(folder / "pose_left.txt", TrajectoryFormat::automatic, folder / "times.txt")->back().stamp,
+            500'000'000);
+  write("times.txt", "0\n");
+  EXPECT_THAT(
+      read_trajectory(folder / "pose_left.txt", TrajectoryFormat::automatic, folder / "times.txt").error().message,
+      AllOf(HasSubstr("pose_left.txt:2"), HasSubstr("times.txt has no stamp")));
+  write("pose_left.txt", "1 2 3 0 0 0 2\n");
+  EXPECT_THAT(read_trajectory(folder / "pose_left.txt").error().message, HasSubstr("the rotation is not valid"));
+  write("traj0.gt.freiburg", "30 1 2 3 0 0 0 1\n");
+  const auto numbered = read_trajectory(folder / "traj0.gt.freiburg");
+  ASSERT_TRUE(numbered) << numbered.error().message;
+  EXPECT_EQ(numbered->front().stamp, 1'000'000'000);
+  EXPECT_TRUE(numbered->front().T_wc.t().isApprox(Eigen::Vector3d(1, 2, 3)));
+}
+
 TEST_F(Trajectories, TrajectoriesRoundTripExactly) {
   Trajectory trajectory;
   for (int i = 0; i < 5; ++i) {

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "covis/core/error.h"
 
@@ -14,5 +15,13 @@ namespace covis::io {
 Result<YAML::Node> load_yaml(const std::filesystem::path& file);
 // Returns "file:line" of a node.
 std::string yaml_place(const std::filesystem::path& file, const YAML::Node& node);
+// Reads the finite numbers of a key: a list, lists in a list (the rows of a matrix), or the list `data` of a matrix as
+// OpenCV and ROS write one. Fails when there are fewer than `least`.
+Result<std::vector<double>> yaml_numbers(const std::filesystem::path& file, const YAML::Node& parent, const char* key,
+                                         size_t least);
+// Reads one finite number.
+Result<double> yaml_number(const std::filesystem::path& file, const YAML::Node& parent, const char* key);
+// Returns the text of a key, or `otherwise` where there is none.
+std::string yaml_text(const YAML::Node& parent, const char* key, const std::string& otherwise);
 
 }  // namespace covis::io

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/io/sensor_file.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <sstream>
+
+#include "covis/io/yaml.h"
+
+namespace covis::io {
+
+std::optional<Distortion> distortion_named(const std::string& name) {
+  if (name == "radial-tangential" || name == "radtan" || name == "plumb_bob") return Distortion::brown_conrady;
+  if (name == "equidistant") return Distortion::kannala_brandt;
+  if (name == "none") return Distortion::none;
+  return std::nullopt;
+}
+
+Result<SensorFile> read_sensor_file(const std::filesystem::path& file) {
+  const auto root = load_yaml(file);
+  if (!root) return tl::unexpected(root.error());
+  if (!root->IsMap() || !(*root)["T_BS"]) return fail(file.string() + ": 'T_BS' is missing");
+  const auto t = yaml_numbers(file, *root, "T_BS", 16);
+  if (!t) return tl::unexpected(t.error());
+  const auto size = yaml_numbers(file, *root, "resolution", 2);
+  if (!size) return tl::unexpected(size.error());
+  const auto k = yaml_numbers(file, *root, "intrinsics", 4);
+  if (!k) return tl::unexpected(k.error());
+  if (!((*k)[0] > 0) || !((*k)[1] > 0)) return fail(file.string() + ": intrinsics: the focal lengths must be positive");
+  const bool sized = (*size)[0] >= 1 && (*size)[0] <= 20000 && (*size)[1] >= 1 && (*size)[1] <= 20000;
+  if (!sized) return fail(file.string() + ": resolution: it must be width and height of the images, in pixels");
+  SensorFile sensor;
+  sensor.camera.width = static_cast<int>((*size)[0]);
+  sensor.camera.height = static_cast<int>((*size)[1]);
+  sensor.camera.pinhole = {(*k)[0], (*k)[1], (*k)[2], (*k)[3], 0};
+  const std::string model = yaml_text(*root, "distortion_model", "none");
+  const auto distortion = distortion_named(model);
+  if (!distortion) {
+    return fail(file.string() + ": distortion_model '" + model +
+                "' is unknown; it must be radial-tangential, equidistant or none");
+  }
+  sensor.camera.distortion = *distortion;
+  if (sensor.camera.distortion != Distortion::none) {
+    const auto d = yaml_numbers(file, *root, "distortion_coefficients", 4);
+    if (!d) return tl::unexpected(d.error());
+    std::copy_n(d->begin(), std::min<size_t>(d->size(), 5), sensor.camera.coefficients.begin());
+  }
+  Eigen::Matrix3d R;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) R(r, c) = (*t)[static_cast<size_t>(r * 4 + c)];
+  }
+  if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > 1e-3 || R.determinant() < 0) {
+    return fail(file.string() + ": T_BS does not hold a rotation");
+  }
+  sensor.T_bs = SE3(R, Eigen::Vector3d((*t)[3], (*t)[7], (*t)[11])).normalized();
+  if ((*root)["rate_hz"]) {
+    const auto rate = yaml_number(file, *root, "rate_hz");
+    if (!rate) return tl::unexpected(rate.error());
+    sensor.rate = std::max(0.0, *rate);
+  }
+  return sensor;
+}
+
+std::string sensor_file_text(const SensorFile& sensor) {
+  const Camera& c = sensor.camera;
+  std::ostringstream text;
+  text.precision(17);
+  text << "sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [";
+  for (int r = 0; r < 3; ++r) {
+    for (int k = 0; k < 3; ++k) text << sensor.T_bs.R()(r, k) << ", ";
+    text << sensor.T_bs.t()(r) << ", ";
+  }
+  text << "0, 0, 0, 1]\n";
+  if (sensor.rate > 0) text << "rate_hz: " << sensor.rate << "\n";
+  text << "resolution: [" << c.width << ", " << c.height << "]\ncamera_model: pinhole\nintrinsics: [" << c.pinhole.fx
+       << ", " << c.pinhole.fy << ", " << c.pinhole.cx << ", " << c.pinhole.cy << "]\ndistortion_model: ";
+  if (c.distortion == Distortion::none) {
+    text << "none\n";
+    return text.str();
+  }
+  const bool fisheye = c.distortion == Distortion::kannala_brandt;
+  text << (fisheye ? "equidistant" : "radial-tangential") << "\ndistortion_coefficients: [";
+  for (size_t i = 0; i < (fisheye ? 4 : 5); ++i) text << (i ? ", " : "") << c.coefficients[i];
+  text << "]\n";
+  return text.str();
+}
+
+}  // namespace covis::io
