@@ -125,7 +125,7 @@ Result<void> Vocabulary::check_nodes() const {
     begin = std::exchange(end, nodes_[end].child);
   }
   good &= end == count;
-  for (const float weight : weights_) good &= std::isfinite(weight) && weight >= 0;
+  for (const float weight : weights_) good &= weight >= 0 && weight <= kMaxWeight;  // a NaN is not
   return good ? Result<void>() : fail("the vocabulary can't be used: its tree is damaged");
 }
 

@@ -61,6 +61,7 @@ class MappedFile;
 class Vocabulary {
  public:
   static constexpr int kMaxBranching = 256, kMaxDepth = 16;
+  static constexpr float kMaxWeight = 1e6f;  // the logarithm of any number of images is far below
 
   // Loads the binary format (mapped: the file must not be modified in place afterwards; save() never does) or the
   // field's text format, recognised by content. All of it is checked, the checksum of a binary file included, so that
