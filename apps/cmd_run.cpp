@@ -12,6 +12,7 @@
 
 #include "apps/run/camera_of_recording.h"
 #include "apps/run/key_frame_pictures.h"
+#include "apps/run/map_saver.h"
 #include "apps/run/resources.h"
 #include "apps/run/run_json.h"
 #include "apps/run/run_loop.h"
@@ -39,7 +40,7 @@ struct RunArguments {
   std::string out = "out";
   std::string simd = "best";
   std::string config, format = "tum";
-  std::string vocabulary, map, save_map;
+  std::string vocabulary, map, save_map, save_every = "120s";
   std::vector<std::string> settings;
   int features = 0;
   ViewOptions view;
@@ -90,6 +91,21 @@ std::string title_of(const RunArguments& arguments) {
   return std::filesystem::path(arguments.path).lexically_normal().filename().string();
 }
 
+// Saves the map where --save-map wants it, with its images if they are kept. A map of nothing is not worth an older
+// file, and could not be continued either.
+Result<void> save_map(const RunArguments& arguments, const System& system, io::Sequence& sequence,
+                      const storage::MapHeader& header, uint32_t first_own,
+                      const std::optional<exchange::KeptImages>& images) {
+  const MapState map = system.map_state();
+  if (map.key_frames.empty()) {
+    log(LogLevel::warning, arguments.save_map + ": there is no map to save, so that nothing is written there");
+    return {};
+  }
+  if (auto saved = storage::save_map(arguments.save_map, map, header); !saved) return saved;
+  if (!images) return {};
+  return keep_images(sequence, map, first_own, arguments.map, *images);
+}
+
 // Computes the summary and writes the run's files, and the map if requested.
 // `first_own`: the serial of the first key frame of this run. `images`: where to keep key frames' images.
 Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, const System& system,
@@ -105,13 +121,8 @@ Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, 
   RunSummary summary = summarise(record, *snapshot, output.truth, peak_rss_mb());
   const Result<void> written = write_outputs(record, *snapshot, summary, output);
   if (!arguments.save_map.empty()) {
-    const MapState map = system.map_state();
-    if (const auto saved = storage::save_map(arguments.save_map, map, header); !saved)
+    if (const auto saved = save_map(arguments, system, sequence, header, first_own, images); !saved)
       return tl::unexpected(saved.error());
-    if (images) {
-      if (auto kept = keep_images(sequence, map, first_own, arguments.map, *images); !kept)
-        return tl::unexpected(kept.error());
-    }
   }
   if (!written) return tl::unexpected(written.error());
   return summary;
@@ -133,7 +144,7 @@ int conclude(const RunArguments& arguments, const RunSummary& summary, io::Seque
 }
 
 PlayOptions play_options(const RunArguments& arguments, const SystemOptions& options, io::SequenceKind kind,
-                         RunObserver* observer) {
+                         RunObserver* observer, MapSaver* saver) {
   PlayOptions play;
   play.first = arguments.reading.first;
   play.stride = arguments.reading.stride;
@@ -144,7 +155,22 @@ PlayOptions play_options(const RunArguments& arguments, const SystemOptions& opt
   play.colours = !arguments.no_colours && !options.localize;
   play.stop = &interrupted;
   play.observer = observer;
+  play.saver = saver;
   return play;
+}
+
+// Checks before the run what is to be saved after it. Returns the interval of savings meanwhile.
+Result<SaveInterval> check_saving(const RunArguments& arguments, const SystemOptions& options, io::SequenceKind kind) {
+  if (arguments.keep_images && arguments.save_map.empty())
+    return fail("--keep-images: the images are kept beside a saved map, --save-map FILE");
+  if (arguments.keep_images && kind == io::SequenceKind::camera)
+    return fail("--keep-images: a camera's images can't be read again; record a video and run on that");
+  auto interval = parse_save_interval(arguments.save_every);
+  if (!interval) return interval;
+  if (arguments.save_map.empty() || options.localize) *interval = {};  // localising changes no map
+  if (arguments.save_map.empty()) return interval;
+  if (auto fits = check_map_target(arguments.save_map, *interval); !fits) return tl::unexpected(fits.error());
+  return interval;
 }
 
 int run(const RunArguments& arguments) {
@@ -184,10 +210,8 @@ int run(const RunArguments& arguments) {
     if (!sequence) return fail_with(sequence.error());
   }
   storage::MapHeader header = storage::header_of((*sequence)->camera(), options.sensor, options.orb, vocabulary->get());
-  if (arguments.keep_images && arguments.save_map.empty())
-    return fail_with("--keep-images: the images are kept beside a saved map, --save-map FILE");
-  if (arguments.keep_images && (*sequence)->kind() == io::SequenceKind::camera)
-    return fail_with("--keep-images: a camera's images can't be read again; record a video and run on that");
+  const auto interval = check_saving(arguments, options, (*sequence)->kind());
+  if (!interval) return fail_with(interval.error());
   std::optional<storage::SavedMap> map;
   if (!arguments.map.empty()) {
     const auto use = options.localize ? storage::MapUse::localization : storage::MapUse::continuation;
@@ -223,11 +247,16 @@ int run(const RunArguments& arguments) {
     if (const auto set = system->set_map(std::move(map->map), map->header.camera); !set)
       return fail_with(arguments.map + ": " + set.error().message);
   }
+  std::optional<MapSaver> saver;
+  if (*interval != SaveInterval{}) saver.emplace(arguments.save_map, header, *interval);
   track_all(**sequence, *system,
-            play_options(arguments, options, (*sequence)->kind(), viewer ? viewer->observer() : nullptr), record);
+            play_options(arguments, options, (*sequence)->kind(), viewer ? viewer->observer() : nullptr,
+                         saver ? &*saver : nullptr),
+            record);
   if (record.frames.empty() && !record.interrupted) return fail_with(arguments.path + ": no frame could be read");
 
   const auto summary = save(arguments, record, *system, **sequence, header, first_own, images);
+  if (saver && summary) saver->finish();
   if (viewer)
     viewer->run_ended(view_state(record, *system->snapshot(), summary ? *summary : RunSummary(), title_of(arguments)));
   if (!summary) return fail_with(summary.error());
@@ -254,6 +283,11 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_option("--map", arguments->map, "saved map to continue; the camera is located in it");
   command->add_flag("--localize", arguments->localize, "localise only: the map given by --map is not changed");
   command->add_option("--save-map", arguments->save_map, "file to save the map to (docs/map-format.md)");
+  command
+      ->add_option("--save-every", arguments->save_every,
+                   "save the map aside, to FILE.unfinished, after so many frames (500) or seconds (120s) each, so "
+                   "that a kill loses no more; 0: never")
+      ->capture_default_str();
   command->add_flag("--keep-images", arguments->keep_images,
                     "keep the key frames' images in the folder FILE.images beside the saved map, for covis map export");
   command->add_flag("--no-colours", arguments->no_colours,

@@ -77,6 +77,7 @@ void track_all(io::Sequence& sequence, System& system, const PlayOptions& option
     if (options.observer) options.observer->frame_tracked(stats, frame, report);
     run.frames.push_back(std::move(stats));
     if (colouring && report.track.key_frame) colouring->wake();
+    if (options.saver) options.saver->frame_done(system);
     const System::MapSize map = system.map_size();
     progress.show(name(run.frames.back().state), run.frames.size(), map.key_frames, map.points);
   }

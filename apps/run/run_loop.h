@@ -4,6 +4,7 @@
 
 #include <atomic>
 
+#include "apps/run/map_saver.h"
 #include "apps/run/run_observer.h"
 #include "apps/run/run_record.h"
 
@@ -22,6 +23,7 @@ struct PlayOptions {
   bool colours = true;                     // key frames get the colours of the recording's images
   const std::atomic<int>* stop = nullptr;  // ends the loop when it is not zero
   RunObserver* observer = nullptr;         // may be null
+  MapSaver* saver = nullptr;               // saves the map aside meanwhile; may be null
 };
 
 // Fills frames, mapping, loops, times and `interrupted` of the record.

@@ -104,9 +104,9 @@ class COVIS_API Slam {
 
   // ---- From the tracking thread ----
 
-  // Tracks one frame; stamps must rise, for tracking predicts motion from them. Errors: a stamp that does not rise, an
-  // image of another size than the camera's, images that do not fit the sensor. An error changes nothing: the next
-  // frame is tracked as if there had been no call.
+  // Tracks one frame; stamps must rise, for tracking predicts motion from them. Errors: a stamp that does not rise or
+  // is beyond 4e18 ns (the year 2096), an image of another size than the camera's, images that do not fit the sensor.
+  // An error changes nothing: the next frame is tracked as if there had been no call.
   tl::expected<FrameResult, std::string> track(const Frame& frame);
   // The keypoints of the last frame that show points of the map; none when it has no pose.
   std::vector<TrackedPoint> tracked_points();
@@ -144,7 +144,8 @@ class COVIS_API Slam {
   // MapSnapshot::trajectory by itself, without the copy of the map.
   std::vector<TrajectoryPose> trajectory() const;
   // Saves the map to one file, from which it can be loaded by create(), load_map() and `covis run --map`. At any moment
-  // the file is either the complete old or the complete new one. Call finish() before to have all of it.
+  // the file is either the complete old or the complete new one. Call finish() before to have all of it. Error: what
+  // stands there is neither a map nor empty, and is not replaced.
   tl::expected<void, std::string> save_map(const std::string& file) const;
   // The camera in use: fx, fy and the noise of depth as they were estimated so far, the rest as given; of a pair that
   // is rectified here the rectified camera. The focal length of a monocular or RGB-D camera is refined, by 5 % at most,

@@ -101,7 +101,7 @@ class Packages(unittest.TestCase):
             return installed('bash', '-c', line).split()
         self.assertEqual(completed('covis', 'ru'), ['run'])
         self.assertEqual(completed('covis', 'map', 'exp'), ['export'])
-        self.assertEqual(completed('covis', 'run', '--save'), ['--save-map'])
+        self.assertEqual(completed('covis', 'run', '--save-m'), ['--save-map'])
         self.assertEqual(completed('covis', 'map', 'export', 'file.m', '--head'), ['--heading'])
         self.assertEqual(completed('covis', 'run', 'folder'), [], 'files are left to bash')
 

@@ -40,6 +40,31 @@ TrackingMode to_tracking_mode(Mode mode) {
   return mode == Mode::mapping ? TrackingMode::mapping : TrackingMode::localisation;
 }
 
+// Differences of two stamps within it are far from the end of 64 bits.
+constexpr int64_t kMaxStamp = 4'000'000'000'000'000'000;  // nanoseconds, 126 years
+
+template <class Enum>
+bool is_one_of(Enum value, Enum last) {
+  return static_cast<int>(value) >= 0 && static_cast<int>(value) <= static_cast<int>(last);
+}
+
+// A value that is none of the enum's, as a cast from a file or another language may bring.
+std::optional<std::string> enum_problem(const SlamOptions& options) {
+  const auto number = [](auto value) { return ", not " + std::to_string(static_cast<int>(value)); };
+  if (!is_one_of(options.sensor, SensorType::rgbd))
+    return "sensor: it must be monocular, stereo or rgbd" + number(options.sensor);
+  if (!is_one_of(options.timing, Timing::deterministic))
+    return "timing: it must be realtime or deterministic" + number(options.timing);
+  if (!is_one_of(options.mode, Mode::localisation))
+    return "mode: it must be mapping or localisation" + number(options.mode);
+  constexpr const char* kLens = ": lens must be none, brown_conrady or kannala_brandt";
+  if (!is_one_of(options.camera.lens, LensType::kannala_brandt))
+    return std::string("camera") + kLens + number(options.camera.lens);
+  if (options.right && !is_one_of(options.right->camera.lens, LensType::kannala_brandt))
+    return std::string("right") + kLens + number(options.right->camera.lens);
+  return std::nullopt;
+}
+
 // `row`: elements that a row has at least.
 template <class Image>
 std::optional<std::string> image_problem(const Image& image, const Camera& camera, const char* which, ptrdiff_t row) {
@@ -139,6 +164,10 @@ std::optional<std::string> Slam::Impl::problem_of(const Frame& frame) const {
   const bool stereo = options.sensor == Sensor::stereo, rgbd = options.sensor == Sensor::rgbd;
   if (!stereo && frame.right.data) return "right: only a stereo pair has a right image";
   if (!rgbd && frame.depth.data) return "depth: only an RGB-D camera has depth";
+  if (frame.colour.data && !is_one_of(frame.colour.order, ColourOrder::bgr))
+    return "colour: order must be rgb or bgr, not " + std::to_string(static_cast<int>(frame.colour.order));
+  if (frame.stamp < -kMaxStamp || frame.stamp > kMaxStamp)
+    return "stamp: it must be within 4e18 ns of 0, not " + std::to_string(frame.stamp);
   const ptrdiff_t width = camera.width;
   std::optional<std::string> problem;
   if (frame.colour.data) problem = image_problem(frame.colour, camera, "colour", 3 * width);
@@ -165,6 +194,7 @@ Slam::Slam(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Slam::~Slam() = default;
 
 Expected<std::unique_ptr<Slam>> Slam::create(const SlamOptions& options) {
+  if (const auto problem = enum_problem(options)) return Failure(*problem);
   if (const auto problem = camera_problem(options)) return Failure(*problem);
   const auto system_options = to_system_options(options);
   if (!system_options) return Failure(system_options.error());
@@ -216,6 +246,8 @@ Expected<std::optional<Location>> Slam::locate(const Frame& frame) {
 }
 
 Expected<void> Slam::set_mode(Mode mode) {
+  if (!is_one_of(mode, Mode::localisation))
+    return Failure("mode: it must be mapping or localisation, not " + std::to_string(static_cast<int>(mode)));
   System& system = impl_->system();
   if (mode == Mode::localisation && system.map_size().key_frames == 0)
     return Failure("localisation needs a map, and there is none yet");

@@ -53,6 +53,24 @@ TEST(SlamCreate, AcceptsWhatItMay) {
   EXPECT_EQ(error_of_setting("orb.features", "500"), "");
 }
 
+TEST(SlamCreate, RefusesValuesThatNoEnumHas) {
+  const auto refused = [](void (*change)(SlamOptions&)) { return error_of_options(SensorType::rgbd, change); };
+  EXPECT_EQ(refused([](SlamOptions& o) { o.sensor = static_cast<SensorType>(7); }),
+            "sensor: it must be monocular, stereo or rgbd, not 7");
+  EXPECT_THAT(refused([](SlamOptions& o) { o.timing = static_cast<Timing>(-1); }), HasSubstr("timing: "));
+  EXPECT_THAT(refused([](SlamOptions& o) { o.mode = static_cast<Mode>(2); }), HasSubstr("mode: "));
+  EXPECT_THAT(refused([](SlamOptions& o) { o.camera.lens = static_cast<LensType>(9); }), HasSubstr("camera: lens"));
+  auto slam = Slam::create(options_of(SensorType::monocular));
+  ASSERT_TRUE(slam);
+  EXPECT_THAT(error_of((*slam)->set_mode(static_cast<Mode>(2))), HasSubstr("mode: "));
+  const std::vector<uint8_t> pixels(size_t{3} * kWidth * kHeight);
+  const GreyImage grey{pixels.data(), kWidth, kHeight, kWidth};
+  EXPECT_THAT(error_of((*slam)->track({.stamp = std::numeric_limits<int64_t>::max(), .image = grey})),
+              HasSubstr("stamp: it must be within 4e18 ns of 0"));
+  const ColourImage colour{pixels.data(), kWidth, kHeight, 3 * kWidth, static_cast<ColourOrder>(5)};
+  EXPECT_THAT(error_of((*slam)->track({.stamp = 1, .colour = colour})), HasSubstr("order must be rgb or bgr, not 5"));
+}
+
 TEST(SlamCreate, RefusesAnImpossibleCamera) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const struct {

@@ -2,11 +2,15 @@
 #include "covis/core/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <optional>
 #include <string>
 #include <system_error>
 
@@ -43,57 +47,189 @@ void sync_folder(const std::filesystem::path& folder) {
   ::close(handle);
 }
 
-// Opens a new file beside `target`. O_EXCL makes sure that an existing file or link of that name is never written to.
-int open_temporary(const std::filesystem::path& target, std::filesystem::path& temporary, int& handle) {
+constexpr std::string_view kInfix = ".tmp";  // of temporary names: TARGET.tmpPID-NUMBER
+
+std::filesystem::path temporary_name(const std::filesystem::path& target) {
   static std::atomic<unsigned> count = 0;
-  for (int tried = 0; tried < kNames; ++tried) {
-    temporary = target;
-    temporary += ".tmp" + std::to_string(::getpid()) + "-" + std::to_string(count++);
-    handle = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (handle >= 0) return 0;
-    if (errno != EEXIST) return errno;
+  std::filesystem::path name = target;
+  name += std::string(kInfix) + std::to_string(::getpid()) + "-" + std::to_string(count++);
+  return name;
+}
+
+// Calls make(name) with fresh names beside the target until it does not fail with EEXIST: an existing file or link of
+// that name is never written to. Returns its result and leaves the name in `temporary`.
+template <class Make>
+int with_temporary_name(const std::filesystem::path& target, std::filesystem::path& temporary, Make make) {
+  int problem = EEXIST;
+  for (int tried = 0; tried < kNames && problem == EEXIST; ++tried) {
+    temporary = temporary_name(target);
+    problem = make(temporary);
   }
-  return EEXIST;
+  return problem;
+}
+
+// Returns the process in a temporary name of the target; 0: it is no such name.
+pid_t process_of(std::string_view name, std::string_view target) {
+  if (!name.starts_with(target) || !name.substr(target.size()).starts_with(kInfix)) return 0;
+  name.remove_prefix(target.size() + kInfix.size());
+  const auto is_number = [](std::string_view text) {
+    return !text.empty() && text.size() < 11 && text.find_first_not_of("0123456789") == std::string_view::npos;
+  };
+  const size_t dash = name.find('-');
+  if (dash == std::string_view::npos || !is_number(name.substr(0, dash)) || !is_number(name.substr(dash + 1))) return 0;
+  pid_t process = 0;
+  const auto read = std::from_chars(name.data(), name.data() + dash, process);
+  return read.ec == std::errc() ? process : 0;
+}
+
+// A writer holds a lock on its temporary file. It goes with the writer, also when that is in another container, whose
+// processes have numbers of their own.
+bool is_left_behind(const std::filesystem::path& file) {
+  const int handle = ::open(file.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (handle < 0) return false;
+  struct stat status {};
+  const bool left = ::fstat(handle, &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == ::geteuid() &&
+                    ::flock(handle, LOCK_EX | LOCK_NB) == 0;
+  ::close(handle);
+  return left;
+}
+
+int write_contents(int handle, std::string_view bytes, Durability durability, const mode_t* mode) {
+  int problem = write_all(handle, bytes);
+  if (problem == 0 && mode != nullptr && ::fchmod(handle, *mode) != 0) problem = errno;
+  if (problem == 0 && durability == Durability::durable && ::fsync(handle) != 0) problem = errno;
+  return problem;
+}
+
+int rename_to(const std::filesystem::path& temporary, const std::filesystem::path& target) {
+  if (::rename(temporary.c_str(), target.c_str()) == 0) return 0;
+  const int problem = errno;
+  ::unlink(temporary.c_str());
+  return problem;
+}
+
+// A file without a name until it is complete, so that a killed process leaves nothing. It can be given a name that is
+// free, but not one that exists: then it gets a temporary one for the moment of a rename. Returns nullopt when the file
+// system has no such files.
+std::optional<int> write_unnamed(const std::filesystem::path& target, std::string_view bytes, Durability durability,
+                                 const mode_t* mode) {
+  const std::filesystem::path folder = target.parent_path();
+  const int handle = ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+  if (handle < 0) return std::nullopt;
+  ::flock(handle, LOCK_EX | LOCK_NB);
+  std::optional<int> problem = write_contents(handle, bytes, durability, mode);
+  if (problem == 0) {
+    const std::string own = "/proc/self/fd/" + std::to_string(handle);
+    const auto link = [&](const std::filesystem::path& name) {
+      return ::linkat(AT_FDCWD, own.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
+    };
+    problem = link(target);
+    if (problem == EEXIST) {
+      std::filesystem::path temporary;
+      problem = with_temporary_name(target, temporary, link);
+      if (problem == 0) problem = rename_to(temporary, target);
+    } else if (problem != 0) {
+      problem = std::nullopt;  // without /proc there is no way to name it
+    }
+  }
+  ::close(handle);
+  return problem;
+}
+
+int write_named(const std::filesystem::path& target, std::string_view bytes, Durability durability,
+                const mode_t* mode) {
+  std::filesystem::path temporary;
+  int handle = -1;
+  int problem = with_temporary_name(target, temporary, [&](const std::filesystem::path& name) {
+    handle = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    return handle >= 0 ? 0 : errno;
+  });
+  if (problem != 0) return problem;
+  ::flock(handle, LOCK_EX | LOCK_NB);
+  problem = write_contents(handle, bytes, durability, mode);
+  if (problem == 0) {
+    problem = rename_to(temporary, target);
+  } else {
+    ::unlink(temporary.c_str());
+  }
+  // The bytes are complete by now, but a network's file system may say only here that it could not keep them.
+  if (::close(handle) != 0 && problem == 0) problem = errno;
+  return problem;
 }
 
 // mode: the permissions of the file that is replaced; nullptr when there is no such file.
 int write_and_rename(const std::filesystem::path& target, std::string_view bytes, Durability durability,
-                     const mode_t* mode) {
-  std::filesystem::path temporary;
-  int handle = -1;
-  if (const int problem = open_temporary(target, temporary, handle); problem != 0) return problem;
-  int problem = write_all(handle, bytes);
-  if (problem == 0 && mode != nullptr && ::fchmod(handle, *mode) != 0) problem = errno;
-  if (problem == 0 && durability == Durability::durable && ::fsync(handle) != 0) problem = errno;
-  if (::close(handle) != 0 && problem == 0) problem = errno;
-  if (problem == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) problem = errno;
-  if (problem != 0) ::unlink(temporary.c_str());
+                     TemporaryFile temporary, const mode_t* mode) {
+  std::optional<int> problem;
+  if (temporary == TemporaryFile::unnamed) problem = write_unnamed(target, bytes, durability, mode);
+  if (!problem) problem = write_named(target, bytes, durability, mode);
   if (problem == 0 && durability == Durability::durable) sync_folder(target.parent_path());
-  return problem;
+  return *problem;
 }
 
-int write_file(const std::filesystem::path& file, std::string_view bytes, Durability durability) {
+// The file that a link leads to; the file itself when it is no link, or leads nowhere.
+std::filesystem::path followed(const std::filesystem::path& file, std::error_code& error) {
+  if (!std::filesystem::is_symlink(file, error)) return file;
+  return std::filesystem::canonical(file, error);
+}
+
+int write_file(const std::filesystem::path& file, std::string_view bytes, Durability durability,
+               TemporaryFile temporary) {
   struct stat status {};
   const bool exists = ::stat(file.c_str(), &status) == 0;
   if (exists && S_ISDIR(status.st_mode)) return EISDIR;
   // Renaming over a device would replace it by a regular file.
   if (exists && !S_ISREG(status.st_mode)) return write_device(file, bytes);
   std::error_code error;
-  std::filesystem::path target = file;
-  if (std::filesystem::is_symlink(file, error)) {
-    target = std::filesystem::canonical(file, error);
-    if (error) return error.value();
-  }
+  const std::filesystem::path target = followed(file, error);
+  if (target.empty()) return error.value();
+  if (durability == Durability::durable) remove_left_behind(target);
   const mode_t mode = status.st_mode & 0777;
-  return write_and_rename(target, bytes, durability, exists ? &mode : nullptr);
+  return write_and_rename(target, bytes, durability, temporary, exists ? &mode : nullptr);
 }
 
 }  // namespace
 
-Result<void> write_atomically(const std::filesystem::path& file, std::string_view bytes, Durability durability) {
-  const int problem = write_file(file, bytes, durability);
+Result<void> write_atomically(const std::filesystem::path& file, std::string_view bytes, Durability durability,
+                              TemporaryFile temporary) {
+  const int problem = write_file(file, bytes, durability, temporary);
   if (problem == 0) return {};
   return fail(file.string() + ": it can't be written: " + std::generic_category().message(problem));
+}
+
+Result<void> check_writable(const std::filesystem::path& file) {
+  const auto refused = [&](int problem) {
+    return fail(file.string() + ": it can't be written: " + std::generic_category().message(problem));
+  };
+  struct stat status {};
+  const bool exists = ::stat(file.c_str(), &status) == 0;
+  if (exists && S_ISDIR(status.st_mode)) return refused(EISDIR);
+  if (exists && !S_ISREG(status.st_mode)) return {};  // a device takes it or not
+  std::error_code error;
+  const std::filesystem::path target = followed(file, error);
+  if (target.empty()) return refused(error.value());
+  remove_left_behind(target);
+  std::filesystem::path temporary;
+  const int problem = with_temporary_name(target, temporary, [](const std::filesystem::path& name) {
+    const int handle = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+    if (handle < 0) return errno;
+    ::close(handle);
+    return 0;
+  });
+  if (problem != 0) return refused(problem);
+  ::unlink(temporary.c_str());
+  return {};
+}
+
+void remove_left_behind(const std::filesystem::path& target) {
+  std::error_code error;
+  const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : std::filesystem::path(".");
+  const std::string name = target.filename().string();
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const pid_t process = process_of(entry->path().filename().string(), name);
+    if (process <= 0 || ::kill(process, 0) == 0 || errno != ESRCH) continue;
+    if (is_left_behind(entry->path())) ::unlink(entry->path().c_str());
+  }
 }
 
 }  // namespace covis

@@ -14,11 +14,24 @@ namespace covis {
 // operating system keeps running, even if the process is killed.
 enum class Durability { fast, durable };
 
+// unnamed: the temporary file has no name until it is complete, where the file system has such files (elsewhere it is
+// named). named: it is TARGET.tmpPID-NUMBER all the time, and a process that is killed leaves it behind.
+enum class TemporaryFile { unnamed, named };
+
 // Writes to a temporary file in the same folder and renames it. On an error (a full disk, no write permission) the old
-// file is unchanged and no temporary file is left. A symbolic link is kept and its target replaced; a link without a
-// target is an error. A replaced file keeps its permissions. A pipe or a device is written to directly. Threads and
-// processes may write the same file at once: one of them wins.
+// file is unchanged and no temporary file is left. A killed process leaves one only if that happens between two system
+// calls, or where files cannot be unnamed; the next durable writing of the same file removes it. A symbolic link is
+// kept and its target replaced; a link without a target is an error. A replaced file keeps its permissions. A pipe or a
+// device is written to directly. Threads and processes may write the same file at once: one of them wins.
 Result<void> write_atomically(const std::filesystem::path& file, std::string_view bytes,
-                              Durability durability = Durability::fast);
+                              Durability durability = Durability::fast,
+                              TemporaryFile temporary = TemporaryFile::unnamed);
+
+// Tries whether the file could be written now, by making an empty one beside it and removing that again.
+Result<void> check_writable(const std::filesystem::path& file);
+
+// Removes what processes that are gone left beside the file while they wrote it: regular files of this user with names
+// of ours, that no process holds.
+void remove_left_behind(const std::filesystem::path& file);
 
 }  // namespace covis

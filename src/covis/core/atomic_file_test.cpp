@@ -2,7 +2,9 @@
 // Writing: whole or not at all, whatever stands in the way, and nothing left behind.
 #include "covis/core/atomic_file.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 
@@ -107,6 +109,69 @@ TEST_F(AtomicFile, NothingThatLiesThereIsWrittenThrough) {
   EXPECT_EQ(read_file(folder / "precious"), "kept");
   EXPECT_EQ(read_file(folder / "out"), "new");
   EXPECT_FALSE(fs::is_symlink(folder / "out"));
+}
+
+TEST_F(AtomicFile, NamedTemporaryFilesDoTheSame) {
+  write_file(folder / "out", "old");
+  ASSERT_TRUE(write_atomically(folder / "out", "new", Durability::durable, TemporaryFile::named));
+  EXPECT_EQ(read_file(folder / "out"), "new");
+  EXPECT_EQ(files(), 1);
+  fs::create_directories(folder / "full");
+  EXPECT_FALSE(write_atomically(folder / "full", "x", Durability::fast, TemporaryFile::named));
+}
+
+// A number that no process has: those of Linux end at 4194304.
+constexpr const char* kGone = "out.tmp4999999-0";
+
+TEST_F(AtomicFile, WhatADeadProcessLeftIsRemovedByTheNextDurableWriting) {
+  write_file(folder / kGone, "half");
+  ASSERT_TRUE(write_atomically(folder / "out", "x"));
+  EXPECT_TRUE(fs::exists(folder / kGone)) << "a folder is not walked for every fast writing";
+  ASSERT_TRUE(write_atomically(folder / "out", "x", Durability::durable));
+  EXPECT_FALSE(fs::exists(folder / kGone));
+  EXPECT_EQ(files(), 1);
+}
+
+TEST_F(AtomicFile, NothingElseIsRemoved) {
+  const std::string living = "out.tmp" + std::to_string(::getppid()) + "-0";
+  const std::vector<std::string> others{living,
+                                        "out.tmp4999999",
+                                        "out.tmp4999999-",
+                                        "out.tmp-1",
+                                        "out.tmp4999999-0.bak",
+                                        "out.tmp4999999-x",
+                                        "other.tmp4999999-0",
+                                        "out.tmp99999999999999999999-0"};
+  for (const std::string& name : others) write_file(folder / name, "kept");
+  write_file(folder / "precious", "kept");
+  fs::create_symlink("precious", folder / kGone);
+  fs::create_directories(folder / "out.tmp4999999-1");
+  const auto before = files();
+  remove_left_behind(folder / "out");
+  EXPECT_EQ(files(), before);
+  EXPECT_EQ(read_file(folder / "precious"), "kept");
+}
+
+TEST_F(AtomicFile, AFileThatIsBeingWrittenElsewhereStays) {
+  write_file(folder / kGone, "half");
+  const int handle = ::open((folder / kGone).c_str(), O_RDONLY | O_CLOEXEC);
+  ASSERT_EQ(::flock(handle, LOCK_EX), 0);  // as its writer does, whose number means nothing here
+  remove_left_behind(folder / "out");
+  EXPECT_TRUE(fs::exists(folder / kGone));
+  ::close(handle);
+  remove_left_behind(folder / "out");
+  EXPECT_FALSE(fs::exists(folder / kGone));
+}
+
+TEST_F(AtomicFile, WhetherAFileCanBeWrittenIsKnownBefore) {
+  write_file(folder / "out", "old");
+  EXPECT_TRUE(check_writable(folder / "out"));
+  EXPECT_TRUE(check_writable(folder / "fresh"));
+  EXPECT_TRUE(check_writable("/dev/null"));
+  EXPECT_EQ(read_file(folder / "out"), "old");
+  EXPECT_EQ(files(), 1) << "nothing is left";
+  EXPECT_THAT(check_writable(folder / "no/out").error().message, HasSubstr("no/out: it can't be written: No such"));
+  EXPECT_THAT(check_writable(folder.path()).error().message, HasSubstr("directory"));
 }
 
 TEST_F(AtomicFile, ThreadsThatWriteTheSameFileLeaveOneOfTheirs) {

@@ -22,21 +22,40 @@ struct Partner {
   size_t image = 0, points = 0;
 };
 
-// For each image those that share at least kCovisibilityThreshold points with it, the ones with most first.
-std::vector<std::vector<Partner>> partners_of(const ColmapModel& model) {
+// Far more than any track of a reconstruction; it keeps the walk over partners linear in the size of the model.
+constexpr size_t kMaxImagesOfPoint = 1000;
+
+// For each image those that share at least kCovisibilityThreshold points with it, the ones with most first. Error: the
+// points are seen by too many images, on average of all sights.
+Result<std::vector<std::vector<Partner>>> partners_of(const ColmapModel& model) {
   std::unordered_map<int64_t, std::vector<size_t>> images;  // of each point
+  size_t sights = 0, meetings = 0;
   for (size_t i = 0; i < model.images.size(); ++i) {
-    for (const int64_t point : model.images[i].points) images[point].push_back(i);
+    for (const int64_t point : model.images[i].points) {
+      std::vector<size_t>& seen = images[point];
+      seen.push_back(i);
+      ++sights;
+      meetings += 2 * seen.size() - 1;  // the square of their number, in the end
+    }
+  }
+  if (meetings > kMaxImagesOfPoint * sights) {
+    return fail("images.txt: its points are seen by " + std::to_string(meetings / sights) +
+                " images on average, more than " + std::to_string(kMaxImagesOfPoint));
   }
   std::vector<std::vector<Partner>> partners(model.images.size());
+  std::vector<size_t> counts(model.images.size()), met;
   for (size_t i = 0; i < model.images.size(); ++i) {
-    std::vector<size_t> counts(model.images.size());
+    met.clear();
     for (const int64_t point : model.images[i].points) {
-      for (const size_t other : images.at(point)) ++counts[other];
+      for (const size_t other : images.at(point)) {
+        if (counts[other]++ == 0) met.push_back(other);
+      }
     }
-    for (size_t other = 0; other < counts.size(); ++other) {
+    std::sort(met.begin(), met.end());
+    for (const size_t other : met) {
       if (other != i && counts[other] >= static_cast<size_t>(kCovisibilityThreshold))
         partners[i].push_back({other, counts[other]});
+      counts[other] = 0;
     }
     std::stable_sort(partners[i].begin(), partners[i].end(),
                      [](const Partner& a, const Partner& b) { return a.points > b.points; });
@@ -108,7 +127,9 @@ class Importer {
 
 Result<void> import_colmap(const ColmapModel& model, const std::filesystem::path& images, const OrbOptions& options,
                            SharedMap& map) {
-  const std::vector<std::vector<Partner>> partners = partners_of(model);
+  const auto found = partners_of(model);
+  if (!found) return tl::unexpected(found.error());
+  const std::vector<std::vector<Partner>>& partners = *found;
   Importer importer(model, options, map);
   // The image with most partners begins the map.
   std::vector<size_t> waiting(model.images.size());

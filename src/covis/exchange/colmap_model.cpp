@@ -52,6 +52,8 @@ const std::map<std::string, Figures> kModels{{"SIMPLE_PINHOLE", {3, true, Distor
                                              {"OPENCV", {8, false, Distortion::brown_conrady}},
                                              {"OPENCV_FISHEYE", {8, false, Distortion::kannala_brandt}}};
 
+constexpr int kMaxSide = 32768;  // pixels
+
 Result<Camera> read_camera(const fs::path& file, int& id) {
   Lines lines(file);
   auto line = lines.next();
@@ -75,10 +77,12 @@ Result<Camera> read_camera(const fs::path& file, int& id) {
   const Pinhole& p = camera.pinhole;
   const bool whole = *line && (*line >> std::ws).eof();
   const bool bounded = std::all_of(values.begin(), values.end(), [](double v) { return std::abs(v) < 1e6; });
-  if (!whole || !bounded || camera.width < 64 || camera.height < 64 || !(p.fx > 0 && p.fy > 0) ||
-      !std::isfinite(p.fx + p.fy) || !(p.cx > 0 && p.cx < camera.width && p.cy > 0 && p.cy < camera.height))
+  if (!whole || !bounded || std::min(camera.width, camera.height) < 64 ||
+      std::max(camera.width, camera.height) > kMaxSide || !(p.fx >= 1 && p.fy >= 1) || !std::isfinite(p.fx + p.fy) ||
+      !(p.cx > 0 && p.cx < camera.width && p.cy > 0 && p.cy < camera.height))
     return lines.problem("a " + model +
-                         " of at least 64 x 64 pixels with positive focal lengths and its principal point "
+                         " of at least 64 x 64 and at most 32768 x 32768 pixels with positive focal lengths of a "
+                         "pixel or more and its principal point "
                          "in the image is wanted");
   if (lines.next()) return lines.problem("there is a second camera; one is wanted");
   return camera;

@@ -82,6 +82,8 @@ TEST_F(ColmapModelFiles, ThatAreWrongAreNamedWithTheirLine) {
   EXPECT_THAT(error(camera, "1 1 0 0 0 1e300 0 0 1 a.png\n\n"), HasSubstr("translation"));
   EXPECT_THAT(error(camera, images + images), HasSubstr("another image of the id 1"));
   EXPECT_THAT(error("1 PINHOLE 640 480 500 500 320 240 7\n", images), HasSubstr("cameras.txt:1: "));
+  EXPECT_THAT(error("1 PINHOLE 640 480 1e-300 500 320 240\n", images), HasSubstr("focal lengths of a pixel or more"));
+  EXPECT_THAT(error("1 PINHOLE 2000000000 480 500 500 320 240\n", images), HasSubstr("at most 32768 x 32768"));
   EXPECT_THAT(error("1 OPENCV 640 480 500 500 320 240 1e300 0 0 0\n", images), HasSubstr("cameras.txt:1: "));
   EXPECT_THAT(error(camera, "1 1 0 0 0 0 0 0 1 a.png\n\n"), HasSubstr("less than two images"));
   std::filesystem::remove(folder / "cameras.txt");

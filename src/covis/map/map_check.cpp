@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <set>
+#include <unordered_map>
 
 #include "covis/map/map.h"
 
@@ -100,14 +101,32 @@ std::string check_links(const Map& map, KeyFrameId id, const KeyFrame& key_frame
   const KeyFrame* parent = map.find(key_frame.parent);
   if (!parent || !std::binary_search(parent->children.begin(), parent->children.end(), id))
     return name(id) + "'s parent is erased or does not know it";
-  // Up the tree to the root, in no more steps than there are key frames.
-  KeyFrameId at = id;
-  for (size_t steps = 0; at != submap->root; ++steps) {
-    if (steps > map.key_frame_count()) return name(id) + " is on a cycle of the spanning tree";
-    at = map.at(at).parent;
-    if (!map.find(at)) return name(id) + " is not connected to its submap's root";
-  }
   return {};
+}
+
+// Down the tree of every submap: whoever is not met is connected to no root. check_links() has seen that parents and
+// children agree, so that each is met once at most and the walk ends.
+std::string check_trees(const Map& map, size_t slots) {
+  std::vector<bool> met(slots);
+  std::vector<KeyFrameId> open;
+  for (const Submap& submap : map.submaps()) {
+    open.assign(1, submap.root);
+    while (!open.empty()) {
+      const KeyFrameId id = open.back();
+      const KeyFrame* key_frame = map.find(id);
+      open.pop_back();
+      if (!key_frame || met[id.slot] || key_frame->submap != submap.id)
+        return name(id) + " is not where the spanning tree of a submap has it";
+      met[id.slot] = true;
+      open.insert(open.end(), key_frame->children.begin(), key_frame->children.end());
+    }
+  }
+  std::string problem;
+  map.for_each_key_frame([&](KeyFrameId id, const KeyFrame& key_frame) {
+    if (!met[id.slot] && key_frame.parent.valid() && problem.empty())
+      problem = name(id) + " is not connected to its submap's root";
+  });
+  return problem;
 }
 
 // Every key frame with words stands under each of them, and nothing else stands there.
@@ -132,13 +151,13 @@ std::string check_database(const Map& map) {
 
 std::string check_submaps(const Map& map) {
   size_t total = 0;
+  std::unordered_map<uint32_t, size_t> key_frames;  // by the submap's id
+  map.for_each_key_frame([&](KeyFrameId, const KeyFrame& k) { ++key_frames[k.submap]; });
   for (const Submap& submap : map.submaps()) {
     const KeyFrame* root = map.find(submap.root);
     if (!root || root->submap != submap.id) return "the root of submap " + std::to_string(submap.id) + " is erased";
-    size_t key_frames = 0;
-    map.for_each_key_frame([&](KeyFrameId, const KeyFrame& k) { key_frames += k.submap == submap.id; });
-    if (key_frames != submap.key_frames) return "submap " + std::to_string(submap.id) + " has a wrong count";
-    total += key_frames;
+    if (key_frames[submap.id] != submap.key_frames) return "submap " + std::to_string(submap.id) + " has a wrong count";
+    total += submap.key_frames;
   }
   if (total != map.key_frame_count()) return "a key frame belongs to no submap";
   return strictly_sorted(map.submaps(), [](const Submap& a, const Submap& b) { return a.id < b.id; })
@@ -162,6 +181,7 @@ std::string Map::check() const {
     if (problem.empty()) problem = check_point(*this, id, point);
   });
   if (problem.empty()) problem = check_submaps(*this);
+  if (problem.empty()) problem = check_trees(*this, weights.size());
   if (problem.empty()) problem = check_database(*this);
   return problem;
 }

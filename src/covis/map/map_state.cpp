@@ -3,12 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace covis {
 namespace {
 
 constexpr uint32_t kNone = MapState::kNone;
 constexpr float kMaxPixel = 1e6f;  // far beyond any image; the grid's arithmetic is safe below it
+// Far beyond any world, and their squares are far from what a float can hold.
+constexpr double kMaxLength = 1e12, kMinDepth = 1e-12;  // metres
+constexpr float kMaxAngle = 6.2832f;                    // 2 pi, rounded up
+constexpr Timestamp kMaxStamp = Timestamp{1} << 62;     // so that the difference of two is in 64 bits
+constexpr uint32_t kMaxCount = 1u << 31;                // none overflows for as long as a run may go on
 
 std::string frame_name(size_t i) { return "key frame " + std::to_string(i); }
 std::string point_name(size_t i) { return "point " + std::to_string(i); }
@@ -20,6 +26,29 @@ bool are_pixels(const AlignedVector<float>& values) {
 
 bool are_finite(const AlignedVector<float>& values) {
   return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+}
+
+bool are_angles(const AlignedVector<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return v >= 0 && v <= kMaxAngle; });
+}
+
+// A feature without depth has 0 or less.
+bool are_depths(const AlignedVector<float>& values) {
+  return std::all_of(values.begin(), values.end(),
+                     [](float v) { return v <= 0 || (v >= kMinDepth && v <= kMaxLength); });
+}
+
+// A feature without a right image's column has a negative one.
+bool are_columns(const AlignedVector<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return v <= kMaxPixel; });
+}
+
+bool is_within(const Eigen::Vector3d& p, double bound) { return p.cwiseAbs().maxCoeff() <= bound; }
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
 }
 
 bool valid_bounds(const ImageBounds& b) {
@@ -39,6 +68,8 @@ std::string problem_of(const MapState& state, size_t index) {
   if (!k.T_cw.all_finite()) return "has a pose that is not finite";
   const Eigen::Matrix3d off = k.T_cw.R().transpose() * k.T_cw.R() - Eigen::Matrix3d::Identity();
   if (!(off.cwiseAbs().maxCoeff() < 1e-3) || !(k.T_cw.R().determinant() > 0)) return "has a pose without a rotation";
+  if (!is_within(k.T_cw.t(), kMaxLength)) return "has a translation beyond " + number(kMaxLength) + " m";
+  if (k.stamp > kMaxStamp || k.stamp < -kMaxStamp) return "has a stamp more than 146 years from 0";
   if (k.serial >= state.next_serial) return "has a serial that is not given yet";
   if (index > 0 && k.serial <= state.key_frames[index - 1].serial) return "has a serial that does not rise";
   if (k.parent != kNone && k.parent >= frames) return "has a parent that is not there";
@@ -55,7 +86,11 @@ std::string problem_of(const MapState& state, size_t index) {
 
 std::string problem_of(const MapState& state, const MapPointState& p) {
   if (!p.position_w.allFinite() || !p.normal_w.allFinite()) return "is not finite";
+  if (!is_within(p.position_w, kMaxLength)) return "has a position beyond " + number(kMaxLength) + " m";
+  if (!(p.normal_w.norm() <= 1.01)) return "has a normal longer than 1, the mean of unit vectors";
   if (!std::isfinite(p.d_min) || !std::isfinite(p.d_max)) return "has a range of distances that is not finite";
+  if (!(p.d_min >= 0 && p.d_min <= p.d_max)) return "has no valid range of distances";
+  if (p.visible > kMaxCount || p.found > kMaxCount) return "has been visible or found in more frames than a run has";
   if (p.reference >= state.key_frames.size()) return "has a reference that is not there";
   return {};
 }
@@ -66,8 +101,9 @@ std::string problem_of(const MapState& state, const MapPointState& p) {
 bool valid_pyramid(int levels, float factor) { return levels >= 1 && levels <= 32 && factor >= 1 && factor <= 4; }
 
 bool valid_camera(const Pinhole& c) {
-  return std::isfinite(c.fx) && std::isfinite(c.fy) && std::isfinite(c.cx) && std::isfinite(c.cy) &&
-         std::isfinite(c.bf) && c.fx > 0 && c.fy > 0 && c.bf >= 0 && c.depth_noise.valid();
+  const auto is_focal = [](double f) { return f >= 1e-3 && f <= 1e9; };  // a NaN is none
+  return is_focal(c.fx) && is_focal(c.fy) && std::abs(c.cx) <= 1e9 && std::abs(c.cy) <= 1e9 && c.bf >= 0 &&
+         c.bf <= kMaxLength && c.depth_noise.valid();
 }
 
 std::string problem_of(const Features& f, const ImageBounds& bounds) {
@@ -85,6 +121,9 @@ std::string problem_of(const Features& f, const ImageBounds& bounds) {
   if (!are_finite(f.angle) || !are_finite(f.u_right) || !are_finite(f.depth)) {
     return "has a feature that is not finite";
   }
+  if (!are_angles(f.angle)) return "has a feature whose orientation is not from 0 to 2 pi";
+  if (!are_columns(f.u_right)) return "has a feature whose column in the right image is outside any image";
+  if (!are_depths(f.depth)) return "has a feature whose depth is not from 1e-12 to 1e12 m";
   if (std::any_of(f.level.begin(), f.level.end(), [&](uint8_t l) { return l >= f.pyramid->levels; })) {
     return "has a feature on a level the pyramid does not have";
   }
@@ -94,6 +133,8 @@ std::string problem_of(const Features& f, const ImageBounds& bounds) {
 std::string problem_of(const MapState& state) {
   if (state.key_frames.size() >= kNone || state.points.size() >= kNone) return "there is too much of it";
   if (!state.key_frames.empty() && !valid_camera(state.camera)) return "it has no valid camera";
+  if (state.next_serial > kMaxCount)
+    return "its next serial is " + std::to_string(state.next_serial) + ", beyond any run";
   for (size_t i = 0; i < state.key_frames.size(); ++i) {
     if (const std::string problem = problem_of(state, i); !problem.empty()) return frame_name(i) + " " + problem;
   }

@@ -4,14 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <memory>
 #include <utility>
 
 #include "covis/core/atomic_file.h"
 #include "covis/core/log.h"
+#include "covis/storage/load_cost.h"
 #include "covis/storage/map_colours.h"
 #include "covis/storage/map_file_format.h"
+#include "covis/storage/map_header_check.h"
 
 namespace covis::storage {
 namespace {
@@ -116,24 +117,6 @@ void point_fields(Fields& fields, P& p) {
   fields(p.found);
 }
 
-// ---- Checks ----
-
-std::string problem_of(const MapHeader& h) {
-  const Pinhole& p = h.camera.pinhole;
-  const auto finite = [](double v) { return std::isfinite(v); };
-  const std::array<double, 5> figures{p.fx, p.fy, p.cx, p.cy, p.bf};
-  if (!std::all_of(figures.begin(), figures.end(), finite) || !(p.fx > 0 && p.fy > 0 && p.bf >= 0) ||
-      !std::all_of(h.camera.coefficients.begin(), h.camera.coefficients.end(), finite)) {
-    return "its camera is not valid";
-  }
-  if (h.camera.width < 1 || h.camera.height < 1) return "its camera has no image size";
-  const int distortion = static_cast<int>(h.camera.distortion), sensor = static_cast<int>(h.sensor);
-  if (distortion < 0 || distortion > static_cast<int>(Distortion::kannala_brandt)) return "its lens is unknown";
-  if (sensor < 0 || sensor > static_cast<int>(Sensor::rgbd)) return "its sensor is unknown";
-  if (!valid_pyramid(h.levels, h.factor)) return "its pyramid is not valid";
-  return {};
-}
-
 // ---- Writing ----
 
 FrameRecord record_of(const KeyFrameState& k, const Pinhole& camera) {
@@ -178,6 +161,16 @@ std::vector<Section> sections_of(const MapState& map, const MapHeader& header) {
   return sections;
 }
 
+// A camera's file, say, must not be lost because its name was given for the map's.
+Result<void> check_replaceable(const std::filesystem::path& file) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(file, none) || std::filesystem::file_size(file, none) == 0) return {};
+  if (is_map_file(file)) return {};
+  return fail(
+      file.string() +
+      ": it is there and is not a map of Covis, so that no map is written over it; give another name or remove it");
+}
+
 // ---- Reading ----
 
 struct About {
@@ -192,7 +185,9 @@ Result<About> read_about(SectionFile& file) {
   About about;
   about_fields(fields, about.header, about.counts);
   if (!fields.whole()) return fail(file.error(kNotRightLength));
-  const std::string problem = problem_of(about.header);
+  std::string problem = problem_of(about.header);
+  const Counts& c = about.counts;
+  if (problem.empty()) problem = problem_of_counts(c.key_frames, c.points, c.features, file.size());
   if (!problem.empty()) return fail(file.error(problem));
   return about;
 }
@@ -204,6 +199,8 @@ Result<std::vector<KeyFrameState>> read_key_frames(SectionFile& file, uint32_t c
   if (!bytes) return tl::unexpected(bytes.error());
   FieldReader fields(*bytes);
   std::vector<KeyFrameState> key_frames;
+  key_frames.reserve(count);
+  records.reserve(count);
   for (uint32_t i = 0; i < count && fields.ok(); ++i) {
     KeyFrameState& k = key_frames.emplace_back();
     FrameRecord& r = records.emplace_back();
@@ -265,6 +262,7 @@ Result<void> read_points(SectionFile& file, uint32_t count, std::vector<MapPoint
   const auto bytes = file.read(kPoints, "points");
   if (!bytes) return tl::unexpected(bytes.error());
   FieldReader fields(*bytes);
+  points.reserve(count);
   for (uint32_t i = 0; i < count && fields.ok(); ++i) point_fields(fields, points.emplace_back());
   if (!fields.whole()) return fail(file.error(kNotRightLength));
   return {};
@@ -324,18 +322,30 @@ Result<MapState> read_state(SectionFile& file, const Counts& counts, const Pinho
   if (read) read = file.verify_others();
   if (!read) return tl::unexpected(read.error());
   if (counts_of(state) != counts) return fail(file.error("it is damaged: its contents do not match its counts"));
+  std::string problem = covis::problem_of(state);
+  if (problem.empty()) problem = problem_of_meetings(meetings_of(state), state, file.size());
+  if (!problem.empty()) return fail(file.error("its map is not sound: " + problem));
   return state;
 }
 
 }  // namespace
 
+Result<void> check_save_target(const std::filesystem::path& file) {
+  if (auto replaceable = check_replaceable(file); !replaceable) return replaceable;
+  return check_writable(file);
+}
+
 Result<void> save_map(const std::filesystem::path& file, const MapState& map, const MapHeader& header) {
+  if (auto replaceable = check_replaceable(file); !replaceable) return replaceable;
   std::string problem = problem_of(header);
   if (problem.empty()) problem = covis::problem_of(map);
   if (!problem.empty()) return fail(file.string() + ": the map is not sound and was not saved: " + problem);
   const auto bytes = pack_sections(sections_of(map, header), kMapFileMajor,
                                    has_colours(map) ? kMapFileMinor : kMapFileMinorWithoutColours);
   if (!bytes) return fail(file.string() + ": " + bytes.error().message);
+  // What a reader would refuse is no map.
+  problem = problem_of_meetings(meetings_of(map), map, bytes->size());
+  if (!problem.empty()) return fail(file.string() + ": the map is not sound and was not saved: " + problem);
   return write_atomically(file, *bytes, Durability::durable);
 }
 

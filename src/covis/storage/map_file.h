@@ -44,8 +44,13 @@ struct MapInfo {
 
 // Writes to a temporary name in the same folder, waits for the disk and renames: at any moment `file` is either the
 // complete old or the complete new file. Take the state under the map's lock and save it without the lock. Fails for a
-// map that is not sound, because such a file could not be loaded.
+// map that is not sound, because such a file could not be loaded, and where something else than a map stands: of files,
+// only maps of Covis and empty ones are replaced.
 Result<void> save_map(const std::filesystem::path& file, const MapState& map, const MapHeader& header);
+
+// Says before a run whether save_map() could write there after it: no file of another kind stands there, and the folder
+// takes new files.
+Result<void> check_save_target(const std::filesystem::path& file);
 
 Result<SavedMap> load_map(const std::filesystem::path& file);
 

@@ -8,13 +8,14 @@
 #include <cerrno>
 #include <system_error>
 
+#include "covis/storage/load_cost.h"
+
 namespace covis::storage {
 namespace {
 
 constexpr std::string_view kMagic = "COVISMAP";
 constexpr size_t kHeaderSize = 32, kEntrySize = 24;
 constexpr int kLevel = 3;  // zstd's default: descriptors hardly compress, so a higher level is wasted effort
-constexpr uint64_t kGreatestRatio = 32768;  // zstd expands a block of 4 bytes to at most 128 KiB
 
 // tables[k][b] is the checksum of byte b followed by k zero bytes; with all eight, eight bytes are processed at once.
 using CrcTables = std::array<std::array<uint32_t, 256>, 8>;
@@ -90,6 +91,12 @@ Result<std::string> pack_sections(std::vector<Section> sections, uint16_t major,
   file += entries;
   for (const Section& section : sections) file += section.bytes;
   return file;
+}
+
+bool is_map_file(const std::filesystem::path& file) {
+  std::string magic(kMagic.size(), '\0');
+  std::ifstream stream(file, std::ios::binary);
+  return stream.read(magic.data(), static_cast<std::streamsize>(magic.size())) && magic == kMagic;
 }
 
 Result<SectionFile> SectionFile::open(const std::filesystem::path& path) {
@@ -176,8 +183,13 @@ Result<std::string> SectionFile::read(uint32_t id, std::string_view name) {
   auto stored = read_stored(*entry, name);
   if (!stored) return stored;
   const std::string problem = error("its section '" + std::string(name) + "' can't be uncompressed");
-  // No memory is allocated for an implausible size.
-  if (entry->raw / kGreatestRatio > entry->stored) return fail(problem);
+  // No memory is allocated for an implausible size, nor for one section many times.
+  const uint64_t most = kUnpackedTimes * counted_size(size_);
+  if (entry->raw > most || unpacked_ > most - entry->raw) {
+    return fail(problem + ": with it the file would grow to more than " + std::to_string(kUnpackedTimes) +
+                " times its size, which no map of Covis does");
+  }
+  unpacked_ += entry->raw;
   std::string raw(entry->raw, '\0');
   const size_t size = ZSTD_decompress(raw.data(), raw.size(), stored->data(), stored->size());
   if (ZSTD_isError(size) || size != raw.size()) return fail(problem);

@@ -109,6 +109,9 @@ struct Section {
 Result<std::string> pack_sections(std::vector<Section> sections, uint16_t major = kMapFileMajor,
                                   uint16_t minor = kMapFileMinor);
 
+// True for a file that begins like a map, whatever follows.
+bool is_map_file(const std::filesystem::path& file);
+
 // An open map file: open() reads header and table, read() a single section. Errors name the file.
 class SectionFile {
  public:
@@ -133,6 +136,7 @@ class SectionFile {
   std::ifstream stream_;
   uint16_t major_ = 0, minor_ = 0;
   uint64_t size_ = 0;
+  uint64_t unpacked_ = 0;  // bytes uncompressed so far
   std::vector<Entry> entries_;
 
   Result<void> read_table(uint32_t count, uint32_t so_far, uint32_t wanted_crc);

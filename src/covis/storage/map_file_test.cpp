@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Saved maps: nothing is lost, nothing damaged is taken, and a killed save leaves the old file.
+// Saved maps: nothing is lost, and nothing damaged is taken.
 #include "covis/storage/map_file.h"
 
-#include <poll.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <csignal>
-#include <cstring>
 #include <functional>
 #include <limits>
 
@@ -98,7 +91,8 @@ TEST_F(MapFile, EmptyMapAndSmallMaps) {
   map.clear();
   bytes_of(map);
   EXPECT_EQ(load_map(file())->map.next_serial(), 1u);
-  const KeyFrameId k = map.add_key_frame(4, std::numeric_limits<int64_t>::min(), SE3(), random_features(random, 0));
+  const KeyFrameId k =
+      map.add_key_frame(std::numeric_limits<int64_t>::min(), -(int64_t{1} << 62), SE3(), random_features(random, 0));
   const std::string one = bytes_of(map);
   const auto loaded = load_map(file());
   ASSERT_TRUE(loaded) << loaded.error().message;
@@ -318,55 +312,6 @@ TEST_F(MapFile, WrongContentsAreNeverTrusted) {
     static_cast<void>(read_map_info(folder / "bad.covis"));
   }
   EXPECT_GT(refused, kRounds / 10);
-}
-
-TEST_F(MapFile, NothingUnsoundIsSavedAndTheOldFileStays) {
-  const Map map = random_map(9, 500);
-  const std::string old = bytes_of(map);
-  MapState bad = map.state();
-  bad.points[0].position_w.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(save_map(file(), bad, test_header()).error().message, HasSubstr("was not saved: point 0 is not finite"));
-  MapHeader header = test_header();
-  header.camera.pinhole.fx = 0;
-  EXPECT_THAT(save_map(file(), map.state(), header).error().message, HasSubstr("its camera is not valid"));
-  EXPECT_EQ(read_file(file()), old);
-}
-
-// The child saves one map over the other, again and again, until it is killed.
-[[noreturn]] void save_forever(const fs::path& file, const MapState& a, const MapState& b, int ready) {
-  for (bool first = true;; first = false) {
-    if (!save_map(file, b, test_header())) break;
-    if (first && write(ready, "x", 1) != 1) break;
-    if (!save_map(file, a, test_header())) break;
-  }
-  _exit(1);
-}
-
-TEST_F(MapFile, KilledWhileSaving) {
-  const Map a = random_map(10, 900, 60), b = random_map(11, 900, 60);
-  const std::string bytes_b = bytes_of(b), bytes_a = bytes_of(a);
-  const MapState state_a = a.state(), state_b = b.state();
-  Random random(12);
-  for (int round = 0; round < 50; ++round) {
-    int ready[2];
-    ASSERT_EQ(pipe(ready), 0);
-    const pid_t child = fork();
-    ASSERT_GE(child, 0) << std::strerror(errno);
-    if (child == 0) save_forever(file(), state_a, state_b, ready[1]);
-    char byte = 0;
-    ASSERT_EQ(read(ready[0], &byte, 1), 1);
-    const timespec delay{0, static_cast<long>(1000 * random.below(20000))};
-    ppoll(nullptr, 0, &delay, nullptr);
-    kill(child, SIGKILL);
-    int status = 0;
-    ASSERT_EQ(waitpid(child, &status, 0), child);
-    ASSERT_TRUE(WIFSIGNALED(status)) << "the child failed to save";
-    close(ready[0]);
-    close(ready[1]);
-    const std::string left = read_file(file());
-    ASSERT_TRUE(left == bytes_a || left == bytes_b) << "round " << round;
-    ASSERT_TRUE(load_map(file()));
-  }
 }
 
 }  // namespace

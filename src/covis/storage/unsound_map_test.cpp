@@ -76,15 +76,60 @@ std::vector<Unsound> unsound_key_frames(const Places& at) {
            [](MapState& s) {
              s.key_frames[1].T_cw = SE3(Eigen::Matrix3d::Zero(), {0, 0, 0});
            }},
+          {"translation beyond 1e+12 m",
+           [](MapState& s) {
+             s.key_frames[1].T_cw = SE3(s.key_frames[1].T_cw.R(), {0, 1e300, 0});
+           }},
+          {"rotation",
+           [](MapState& s) {
+             s.key_frames[1].T_cw = SE3(1.01 * s.key_frames[1].T_cw.R(), {0, 0, 0});
+           }},
+          {"stamp", [](MapState& s) { s.key_frames[1].stamp = std::numeric_limits<int64_t>::max(); }},
+          {"next serial", [](MapState& s) { s.next_serial = 0xffffffff; }},
           {"no features", [](MapState& s) { s.key_frames[1].features = nullptr; }},
           {"place for each feature", [](MapState& s) { s.key_frames[1].points.pop_back(); }},
           {"observes", [](MapState& s) { s.key_frames[1].points[0] = static_cast<uint32_t>(s.points.size()); }},
           {"", [=](MapState& s) { s.key_frames[0].points[at.observation] = MapState::kNone; }}};
 }
 
+// Changes the first feature of a key frame, the array of which is given.
+template <class Value>
+Unsound feature_with(const char* why, AlignedVector<Value> Features::*array, Value value) {
+  return {why, [=](MapState& s) {
+            const auto changed = std::make_shared<Features>(*s.key_frames[1].features);
+            ((*changed).*array)[0] = value;
+            s.key_frames[1].features = changed;
+          }};
+}
+
+std::vector<Unsound> unsound_features(const Places&) {
+  constexpr float kNanf = std::numeric_limits<float>::quiet_NaN();
+  return {feature_with("outside any image", &Features::x, 1e30f),
+          feature_with("not finite", &Features::angle, kNanf),
+          feature_with("orientation is not from 0 to 2 pi", &Features::angle, 1e30f),
+          feature_with("orientation is not from 0 to 2 pi", &Features::angle, -0.1f),
+          feature_with("column in the right image", &Features::u_right, 1e30f),
+          feature_with("depth is not from 1e-12 to 1e12 m", &Features::depth, 1e30f),
+          feature_with("depth is not from 1e-12 to 1e12 m", &Features::depth, 1e-30f),
+          feature_with("level", &Features::level, uint8_t{8})};
+}
+
+std::vector<Unsound> unsound_cameras(const Places&) {
+  const auto with = [](double Pinhole::*figure, double value) {
+    return Unsound{"no valid camera", [=](MapState& s) { s.camera.*figure = value; }};
+  };
+  return {with(&Pinhole::fx, 1e-300), with(&Pinhole::fy, 1e300), with(&Pinhole::fx, kNan),
+          with(&Pinhole::cx, 1e30),   with(&Pinhole::cy, kNan),  with(&Pinhole::bf, 1e300)};
+}
+
 std::vector<Unsound> unsound_points(const Places& at) {
   return {{"not finite", [](MapState& s) { s.points[0].position_w.x() = kNan; }},
           {"not finite", [](MapState& s) { s.points[0].d_max = std::numeric_limits<float>::infinity(); }},
+          {"position beyond 1e+12 m", [](MapState& s) { s.points[0].position_w.y() = -1e300; }},
+          {"normal", [](MapState& s) { s.points[0].normal_w.x() = 1e30; }},
+          {"visible", [](MapState& s) { s.points[0].visible = 0xffffffff; }},
+          {"found", [](MapState& s) { s.points[0].found = 0xffffffff; }},
+          {"range of distances", [](MapState& s) { s.points[0].d_min = -1; }},
           {"range of distances", [](MapState& s) { s.points[0].d_min = s.points[0].d_max + 1; }},
           {"reference", [=](MapState& s) { s.points[0].reference = at.last + 1; }},
           {"no observation", [](MapState& s) { s.points.emplace_back(s.points[0]); }}};
@@ -95,7 +140,8 @@ TEST(MapState, UnsoundOnesAreRefused) {
   ASSERT_TRUE(Map::from_state(good));
   const Places at(good);
   ASSERT_LE(at.child, at.last);
-  for (const auto& cases : {unsound_trees(at), unsound_key_frames(at), unsound_points(at)}) {
+  for (const auto& cases :
+       {unsound_trees(at), unsound_key_frames(at), unsound_features(at), unsound_cameras(at), unsound_points(at)}) {
     for (size_t k = 0; k < cases.size(); ++k) {
       SCOPED_TRACE(std::to_string(k) + ": " + cases[k].why);
       MapState state = good;

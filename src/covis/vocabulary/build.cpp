@@ -40,7 +40,8 @@ Result<void> check_list(int branching, int depth, const std::vector<VocabularyNo
     if (levels[i + 1] > depth) return fail(name + ": it lies deeper than the depth " + std::to_string(depth));
     if (++children[node.parent] > branching)
       return fail(name + ": its parent has more than " + std::to_string(branching) + " children");
-    if (!std::isfinite(node.weight) || node.weight < 0) return fail(name + ": its weight must not be negative");
+    if (!(node.weight >= 0 && node.weight <= Vocabulary::kMaxWeight))
+      return fail(name + ": its weight must not be negative, nor greater than a million");
   }
   return {};
 }

@@ -35,6 +35,7 @@ TEST(VocabularyBuild, TellsWhatIsWrong) {
   EXPECT_THAT(message(2, 1, {{{}, 0, 0}, {{}, 0, 0}, {{}, 0, 0}}), testing::HasSubstr("more than 2 children"));
   EXPECT_THAT(message(2, 1, {{{}, 0, -1}}), testing::HasSubstr("weight"));
   EXPECT_THAT(message(2, 1, {{{}, 0, NAN}}), testing::HasSubstr("weight"));
+  EXPECT_THAT(message(2, 1, {{{}, 0, 1e30f}}), testing::HasSubstr("nor greater than a million"));
 }
 
 }  // namespace

@@ -90,6 +90,7 @@ Result<std::shared_ptr<const Vocabulary>> Vocabulary::load(const std::filesystem
   const std::shared_ptr<Vocabulary> vocabulary(new Vocabulary);
   vocabulary->mapped_ = std::move(*mapped);
   if (auto ok = vocabulary->open(bytes); !ok) return named(ok.error());
+  if (!vocabulary->verify()) return named({"the vocabulary can't be used: its content is damaged (checksum)"});
   return vocabulary;
 }
 
@@ -109,7 +110,7 @@ Result<void> Vocabulary::open(std::span<const std::byte> bytes) {
   return check_nodes();
 }
 
-// Checks all that descend() and transform() rely on. Damaged descriptors or weights can only make the words worse.
+// Checks all that descend() and transform() rely on, whatever the checksum says.
 Result<void> Vocabulary::check_nodes() const {
   const uint32_t count = nodes();
   bool good =
@@ -124,7 +125,7 @@ Result<void> Vocabulary::check_nodes() const {
     begin = std::exchange(end, nodes_[end].child);
   }
   good &= end == count;
-  for (const float weight : weights_) good &= std::isfinite(weight) && weight >= 0;
+  for (const float weight : weights_) good &= weight >= 0 && weight <= kMaxWeight;  // a NaN is not
   return good ? Result<void>() : fail("the vocabulary can't be used: its tree is damaged");
 }
 

@@ -61,10 +61,11 @@ class MappedFile;
 class Vocabulary {
  public:
   static constexpr int kMaxBranching = 256, kMaxDepth = 16;
+  static constexpr float kMaxWeight = 1e6f;  // the logarithm of any number of images is far below
 
   // Loads the binary format (mapped: the file must not be modified in place afterwards; save() never does) or the
-  // field's text format, recognised by content. Of a binary file the sizes, indices and weights are checked, but not
-  // the checksum: see verify().
+  // field's text format, recognised by content. All of it is checked, the checksum of a binary file included, so that
+  // a damaged vocabulary never passes for the one whose checksum it has.
   static Result<std::shared_ptr<const Vocabulary>> load(const std::filesystem::path& file);
   // Numbers words breadth first. An error names the invalid node.
   static Result<std::shared_ptr<const Vocabulary>> build(int branching, int depth,

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// The text files of each kind of recording, beside small images that are good. An input has the files of its kind, with
+// a line of "%%" before each but the first.
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "covis/io/sequence.h"
+#include "scratch.h"
+#include "target.h"
+
+namespace covis::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+void image(const fs::path& file, int type) {
+  fs::create_directories(file.parent_path());
+  cv::imwrite(file.string(), cv::Mat(48, 64, type, cv::Scalar::all(100)));
+}
+
+void open(const fs::path& folder, const std::vector<std::string>& names, std::string_view bytes) {
+  constexpr std::string_view kBetween = "\n%%\n";
+  for (const std::string& name : names) {
+    const size_t at = std::min(bytes.find(kBetween), bytes.size());
+    fs::create_directories((folder / name).parent_path());
+    write_file(folder / name, bytes.substr(0, at));
+    bytes.remove_prefix(std::min(bytes.size(), at + kBetween.size()));
+  }
+  for (const std::optional<Sensor> sensor : {std::optional<Sensor>(), std::optional(Sensor::monocular)}) {
+    io::SequenceOptions options;
+    options.sensor = sensor;
+    options.decode_ahead = 1;
+    const auto opened = io::open_sequence(folder.string(), options);
+    if (!opened) continue;
+    io::Sequence& sequence = **opened;
+    require(sequence.camera().width > 0 && sequence.camera().height > 0, "a recording has an image size");
+    static_cast<void>(sequence.frame_rate());
+    static_cast<void>(sequence.description());
+    if (sequence.truth()) static_cast<void>(io::load_truth(sequence));
+    for (int i = 0; i < 3; ++i) {
+      const auto next = sequence.next();
+      if (next && !*next) break;
+    }
+  }
+}
+
+void run_tum(std::string_view bytes) {
+  static const fs::path folder = [] {
+    const fs::path made = scratch_folder() / "tum";
+    for (const char* name : {"0.png", "1.png"}) {
+      image(made / "rgb" / name, CV_8UC3);
+      image(made / "depth" / name, CV_16UC1);
+    }
+    return made;
+  }();
+  open(folder, {"rgb.txt", "depth.txt", "camera.yaml", "groundtruth.txt"}, bytes);
+}
+
+void run_kitti(std::string_view bytes) {
+  static const fs::path folder = [] {
+    const fs::path made = scratch_folder() / "kitti";
+    for (const char* name : {"000000.png", "000001.png"}) {
+      image(made / "image_0" / name, CV_8UC1);
+      image(made / "image_1" / name, CV_8UC1);
+    }
+    return made;
+  }();
+  open(folder, {"calib.txt", "times.txt", "poses.txt"}, bytes);
+}
+
+void run_euroc(std::string_view bytes) {
+  static const fs::path folder = [] {
+    const fs::path made = scratch_folder() / "euroc";
+    for (const char* camera : {"cam0", "cam1"}) {
+      for (const char* name : {"1000000000.png", "1050000000.png"})
+        image(made / "mav0" / camera / "data" / name, CV_8UC1);
+    }
+    return made;
+  }();
+  open(folder,
+       {"mav0/cam0/data.csv", "mav0/cam1/data.csv", "mav0/cam0/sensor.yaml", "mav0/cam1/sensor.yaml",
+        "mav0/state_groundtruth_estimate0/data.csv"},
+       bytes);
+}
+
+void run_images(std::string_view bytes) {
+  static const fs::path folder = [] {
+    const fs::path made = scratch_folder() / "images";
+    for (const char* name : {"0.png", "1.png"}) image(made / name, CV_8UC1);
+    return made;
+  }();
+  open(folder, {"camera.yaml", "times.txt"}, bytes);
+}
+
+const std::string kCamera = "width: 64\nheight: 48\nfx: 50\nfy: 50\ncx: 32\ncy: 24\n";
+
+std::vector<std::string> tum_seeds() {
+  return {"# colour\n1000.0 rgb/0.png\n1000.1 rgb/1.png\n%%\n1000.01 depth/0.png\n1000.11 depth/1.png\n%%\n" + kCamera +
+          "%%\n# truth\n1000.0 0 0 0 0 0 0 1\n"};
+}
+
+std::vector<std::string> kitti_seeds() {
+  return {
+      "P0: 50 0 32 0 0 50 24 0 0 0 1 0\nP1: 50 0 32 -25 0 50 24 0 0 0 1 0\n%%\n0\n0.1\n%%\n1 0 0 0 0 1 0 0 0 0 1 0\n1 "
+      "0 0 "
+      "0 0 1 0 0 0 0 1 1\n"};
+}
+
+std::vector<std::string> euroc_seeds() {
+  const std::string list = "#timestamp,filename\n1000000000,1000000000.png\n1050000000,1050000000.png\n%%\n";
+  const auto sensor = [](const std::string& x) {
+    return "T_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, " + x +
+           ", 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\nrate_hz: 20\nresolution: [64, 48]\ncamera_model: pinhole\n"
+           "intrinsics: [50, 50, 32, 24]\ndistortion_model: radial-tangential\n"
+           "distortion_coefficients: [0.01, 0, 0, 0]\n%%\n";
+  };
+  return {list + list + sensor("0") + sensor("0.1") + "#timestamp\n1000000000,0,0,0,1,0,0,0\n"};
+}
+
+std::vector<std::string> images_seeds() { return {kCamera + "%%\n0\n0.1\n"}; }
+
+}  // namespace
+
+std::vector<Target> recording_targets() {
+  return {{"tum", run_tum, tum_seeds},
+          {"kitti", run_kitti, kitti_seeds},
+          {"euroc", run_euroc, euroc_seeds},
+          {"images", run_images, images_seeds}};
+}
+
+}  // namespace covis::fuzz
