@@ -103,7 +103,7 @@ void add_calibrate_command(CLI::App& app, int& exit_code) {
       ->required();
   command->add_option("--board", a->board, "COLUMNSxROWS: inner corners of a checkerboard, squares of a ChArUco board")
       ->required();
-  command->add_option("--square", a->square, "side of a square, metres")->required()->check(CLI::Range(1e-4, 100.));
+  command->add_option("--square", a->square, "side of a square, metres")->required()->check(positive_number());
   command->add_flag("--charuco", a->charuco, "the board is a ChArUco board, which may be seen in part");
   command->add_option("--marker", a->marker, "ChArUco: side of a marker, metres");
   command->add_option("--dictionary", a->dictionary, "ChArUco: 4X4_50, 5X5_100, 6X6_250 …")->capture_default_str();

@@ -13,6 +13,7 @@
 #include "common.h"
 #include "covis/core/log.h"
 #include "covis/core/quantile.h"
+#include "covis/geometry/camera_check.h"
 #include "covis/io/sequence.h"
 #include "import_camera.h"
 
@@ -26,7 +27,7 @@ struct CheckArguments {
 };
 
 struct Problem {
-  int64_t frame = 0;
+  std::optional<int64_t> frame;  // nullopt: of the recording as a whole
   std::string text;
 };
 
@@ -78,7 +79,9 @@ void print(const nlohmann::json& found) {
   std::cout << "truth           " << (found["truth"].is_null() ? "none" : found["truth"].get<std::string>()) << "\n";
   for (const auto& note : found["notes"]) std::cout << "note            " << note.get<std::string>() << "\n";
   for (const auto& problem : found["problems"]) {
-    std::printf("frame %-9lld %s\n", problem["frame"].get<long long>(), problem["problem"].get<std::string>().c_str());
+    const std::string place =
+        problem.contains("frame") ? "frame " + std::to_string(problem["frame"].get<int64_t>()) : "recording";
+    std::printf("%-15s %s\n", place.c_str(), problem["problem"].get<std::string>().c_str());
   }
   std::printf("%zu problem%s\n", found["problems"].size(), found["problems"].size() == 1 ? "" : "s");
 }
@@ -94,6 +97,7 @@ struct Findings {
 Findings read_all(io::Sequence& sequence, const Reading& reading, CheckPicture& picture) {
   constexpr double kFewMatches = 0.08;
   Findings f;
+  for (const std::string& doubt : doubts_about(sequence.camera())) f.problems.push_back({std::nullopt, doubt});
   int64_t expected = reading.first;
   const int64_t size = sequence.size() > 0 ? sequence.size() : 300;
   const int64_t step = std::max<int64_t>(1, size / CheckPicture::kFrames);
@@ -139,8 +143,10 @@ nlohmann::json to_json(const io::Sequence& sequence, const Findings& f) {
                        {"notes", sequence.notes()}};
   if (const auto truth = sequence.truth()) found["truth"] = truth->file.string();
   found["problems"] = nlohmann::json::array();
-  for (const Problem& problem : f.problems)
-    found["problems"].push_back({{"frame", problem.frame}, {"problem", problem.text}});
+  for (const Problem& problem : f.problems) {
+    nlohmann::json& entry = found["problems"].emplace_back(nlohmann::json{{"problem", problem.text}});
+    if (problem.frame) entry["frame"] = *problem.frame;
+  }
   return found;
 }
 
@@ -159,7 +165,7 @@ int run(const CheckArguments& a) {
   if (!f.stamps.empty()) written = picture.write(out);
   if (written && !f.stamps.empty()) found["picture"] = out;
   if (a.json) {
-    std::cout << found.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    print_json(found);
   } else {
     print(found);
     if (found.contains("picture")) std::cout << picture.caption() << ": " << out << "\n";

@@ -50,7 +50,7 @@ int run(const EvalArguments& a) {
     if (const auto written = write_picture(a.plot, title, *evaluation); !written) return fail_with(written.error());
   }
   if (a.json) {
-    std::cout << to_json(*evaluation).dump(2) << "\n";
+    print_json(to_json(*evaluation));
   } else {
     std::cout << to_text(*evaluation);
   }
@@ -82,10 +82,10 @@ void add_eval_command(CLI::App& app, int& exit_code) {
       "picture of the path from above beside the truth and of the error over time: a .png or .html file");
   command->add_option("--max-difference", a->max_difference, "seconds between a pose and its truth")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command->add_option("--delta", a->delta, "step of the relative pose error")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command->add_option("--delta-unit", a->delta_unit, "frames, s or m")
       ->capture_default_str()
       ->check(CLI::IsMember(keys(kUnits)));

@@ -2,7 +2,6 @@
 // covis localize: locates single images, each on its own, in a saved map.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -73,7 +72,7 @@ void print(const Found& found, const LocalizeArguments& arguments) {
                                {"localized", found.localized()},
                                {"unreadable", found.unreadable},
                                {"median_ms", median}};
-  std::cout << summary.dump(2) << "\n";
+  print_json(summary);
 }
 
 int localize(const LocalizeArguments& arguments) {

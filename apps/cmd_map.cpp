@@ -71,7 +71,7 @@ int run_info(const MapArguments& a) {
   }
   const nlohmann::json json = to_json(a.file, *info);
   if (a.json) {
-    std::cout << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    print_json(json);
   } else {
     print(a.file, *info, json);
   }

@@ -128,10 +128,10 @@ Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, 
   return summary;
 }
 
-// Prints the summary; returns the exit code.
-int conclude(const RunArguments& arguments, const RunSummary& summary, io::SequenceKind kind) {
+// Prints the summary; returns the exit code, and says why where it is not 0.
+int conclude(const RunArguments& arguments, const RunSummary& summary, io::SequenceKind kind, const Camera& camera) {
   if (arguments.json) {
-    std::cout << to_json(summary).dump(2) << "\n";
+    print_json(to_json(summary));
   } else if (!arguments.quiet) {
     std::fputs(summary_text(summary, arguments.out).c_str(), stdout);
   }
@@ -140,7 +140,10 @@ int conclude(const RunArguments& arguments, const RunSummary& summary, io::Seque
     log(LogLevel::warning, "interrupted; the results so far are written");
     return 128 + interrupted;
   }
-  return summary.frames.tracked > 0 ? 0 : 1;
+  if (!summary.failure.empty())
+    return fail_with(arguments.path + ": " + summary.failure + "; the results so far are written");
+  if (summary.frames.tracked > 0) return 0;
+  return fail_with(arguments.path + ": no frame was tracked: " + why_nothing_is_tracked(summary, camera));
 }
 
 PlayOptions play_options(const RunArguments& arguments, const SystemOptions& options, io::SequenceKind kind,
@@ -253,14 +256,16 @@ int run(const RunArguments& arguments) {
             play_options(arguments, options, (*sequence)->kind(), viewer ? viewer->observer() : nullptr,
                          saver ? &*saver : nullptr),
             record);
-  if (record.frames.empty() && !record.interrupted) return fail_with(arguments.path + ": no frame could be read");
+  for (const std::string& note : record.notes) log(LogLevel::warning, note);
+  if (record.frames.empty() && record.failure.empty() && !record.interrupted)
+    return fail_with(arguments.path + ": no frame could be read");
 
   const auto summary = save(arguments, record, *system, **sequence, header, first_own, images);
   if (saver && summary) saver->finish();
   if (viewer)
     viewer->run_ended(view_state(record, *system->snapshot(), summary ? *summary : RunSummary(), title_of(arguments)));
   if (!summary) return fail_with(summary.error());
-  const int code = conclude(arguments, *summary, (*sequence)->kind());
+  const int code = conclude(arguments, *summary, (*sequence)->kind(), (*sequence)->camera());
   if (viewer && arguments.view.at_end == ViewOptions::AtEnd::keep_serving) {
     std::cout.flush();
     std::fflush(stdout);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
-#include <iostream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -71,7 +70,7 @@ int synth(SynthArguments arguments) {
                                  {"image_bytes", report->bytes},
                                  {"frames_per_second", report->frames / std::max(seconds, 1e-3)},
                                  {"folder", arguments.out}};
-    std::cout << summary.dump(2) << "\n";
+    print_json(summary);
   } else if (!arguments.quiet) {
     std::printf("%s, %s, seed %d: %d frames of %dx%d at %g Hz, %.1f m of path, %.0f MB in %s (%.1f frames/s)\n",
                 made.world.c_str(), made.sensor.c_str(), made.seed, report->frames, made.width, made.height, made.fps,

@@ -7,7 +7,6 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <iostream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -110,7 +109,7 @@ void print_training(const TrainArguments& arguments, const Vocabulary& vocabular
   summary["extraction_s"] = extraction_s;
   summary["training_s"] = training_s;
   if (arguments.json) {
-    std::cout << summary.dump(2) << "\n";
+    print_json(summary);
   } else if (!arguments.quiet) {
     std::printf(
         "%zu images in %zu pieces, %zu of %zu descriptors used (%.1f s); %u words of branching %d and depth %d "
@@ -171,7 +170,7 @@ int info(const FileArguments& arguments) {
   summary["whole"] = true;  // loading has checked it
   summary["load_ms"] = load_ms;
   if (arguments.json) {
-    std::cout << summary.dump(2) << "\n";
+    print_json(summary);
   } else {
     std::printf("%s: %u words, %u nodes, branching %d, depth %d, %.1f MB, checksum %s, loaded in %.2f ms\n",
                 arguments.in.c_str(), (*vocabulary)->words(), (*vocabulary)->nodes(), (*vocabulary)->branching(),

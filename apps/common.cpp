@@ -2,10 +2,13 @@
 #include "common.h"
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <csignal>
+#include <iostream>
 
 #include "apps/run/run_json.h"
 #include "covis/core/log.h"
+#include "covis/io/files.h"
 
 namespace covis::app {
 namespace {
@@ -42,6 +45,7 @@ io::SequenceOptions Reading::options() const {
   options.first = first;
   options.count = count;
   options.stride = stride;
+  options.skip_bad = skip_bad;
   return options;
 }
 
@@ -54,9 +58,11 @@ void add_reading_options(CLI::App& command, Reading& reading) {
   command.add_option("--topic", reading.topics.image, "image topic of a bag, the left one of a stereo pair");
   command.add_option("--right-topic", reading.topics.right, "right image topic of a bag");
   command.add_option("--depth-topic", reading.topics.depth, "depth topic of a bag, registered to the image");
-  command.add_option("--first", reading.first, "index of the first frame")->check(CLI::NonNegativeNumber);
-  command.add_option("--count", reading.count, "frames at most");
-  command.add_option("--stride", reading.stride, "every n-th frame")->check(CLI::PositiveNumber);
+  command.add_option("--first", reading.first, "index of the first frame")->check(whole_number_from(0));
+  command.add_option("--count", reading.count, "frames at most")->check(whole_number_from(1));
+  command.add_option("--stride", reading.stride, "every n-th frame")->check(whole_number_from(1));
+  command.add_flag("--skip-bad", reading.skip_bad,
+                   "leave out frames without their right image, depth or a stamp that rises, also where they are many");
 }
 
 nlohmann::json camera_json(const Camera& camera) {
@@ -68,6 +74,30 @@ nlohmann::json camera_json(const Camera& camera) {
   if (camera.pinhole.bf > 0) json["baseline"] = camera.pinhole.baseline();
   if (camera.distortion != Distortion::none) json["distortion"] = camera.coefficients;
   return json;
+}
+
+void print_json(const nlohmann::json& json) {
+  std::cout << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+}
+
+CLI::Validator whole_number_from(int64_t least) {
+  return CLI::Validator(
+      [least](std::string& text) {
+        int64_t value = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        if (error == std::errc() && end == text.data() + text.size() && value >= least) return std::string();
+        return text + " is not a whole number from " + std::to_string(least) + " on";
+      },
+      "FROM " + std::to_string(least));
+}
+
+CLI::Validator positive_number() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const auto value = io::parse_double(text);
+        return value && *value > 0 ? std::string() : text + " is not a positive number";
+      },
+      "POSITIVE");
 }
 
 Result<void> set_all(const std::vector<std::string>& settings, const Fields& known) {

@@ -15,7 +15,8 @@
 
 namespace CLI {
 class App;
-}
+class Validator;
+}  // namespace CLI
 
 namespace covis::app {
 
@@ -44,16 +45,23 @@ struct Reading {
   io::TopicNames topics;
   int64_t first = 0, count = -1;
   int stride = 1;
+  bool skip_bad = false;
 
   io::SequenceOptions options() const;
 };
-// Adds --sensor, --kind, --camera, the topics of bags, --first, --count and --stride.
+// Adds --sensor, --kind, --camera, the topics of bags, --first, --count, --stride and --skip-bad.
 void add_reading_options(CLI::App& command, Reading& reading);
+
+// Checks of options; CLI11's own name no bounds that a person would, and let "nan" pass.
+CLI::Validator whole_number_from(int64_t least);
+CLI::Validator positive_number();
 
 // Sets the fields that --set names, each as NAME=VALUE.
 Result<void> set_all(const std::vector<std::string>& settings, const Fields& known);
 
 nlohmann::json camera_json(const Camera& camera);
+// Prints it on stdout. A path in it need not be UTF-8.
+void print_json(const nlohmann::json& json);
 
 // Prints the error and returns the exit code for it.
 int fail_with(const std::string& message);

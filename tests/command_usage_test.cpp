@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The other commands as people use them, and the codes and messages of all for wrong arguments, input and disks.
+#include <sys/stat.h>
+
 #include <algorithm>
 
 #include "command_results.h"
@@ -96,7 +98,11 @@ TEST_F(CommandUsage, WrongArgumentsAreNamedWithCode2) {
                {{"rnu", "somewhere"}, "rnu: no such command; did you mean covis run?"},
                {{"run", "somewhere", "--sensor", "sonar"}, "sonar not in {mono,rgbd,stereo}"},
                {{"run", "somewhere", "--features", "1"}, "not in range 50 to 30000"},
-               {{"run", "somewhere", "--stride", "0"}, "--stride"},
+               {{"run", "somewhere", "--stride", "0"}, "--stride: 0 is not a whole number from 1 on"},
+               {{"run", "somewhere", "--count", "-5"}, "--count: -5 is not a whole number from 1 on"},
+               {{"run", "somewhere", "--first", "-1"}, "--first: -1 is not a whole number from 0 on"},
+               {{"eval", "a", "b", "--delta", "nan"}, "--delta: nan is not a positive number"},
+               {{"eval", "a", "b", "--max-difference", "inf"}, "--max-difference: inf is not a positive number"},
                {{"run", "somewhere", "--frobnicate"}, "--frobnicate"},
                {{"run", "--format", "csv"}, "csv not in"},
                {{"eval", "trajectory.txt"}, "TRUTH is required"},
@@ -159,6 +165,64 @@ TEST_F(CommandUsage, HelpAndVersionAreResults) {
   EXPECT_EQ(settings.code, 0);
   std::ofstream(folder / "settings.yaml") << settings.out;
   EXPECT_EQ(covis({"run", "--dump-config", "--config", folder / "settings.yaml"}).out, settings.out);
+}
+
+// The last line says why no frame was tracked, also with --quiet, and `check` lists it.
+TEST_F(CommandUsage, ARunWithoutAPoseSaysWhy) {
+  const fs::path recording = render("mono", 4);
+  const std::string camera = text_of(recording / "camera.yaml");
+  const auto with_focal = [&](const std::string& focal) {
+    std::string text;
+    std::istringstream lines(camera);
+    for (std::string line; std::getline(lines, line);)
+      text += (line.starts_with("fx:") || line.starts_with("fy:") ? line.substr(0, 3) + " " + focal : line) + "\n";
+    std::ofstream(recording / "camera.yaml") << text;
+  };
+  const std::string out = folder / "out";
+  with_focal("1");
+  const Outcome wide = covis({"run", recording, "--quiet", "--out", out});
+  EXPECT_EQ(wide.code, 1);
+  EXPECT_THAT(wide.error, HasSubstr("no frame was tracked: a focal length of 1 pixels"));
+  const Outcome check = covis({"check", recording, "--json", "--out", folder / "c.png"});
+  EXPECT_EQ(check.code, 1);
+  EXPECT_THAT(check.out, HasSubstr("a focal length of 1 pixels"));
+  std::ofstream(recording / "camera.yaml") << camera;
+  const Outcome few = covis({"run", recording, "--quiet", "--count", "1", "--out", out});
+  EXPECT_EQ(few.code, 1);
+  EXPECT_THAT(few.error, HasSubstr("no frame was tracked: "));
+}
+
+// The name of a file is bytes; JSON is UTF-8.
+TEST_F(CommandUsage, PathsNeedNotBeUtf8) {
+  const fs::path recording = folder / "caf\xe9", out = folder / "out";
+  fs::rename(render("rgbd", 8), recording);
+  const Outcome run = covis({"run", recording, "--json", "--camera", recording / "camera.yaml", "--out", out});
+  EXPECT_EQ(run.code, 0) << run.error;
+  EXPECT_TRUE(json::parse(run.out, nullptr, false).is_object());
+  EXPECT_EQ(parsed(out / "summary.json")["frames"], 8);
+  EXPECT_EQ(covis({"check", recording, "--json", "--out", folder / "c.png"}).code, 0);
+  const Outcome gone = covis({"run", folder / "gon\xe9", "--json", "--out", out});
+  EXPECT_THAT(gone.error, HasSubstr("it does not exist"));
+}
+
+// A file that would block for ever is refused, whatever it was given as.
+TEST_F(CommandUsage, PipesAndDevicesAreNoFiles) {
+  const fs::path recording = render("rgbd", 8), pipe = folder / "pipe", out = folder / "out";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"run", recording, "--camera", pipe, "--out", out},
+        {"run", recording, "--config", pipe, "--out", out},
+        {"run", recording, "--vocabulary", pipe, "--out", out},
+        {"run", pipe, "--out", out},
+        {"run", "/dev/zero", "--out", out},
+        {"eval", pipe, recording / "groundtruth.txt"}}) {
+    Process process(command(words), folder / "stdout", folder / "stderr");
+    EXPECT_EQ(process.wait(kPatience), 1) << words[2];
+    EXPECT_THAT(text_of(folder / "stderr"), HasSubstr("regular file")) << words[2];
+  }
+  fs::remove(recording / "groundtruth.txt");
+  fs::rename(pipe, recording / "groundtruth.txt");
+  EXPECT_EQ(covis({"run", recording, "--quiet", "--out", out}).code, 0) << "it does without the truth";
 }
 
 TEST_F(CommandUsage, AFolderThatCantBeWrittenToIsSaidBeforeTheRun) {

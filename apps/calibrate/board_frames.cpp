@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "covis/core/log.h"
+#include "covis/io/files.h"
 #include "covis/io/recording.h"
 
 namespace covis::app {
@@ -26,6 +27,7 @@ class Frames {
       return frames;
     }
     if (!fs::exists(path)) return fail(path + ": there is no such video or folder of images");
+    if (!io::is_regular(path)) return fail(path + ": it is no regular file; a video or a folder of images is expected");
     if (!frames.video_.open(path, cv::CAP_FFMPEG))
       return fail(path + ": it is neither a folder of images nor a video that can be read");
     return frames;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/run/key_frame_pictures.h"
 
+#include <exception>
 #include <optional>
 #include <string>
 #include <utility>
@@ -62,7 +63,11 @@ void KeyFrameColouring::run(const std::stop_token& stop) {
       if (!changed_.wait(lock, stop, [&] { return woken_; })) return;
       woken_ = false;
     }
-    fill();
+    try {
+      fill();
+    } catch (const std::exception& error) {  // as a lack of memory: the map stays without their colours
+      return log(LogLevel::warning, std::string("key frames get no more colours: ") + error.what());
+    }
   }
 }
 

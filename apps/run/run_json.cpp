@@ -221,6 +221,8 @@ json to_json(const RunSummary& s) {
            {"first_pose_ms", s.costs.first_pose_ms},
            {"peak_rss_mb", s.costs.peak_rss_mb},
            {"not_tracked", losses_json(s.not_tracked)}};
+  if (!s.notes.empty()) all["notes"] = s.notes;
+  if (!s.failure.empty()) all["failure"] = s.failure;
   if (s.estimate) all["camera_estimate"] = estimate_json(*s.estimate);
   if (!s.accuracy) return all;
   const Accuracy& a = *s.accuracy;

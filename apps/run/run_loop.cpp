@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/run/run_loop.h"
 
+#include <exception>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "apps/run/key_frame_pictures.h"
@@ -31,21 +33,23 @@ void add_mapping(const std::vector<MappingReport>& reports, const System& system
   if (observer) observer->loops_changed(run.loops);
 }
 
-}  // namespace
+// Partners of the loop over frames.
+struct Beside {
+  view::LoopHistory& history;
+  KeyFrameColouring* colouring;  // may be null
+  int64_t& at;                   // index of the frame
+};
 
-void track_all(io::Sequence& sequence, System& system, const PlayOptions& options, RunRecord& run) {
-  const Stopwatch wall;
-  if (options.observer) options.observer->run_begins(system);
-  view::LoopHistory history;
+void track_frames(io::Sequence& sequence, System& system, const PlayOptions& options, const Beside& beside,
+                  RunRecord& run) {
   Progress progress(options.show_progress ? sequence.size() : Progress::kHidden);
   std::optional<Stopwatch> since_first;
   Pace pace(*options.stop);
-  std::optional<KeyFrameColouring> colouring;
-  if (options.colours) colouring.emplace(sequence, system);
   io::Frame frame;
   int64_t expected = options.first;
   while (*options.stop == 0) {
     const Stopwatch decode;
+    beside.at = expected;
     Result<std::optional<io::Frame>> next = sequence.next(std::move(frame));
     frame = {};
     if (!next) {
@@ -56,6 +60,7 @@ void track_all(io::Sequence& sequence, System& system, const PlayOptions& option
     }
     if (!*next) break;
     frame = std::move(**next);
+    beside.at = frame.index;
     expected = frame.index + options.stride;
     const double decode_ms = decode.ms();
     if (!since_first) since_first.emplace();
@@ -69,21 +74,38 @@ void track_all(io::Sequence& sequence, System& system, const PlayOptions& option
     const double cpu_start = thread_cpu_ms();
     const FrameReport report = system.process(input_of(frame));
     if (run.first_pose_ms < 0 && report.track.state == TrackingState::tracking) run.first_pose_ms = since_first->ms();
-    add_mapping(report.mapping, system, history, options.observer, run);
+    add_mapping(report.mapping, system, beside.history, options.observer, run);
     FrameStats stats = tracked_frame(frame, report, options.mode);
     stats.decode_ms = decode_ms;
     stats.cpu_ms = thread_cpu_ms() - cpu_start;
     if (run.frames.size() % kMemoryEvery == 0) stats.rss_mb = resident_mb();
     if (options.observer) options.observer->frame_tracked(stats, frame, report);
     run.frames.push_back(std::move(stats));
-    if (colouring && report.track.key_frame) colouring->wake();
+    if (beside.colouring && report.track.key_frame) beside.colouring->wake();
     if (options.saver) options.saver->frame_done(system);
     const System::MapSize map = system.map_size();
     progress.show(name(run.frames.back().state), run.frames.size(), map.key_frames, map.points);
   }
-  add_mapping(system.finish(), system, history, options.observer, run);
-  if (colouring) colouring->finish();
+}
+
+}  // namespace
+
+void track_all(io::Sequence& sequence, System& system, const PlayOptions& options, RunRecord& run) {
+  const Stopwatch wall;
+  if (options.observer) options.observer->run_begins(system);
+  view::LoopHistory history;
+  std::optional<KeyFrameColouring> colouring;
+  if (options.colours) colouring.emplace(sequence, system);
+  int64_t at = options.first;
+  try {
+    track_frames(sequence, system, options, {history, colouring ? &*colouring : nullptr, at}, run);
+    add_mapping(system.finish(), system, history, options.observer, run);
+    if (colouring) colouring->finish();
+  } catch (const std::exception& error) {  // as a lack of memory, in whichever thread
+    run.failure = "frame " + std::to_string(at) + ": the run ends here: " + error.what();
+  }
   settle_states(*system.snapshot(), options.mode, run.frames);
+  run.notes = sequence.notes();
   run.wall_seconds = wall.ms() / 1000;
   run.interrupted = *options.stop != 0;
 }

@@ -74,6 +74,8 @@ struct RunRecord {
   std::vector<FrameStats> frames;
   std::vector<MappingReport> mapping;
   std::vector<view::LoopPaths> loops;
+  std::vector<std::string> notes;  // frames of the recording that were passed over, and why
+  std::string failure;             // the reason for an end before that of the recording; empty: there was none
   bool interrupted = false;
   double wall_seconds = 0;
   double first_pose_ms = -1;  // from the first decoded image to the first pose; negative: no pose

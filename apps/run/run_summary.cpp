@@ -132,6 +132,8 @@ RunSummary summarise(const RunRecord& run, const Snapshot& snapshot, const Traje
   summary.given = run.given;
   summary.estimate = run.estimate;
   summary.interrupted = run.interrupted;
+  summary.notes = run.notes;
+  summary.failure = run.failure;
   summary.frames = count_frames(run, snapshot);
   summary.map = count_map(run, snapshot);
   summary.times = times_of(run);

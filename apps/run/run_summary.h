@@ -86,6 +86,8 @@ struct RunSummary {
   Pinhole camera, given;                   // in use at the end, and as the recording has it
   std::optional<CameraEstimate> estimate;  // tells how `given` was found; nullopt: the recording has it
   bool interrupted = false;
+  std::vector<std::string> notes;  // frames of the recording that were passed over, and why
+  std::string failure;             // the reason for an end before that of the recording; empty: there was none
   FrameCounts frames;
   MapCounts map;
   FrameTimes times;

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/run/run_text.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <map>
+
+#include "covis/geometry/camera_check.h"
 
 namespace covis::app {
 namespace {
@@ -23,6 +27,22 @@ std::string estimate_text(const RunSummary& s) {
 }
 
 }  // namespace
+
+std::string why_nothing_is_tracked(const RunSummary& s, const Camera& camera) {
+  std::string why;
+  for (const std::string& doubt : doubts_about(camera)) why += (why.empty() ? "" : "; ") + doubt;
+  if (!why.empty()) return why;
+  std::map<std::string, int64_t> frames;
+  int64_t all = 0;
+  for (const Loss& loss : s.not_tracked) {
+    frames[loss.reason] += loss.last - loss.first + 1;
+    all += loss.last - loss.first + 1;
+  }
+  if (frames.empty()) return "there was none";
+  const auto most =
+      std::max_element(frames.begin(), frames.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most->first + " (" + std::to_string(most->second) + " of " + std::to_string(all) + " frames)";
+}
 
 std::string summary_text(const RunSummary& s, const std::filesystem::path& out) {
   std::string text = std::to_string(s.frames.tracked) + " of " + std::to_string(s.frames.all) + " frames tracked, " +

@@ -11,6 +11,8 @@
 
 namespace covis::app {
 
+// Says why a run has no pose: what is odd about the camera, else the commonest reason of its frames.
+std::string why_nothing_is_tracked(const RunSummary& summary, const Camera& camera);
 // Returns a few lines of text. out: the folder of the results.
 std::string summary_text(const RunSummary& summary, const std::filesystem::path& out);
 std::vector<std::pair<std::string, std::string>> summary_rows(const RunSummary& summary);

@@ -33,6 +33,20 @@ TEST(RunText, TellsTheFocalLengthWhereTheMapMovedIt) {
   EXPECT_EQ(rows.back(), std::pair(std::string("focal length, refined"), std::string("507.5 pixels instead of 500.0")));
 }
 
+TEST(RunText, ARunWithoutAPoseIsExplainedByItsCameraElseByItsFrames) {
+  Camera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.pinhole = {500, 500, 320, 240, 0};
+  RunSummary summary;
+  EXPECT_EQ(why_nothing_is_tracked(summary, camera), "there was none");
+  summary.not_tracked = {{0, 1, FrameState::not_initialised, "waiting for a first view"},
+                         {2, 9, FrameState::not_initialised, "waiting for parallax"}};
+  EXPECT_EQ(why_nothing_is_tracked(summary, camera), "waiting for parallax (8 of 10 frames)");
+  camera.pinhole.fx = 1;
+  EXPECT_NE(why_nothing_is_tracked(summary, camera).find("a focal length of 1 pixels"), std::string::npos);
+}
+
 TEST(RunText, RowsOfTheReport) {
   const Snapshot snapshot = made_snapshot();
   const Trajectory truth = main_submap(snapshot).trajectory;

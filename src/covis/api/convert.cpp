@@ -6,6 +6,8 @@
 #include <iterator>
 #include <unordered_map>
 
+#include "covis/geometry/camera_check.h"
+
 namespace covis {
 namespace {
 
@@ -51,6 +53,7 @@ std::optional<std::string> right_problem(const SlamOptions& options) {
   if (options.camera.baseline != 0)
     return "camera: baseline is that of a rectified pair; with `right` its pose says it";
   if (const auto problem = lens_problem(right.camera)) return "right: " + *problem;
+  if (const auto problem = problem_of(to_camera(right.camera, SensorType::monocular))) return "right: " + *problem;
   const Pose& p = right.pose;
   const double norm = std::hypot(std::hypot(p.qx, p.qy), std::hypot(p.qz, p.qw));
   if (!std::isfinite(p.x + p.y + p.z) || !(std::abs(norm - 1) < 1e-3))
@@ -135,6 +138,7 @@ std::optional<std::string> camera_problem(const SlamOptions& options) {
   if (!(c.baseline >= 0 && std::isfinite(c.baseline))) return "camera: baseline must be finite and not negative";
   if (!DepthNoise{c.depth_sigma_a, c.depth_sigma_b}.valid())
     return "camera: depth_sigma_a and depth_sigma_b must be finite and not negative";
+  if (const auto problem = problem_of(to_camera(c, options.sensor))) return "camera: " + *problem;
   if (options.right) return right_problem(options);
   if (options.sensor != SensorType::stereo) return std::nullopt;
   if (!(c.baseline > 0)) return "camera: a rectified stereo pair needs a positive baseline in metres";

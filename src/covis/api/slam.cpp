@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <atomic>
+#include <exception>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -10,6 +11,8 @@
 #include "covis/api/frame_colours.h"
 #include "covis/api/rectifier.h"
 #include "covis/core/fields.h"
+#include "covis/core/log.h"
+#include "covis/core/stamp_bounds.h"
 #include "covis/covis.h"
 #include "covis/slam/system.h"
 #include "covis/storage/compatibility.h"
@@ -21,6 +24,16 @@ namespace {
 using Failure = tl::unexpected<std::string>;
 template <class T>
 using Expected = tl::expected<T, std::string>;
+
+// Makes an error of what is thrown, as a lack of memory in any thread; what was made before stays.
+template <class Function>
+auto without_exceptions(const char* name, Function&& function) -> decltype(function()) {
+  try {
+    return function();
+  } catch (const std::exception& error) {
+    return Failure(std::string(name) + ": it was given up: " + error.what());
+  }
+}
 
 Expected<SystemOptions> to_system_options(const SlamOptions& given) {
   SystemOptions options;
@@ -225,14 +238,19 @@ Expected<FrameResult> Slam::track(const Frame& frame) {
   const auto input = impl_->input(frame);
   if (!input) return Failure(input.error());
   if (frame.stamp <= impl_->last_stamp) return Failure("stamp: stamps must rise from frame to frame");
+  if (!is_usable_stamp(frame.stamp)) return Failure("stamp: nanoseconds from -2^62 to 2^62 can be used");
   impl_->last_stamp = frame.stamp;
   ++impl_->next_frame;
-  const FrameReport report = impl_->system().process(*input);
-  if (report.track.key_frame && frame.colour.data)
-    impl_->colours.keep(input->frame, frame.colour, impl_->rectifier ? &*impl_->rectifier : nullptr);
-  impl_->colours.give(impl_->system());
-  impl_->tell(impl_->teller.of_frame(frame.stamp, report, impl_->system().map()));
-  return to_result(report);
+  const auto report = without_exceptions("track", [&]() -> Expected<FrameReport> {
+    FrameReport made = impl_->system().process(*input);
+    if (made.track.key_frame && frame.colour.data)
+      impl_->colours.keep(input->frame, frame.colour, impl_->rectifier ? &*impl_->rectifier : nullptr);
+    impl_->colours.give(impl_->system());
+    return made;
+  });
+  if (!report) return Failure(report.error());
+  impl_->tell(impl_->teller.of_frame(frame.stamp, *report, impl_->system().map()));
+  return to_result(*report);
 }
 
 std::vector<TrackedPoint> Slam::tracked_points() { return impl_->system().tracked_points(); }
@@ -261,9 +279,13 @@ Expected<void> Slam::set_mode(Mode mode) {
 Mode Slam::mode() const { return impl_->mode; }
 
 void Slam::finish() {
-  const std::vector<MappingReport> reports = impl_->system().finish();
-  impl_->colours.give(impl_->system());
-  impl_->tell(EventTeller::of_mapping(reports, impl_->system().map()));
+  const auto reports = without_exceptions("finish", [&]() -> Expected<std::vector<MappingReport>> {
+    std::vector<MappingReport> made = impl_->system().finish();
+    impl_->colours.give(impl_->system());
+    return made;
+  });
+  if (!reports) return log(LogLevel::error, reports.error());
+  impl_->tell(EventTeller::of_mapping(*reports, impl_->system().map()));
 }
 
 void Slam::reset() {

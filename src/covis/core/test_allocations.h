@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For tests that count allocations: replaces operator new (plain, aligned and nothrow) by one that counts. Direct calls
+// For tests that count allocations, or have them fail: replaces operator new (plain, aligned and nothrow). Direct calls
 // of malloc are not seen. The replacement affects the whole program: include this file once per executable.
 #pragma once
 
@@ -10,8 +10,10 @@
 
 namespace covis {
 
-inline thread_local long own_allocations = 0;  // allocations of this thread
-inline std::atomic<long> all_allocations{0};   // allocations of all threads
+inline thread_local long own_allocations = 0;    // allocations of this thread
+inline std::atomic<long> all_allocations{0};     // allocations of all threads
+inline std::atomic<bool> memory_is_full{false};  // allocations of other threads than those with memory left fail then
+inline thread_local bool has_memory_left = false;
 
 inline void* count_and_allocate(size_t n, size_t alignment) {
   ++own_allocations;
@@ -22,6 +24,7 @@ inline void* count_and_allocate(size_t n, size_t alignment) {
 }
 
 inline void* allocate_or_throw(size_t n, size_t alignment) {
+  if (memory_is_full && !has_memory_left) throw std::bad_alloc();
   if (void* p = count_and_allocate(n, alignment)) return p;
   throw std::bad_alloc();
 }

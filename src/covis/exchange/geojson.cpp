@@ -70,7 +70,7 @@ Result<void> write_geojson(const std::filesystem::path& file, const Scene& scene
                             {"geometry", std::move(geometry)},
                             {"properties", {{"stamps_s", std::move(stamps)}, {"key_frames", std::move(ids)}}}};
   const nlohmann::json all{{"type", "FeatureCollection"}, {"features", nlohmann::json::array({path})}};
-  return write_atomically(file, all.dump(1) + "\n");
+  return write_atomically(file, all.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace covis::exchange

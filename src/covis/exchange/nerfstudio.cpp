@@ -53,7 +53,10 @@ Result<void> write_nerfstudio(const std::filesystem::path& folder, const std::st
   const Eigen::Matrix3d R = seen_from_above(scene);
   const SE3 T_nw(R, Eigen::Vector3d::Zero());
   if (auto written = io::write_ply(folder / (name + ".ply"), cloud_of(scene, R)); !written) return written;
-  return write_atomically(folder / (name + ".json"), transforms(scene, T_nw, images, name + ".ply").dump(1) + "\n");
+  return write_atomically(
+      folder / (name + ".json"),
+      transforms(scene, T_nw, images, name + ".ply").dump(1, ' ', false, nlohmann::json::error_handler_t::replace) +
+          "\n");
 }
 
 }  // namespace covis::exchange

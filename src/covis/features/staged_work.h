@@ -4,6 +4,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -23,7 +24,8 @@ class StagedWork {
   explicit StagedWork(std::vector<Stage> stages)
       : stages_(std::move(stages)), at_(stages_.size()), helper_([this](const std::stop_token& stop) { help(stop); }) {}
 
-  // Runs all tasks of a stage before the next stage begins; returns when the last stage is done.
+  // Runs all tasks of a stage before the next stage begins; returns when the last stage is done. Throws what a task
+  // threw first, in whichever thread; tasks after that are not run.
   void run() {
     other_cores_.keep(helper_);
     std::unique_lock lock(mutex_);
@@ -31,6 +33,7 @@ class StagedWork {
     next_ = done_ = 0;
     changed_.notify_all();
     work(lock);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
   }
 
  private:
@@ -48,9 +51,17 @@ class StagedWork {
         continue;
       }
       const int task = next_++;
-      lock.unlock();
-      stage.task(task);
-      lock.lock();
+      if (!failure_) {
+        lock.unlock();
+        std::exception_ptr failure;
+        try {
+          stage.task(task);
+        } catch (...) {
+          failure = std::current_exception();
+        }
+        lock.lock();
+        if (failure && !failure_) failure_ = failure;
+      }
       if (++done_ < stage.tasks) continue;
       ++at_;
       next_ = done_ = 0;
@@ -61,8 +72,9 @@ class StagedWork {
   const std::vector<Stage> stages_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  size_t at_;                // current stage; guarded by mutex_, like the next line
+  size_t at_;                // current stage; guarded by mutex_, like the next lines
   int next_ = 0, done_ = 0;  // next task of the stage, and number of finished ones
+  std::exception_ptr failure_;
   OtherCores other_cores_;
   std::jthread helper_;  // last member: its thread uses the others
 };

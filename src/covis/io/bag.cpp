@@ -18,6 +18,7 @@ constexpr std::string_view kZstd = "\x28\xb5\x2f\xfd";  // the beginning of comp
 enum class BagFormat { ros1, ros2, mcap, zstd };
 
 std::optional<BagFormat> format_of(const fs::path& file) {
+  if (!is_regular(file)) return std::nullopt;
   char bytes[16] = {};
   std::ifstream(file, std::ios::binary).read(bytes, sizeof bytes);
   const std::string_view head(bytes, sizeof bytes);

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "covis/core/fields.h"
+#include "covis/geometry/camera_check.h"
 #include "covis/io/files.h"
 #include "covis/io/yaml.h"
 
@@ -34,13 +35,14 @@ struct Values {
   std::string model = "pinhole", depth_noise;
 
   Fields fields() {
-    return {{"width", &width, "width of the image, pixels", 16, 20000},
-            {"height", &height, "height of the image, pixels", 16, 20000},
-            {"fx", &fx, "focal length, pixels", 1, 100000},
-            {"fy", &fy, "focal length, pixels", 1, 100000},
-            {"cx", &cx, "principal point, pixels", -20000, 20000},
-            {"cy", &cy, "principal point, pixels", -20000, 20000},
-            {"baseline", &baseline, "baseline of the stereo pair, metres", 1e-4, 100},
+    using B = CameraBounds;
+    return {{"width", &width, "width of the image, pixels", B::kLeastSide, B::kLargestSide},
+            {"height", &height, "height of the image, pixels", B::kLeastSide, B::kLargestSide},
+            {"fx", &fx, "focal length, pixels", B::kLeastFocal, B::kLargestFocal},
+            {"fy", &fy, "focal length, pixels", B::kLeastFocal, B::kLargestFocal},
+            {"cx", &cx, "principal point, pixels", 0, B::kLargestSide},
+            {"cy", &cy, "principal point, pixels", 0, B::kLargestSide},
+            {"baseline", &baseline, "baseline of the stereo pair, metres", B::kLeastBaseline, B::kLargestBaseline},
             {"bf", &bf, "baseline times fx, pixels x metres", 1e-3, 1e6},
             {"fps", &fps, "frames per second", 0.01, 10000},
             {"depth_scale", &depth_scale, "units of a depth image per metre", 1e-3, 1e6},
@@ -143,6 +145,7 @@ Result<CameraFile> load_camera(const std::filesystem::path& file) {
   } else if (model->second != Distortion::none) {
     return fail(file.string() + ": model is " + values.model + ", but 'distortion' is missing");
   }
+  if (const auto problem = problem_of(result.camera)) return fail(file.string() + ": " + *problem);
   return result;
 }
 

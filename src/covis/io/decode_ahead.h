@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -57,13 +59,24 @@ class DecodeAhead {
     for (bool end = false; !end && !stop.stop_requested();) {
       // Not after decoding only: a frame that waits for its place takes memory as those that have one.
       if (when_full_ == WhenFull::wait && !wait_for_room(stop)) return;
-      Item item = decode_(free_memory());
+      Item item = decode_next();
       end = is_end(item);
       if (when_full_ == WhenFull::drop_old && item && *item) drop_frames();
       if (!wait_for_room(stop)) return;
       const std::lock_guard lock(mutex_);
       ready_.push_back(std::move(item));
       changed_.notify_all();
+    }
+  }
+
+  // After an exception there is only the end: what threw it may throw it forever.
+  Item decode_next() {
+    if (failed_) return std::optional<Frame>();
+    try {
+      return decode_(free_memory());
+    } catch (const std::exception& error) {
+      failed_ = true;
+      return fail(std::string("no more frames can be read: ") + error.what());
     }
   }
 
@@ -97,6 +110,7 @@ class DecodeAhead {
   std::condition_variable_any changed_;
   std::deque<Item> ready_;   // guarded by mutex_
   std::vector<Frame> free_;  // guarded by mutex_
+  bool failed_ = false;      // used by the decoding thread only
   bool ended_ = false;       // used by the consumer thread only
   std::jthread thread_;      // last member: it uses the others
 };

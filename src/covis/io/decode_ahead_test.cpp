@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <latch>
+#include <new>
 #include <set>
 
 namespace covis::io {
@@ -51,6 +52,22 @@ TEST(DecodeAhead, GivesAllInOrderInAFewImagesMemory) {
   }
   // In the queue or being decoded, and with the taker; and once more after the error, which lost its memory.
   EXPECT_LE(memories.size(), static_cast<size_t>(kAhead + 2));
+}
+
+TEST(DecodeAhead, AnExceptionIsAnErrorAndThenTheEnd) {
+  int made = 0;
+  DecodeAhead ahead(
+      [&](Frame memory) -> DecodeAhead::Item {
+        if (made == 2) throw std::bad_alloc();
+        return std::optional(make_frame(made++, std::move(memory)));
+      },
+      2);
+  for (int i = 0; i < 2; ++i) EXPECT_TRUE(ahead.next({})->has_value());
+  const auto failed = ahead.next({});
+  ASSERT_FALSE(failed);
+  EXPECT_NE(failed.error().message.find("bad_alloc"), std::string::npos);
+  const auto end = ahead.next({});
+  EXPECT_TRUE(end && !*end);
 }
 
 TEST(DecodeAhead, OfALiveCameraTheLatestFrameIsTaken) {

@@ -2,6 +2,7 @@
 #include "covis/io/files.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -10,7 +11,19 @@
 #include <cstring>
 #include <limits>
 
+#include "covis/core/stamp_bounds.h"
+
 namespace covis::io {
+namespace {
+
+struct Handle {  // closes the file
+  int number;
+  ~Handle() {
+    if (number >= 0) close(number);
+  }
+};
+
+}  // namespace
 
 Result<std::string> read_text(const std::filesystem::path& file) {
   std::string text;
@@ -18,28 +31,39 @@ Result<std::string> read_text(const std::filesystem::path& file) {
   return text;
 }
 
+bool is_regular(const std::filesystem::path& file) {
+  std::error_code none;
+  return std::filesystem::is_regular_file(file, none);
+}
+
 Result<void> read_bytes(const std::filesystem::path& file, std::string& bytes) {
   std::error_code none;
   if (std::filesystem::is_directory(file, none)) return fail(file.string() + ": it is a folder; a file is expected");
-  const int handle = open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  if (handle < 0) return fail(file.string() + ": it can't be opened: " + std::strerror(errno));
-  // The size is only a hint: files of /proc and pipes have none.
-  const auto guess = std::filesystem::file_size(file, none);
-  bytes.resize(none ? 0 : static_cast<size_t>(guess) + 1);
+  // Without O_NONBLOCK it would wait for whoever writes to a pipe.
+  const Handle handle{open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+  if (handle.number < 0) return fail(file.string() + ": it can't be opened: " + std::strerror(errno));
+  struct stat status {};
+  if (fstat(handle.number, &status) != 0 || !S_ISREG(status.st_mode))
+    return fail(file.string() + ": it is a pipe or a device; a regular file is expected");
+  const auto size = static_cast<size_t>(status.st_size);  // a hint: files of /proc have none
+  const auto too_large = [&] {
+    return fail(file.string() + ": it has more than " + std::to_string(kLargestFile >> 20) +
+                " MiB, which is too much for such a file");
+  };
+  if (size > kLargestFile) return too_large();
+  bytes.resize(size + 1);
   size_t done = 0;
   while (true) {
+    if (done > kLargestFile) return too_large();
     if (done == bytes.size()) bytes.resize(std::max<size_t>(4096, 2 * done));
-    const ssize_t n = read(handle, bytes.data() + done, bytes.size() - done);
+    const ssize_t n = read(handle.number, bytes.data() + done, bytes.size() - done);
     if (n == 0) break;
     if (n > 0) {
       done += static_cast<size_t>(n);
     } else if (errno != EINTR) {
-      const int problem = errno;
-      close(handle);
-      return fail(file.string() + ": it can't be read: " + std::strerror(problem));
+      return fail(file.string() + ": it can't be read: " + std::strerror(errno));
     }
   }
-  close(handle);
   bytes.resize(done);
   return {};
 }
@@ -115,6 +139,7 @@ std::optional<Timestamp> parse_stamp(std::string_view text, WholeStamp whole) {
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + kept, stamp);
   if (kept > 0 && error != std::errc()) return std::nullopt;
   if (up && stamp < std::numeric_limits<int64_t>::max()) ++stamp;
+  if (!is_usable_stamp(stamp)) return std::nullopt;
   return decimal->negative ? -stamp : stamp;
 }
 

@@ -2,7 +2,9 @@
 // Reading of whole files, and parsing of numbers.
 #pragma once
 
+#include <exception>
 #include <filesystem>
+#include <new>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,9 +15,31 @@
 
 namespace covis::io {
 
+// Greatest size of a file that is read whole.
+inline constexpr size_t kLargestFile = size_t{1} << 30;
+
+// False for what cannot be read like a file: folders, pipes and devices, whose end may never come.
+bool is_regular(const std::filesystem::path& file);
+// Reads a regular file.
 Result<std::string> read_text(const std::filesystem::path& file);
 // The same, into reused memory.
 Result<void> read_bytes(const std::filesystem::path& file, std::string& bytes);
+
+inline Error no_memory(const std::filesystem::path& name) {
+  return {name.string() + ": there is not enough memory for it"};
+}
+// Calls function(), which returns a Result, and makes an error of an exception that it throws. name: of the file, for
+// messages.
+template <class Function>
+auto without_exceptions(const std::filesystem::path& name, Function&& function) -> decltype(function()) {
+  try {
+    return function();
+  } catch (const std::bad_alloc&) {
+    return tl::unexpected(no_memory(name));
+  } catch (const std::exception& error) {
+    return fail(name.string() + ": " + error.what());
+  }
+}
 
 // Returns "FILE:LINE", as used in messages.
 inline std::string place(const std::filesystem::path& file, int line) {

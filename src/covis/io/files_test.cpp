@@ -54,7 +54,7 @@ TEST(Stamps, AreReadHoweverTheyAreWritten) {
   EXPECT_EQ(parse_stamp("12", WholeStamp::nanoseconds), 12);
   EXPECT_EQ(parse_stamp("12.0", WholeStamp::nanoseconds), 12'000'000'000);
   for (const char* text : {"", "-", "+", ".", "e5", "1e", "1.2.3", "0x10", "12s", "inf", "1e300",
-                           "99999999999999999999", "100000000000"}) {
+                           "99999999999999999999", "100000000000", "9223372036854775807", "-5000000000000000000"}) {
     EXPECT_FALSE(parse_stamp(text)) << text;
   }
 }
@@ -62,7 +62,7 @@ TEST(Stamps, AreReadHoweverTheyAreWritten) {
 TEST(Stamps, GoThroughTextUnchanged) {
   Random random(1);
   for (int i = 0; i < 2000; ++i) {
-    const auto stamp = static_cast<Timestamp>(random.next() >> (1 + random.below(60))) * (random.below(2) ? 1 : -1);
+    const auto stamp = static_cast<Timestamp>(random.next() >> (2 + random.below(60))) * (random.below(2) ? 1 : -1);
     EXPECT_EQ(parse_stamp(stamp_text(stamp)), stamp);
     EXPECT_EQ(parse_stamp(std::to_string(stamp), WholeStamp::nanoseconds), stamp);
   }

@@ -9,33 +9,40 @@
 
 #include "covis/core/atomic_file.h"
 #include "covis/io/files.h"
+#include "covis/io/image_bytes.h"
 #include "covis/io/opencv_picture.h"
 
 namespace covis::io {
 namespace {
 
-// Offset of a JPEG's compressed data, behind the headers, which may contain another complete JPEG (a preview).
-size_t jpeg_data(std::string_view bytes) {
-  const auto byte = [&](size_t i) { return static_cast<size_t>(static_cast<unsigned char>(bytes[i])); };
-  size_t i = 2;
-  while (i + 4 <= bytes.size() && byte(i) == 0xff && byte(i + 1) != 0xda) {
-    i += byte(i + 1) == 0xff ? 1 : 2 + byte(i + 2) * 256 + byte(i + 3);  // a fill byte, or a segment with its length
-  }
-  return i;
-}
+// Hands out the memory of a matrix for the first image of its size and type, and other memory for all else. An image
+// that is decoded into a matrix that was empty cannot be taken for what the memory held before: where a decoder gives
+// up before it asks for memory, the matrix stays empty.
+class ReusedMemory : public cv::MatAllocator {
+ public:
+  explicit ReusedMemory(cv::Mat memory) : memory_(std::move(memory)) {}
 
-// Decoders fill the missing part of a truncated file with grey, so look for the end mark of PNG and JPEG files first.
-bool cut_short(std::string_view bytes) {
-  if (bytes.starts_with("\x89PNG")) {
-    const size_t end = bytes.rfind("IEND");  // the checksum's four bytes follow it
-    return end == std::string_view::npos || end + 8 > bytes.size();
+  cv::UMatData* allocate(int dims, const int* sizes, int type, void* data, size_t* step, cv::AccessFlag flags,
+                         cv::UMatUsageFlags usage) const override {
+    const bool fits = !given_ && !data && dims == 2 && !memory_.empty() && type == memory_.type() &&
+                      sizes[0] == memory_.rows && sizes[1] == memory_.cols;
+    if (fits) {
+      given_ = true;
+      data = memory_.data;
+      step[0] = memory_.step[0];
+      step[1] = memory_.elemSize();
+    }
+    return cv::Mat::getDefaultAllocator()->allocate(dims, sizes, type, data, step, flags, usage);
   }
-  if (bytes.starts_with("\xff\xd8")) {
-    const size_t end = bytes.rfind("\xff\xd9");
-    return end == std::string_view::npos || end < jpeg_data(bytes);
+  bool allocate(cv::UMatData* data, cv::AccessFlag flags, cv::UMatUsageFlags usage) const override {
+    return cv::Mat::getDefaultAllocator()->allocate(data, flags, usage);
   }
-  return false;
-}
+  void deallocate(cv::UMatData* data) const override { cv::Mat::getDefaultAllocator()->deallocate(data); }
+
+ private:
+  const cv::Mat memory_;
+  mutable bool given_ = false;
+};
 
 // True when the file may hold an image to be turned: it has an EXIF block that tells an orientation (tag 0x0112, a
 // short) other than 1.
@@ -59,19 +66,21 @@ Result<cv::Mat> decode_file(const std::filesystem::path& file, std::string& byte
 }  // namespace
 
 Result<cv::Mat> decode_image(const std::string& name, std::string_view bytes, int flags, cv::Mat to) {
-  if (bytes.empty()) return fail(name + ": the image file is empty");
-  if (cut_short(bytes))
-    return fail(name + ": the image file is cut short (" + std::to_string(bytes.size()) + " bytes)");
-  // A file of unknown format would leave the old contents of `to`, which would look like a decoded image.
-  if (!bytes.starts_with("\x89PNG\r\n\x1a\n") && !bytes.starts_with("\xff\xd8\xff")) to = cv::Mat();
+  if (const auto problem = problem_of_image(bytes)) return fail(name + ": " + *problem);
+  if (bytes.size() > kLargestFile) return fail(name + ": the image file is too large");
   const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
-  bool decoded = false;
+  const ReusedMemory memory(std::move(to));
+  cv::Mat decoded;
+  decoded.allocator = const_cast<ReusedMemory*>(&memory);
   try {
-    decoded = !cv::imdecode(buffer, flags, &to).empty();
-  } catch (const cv::Exception&) {
+    cv::imdecode(buffer, flags, &decoded);
+  } catch (const cv::Exception& error) {
+    if (error.code == cv::Error::StsNoMem) return tl::unexpected(no_memory(name));
+    decoded.release();
   }
-  if (!decoded) return fail(name + ": it is not an image that can be read (PNG, JPEG, TIFF, BMP, PGM …)");
-  return to;
+  if (decoded.empty()) return fail(name + ": it is not an image that can be read (PNG, JPEG, TIFF, BMP, PGM …)");
+  decoded.allocator = nullptr;
+  return decoded;
 }
 
 void depth_in_metres(const cv::Mat& stored, double scale, ImageF& depth) {
@@ -108,6 +117,7 @@ Result<Picture> read_picture(const std::filesystem::path& file) {
 }
 
 bool may_have_colours(const std::filesystem::path& file) {
+  if (!is_regular(file)) return false;
   // The PNG specification, section 11.2.2: the 26th byte is the colour type; 0 and 4 are grey.
   char head[26] = {};
   std::ifstream(file, std::ios::binary).read(head, sizeof head);

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/io/images.h"
 
+#include <sys/stat.h>
+
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "covis/core/random.h"
 #include "covis/io/files.h"
+#include "covis/io/image_bytes.h"
 #include "covis/io/test_recordings.h"
 
 namespace covis::io {
@@ -154,6 +157,96 @@ TEST_F(Images, ThePreviewInAJpegIsNotItsEnd) {
   EXPECT_EQ(grey.width(), kWidth);
   write("a.jpg", with_preview.substr(0, with_preview.size() - whole.size() / 2));
   EXPECT_THAT(reader.grey(folder / "a.jpg", grey).error().message, HasSubstr("cut short"));
+}
+
+// A decoder that gives up at the header leaves the memory it was given as it was, with the image before.
+TEST_F(Images, ABrokenHeaderIsToldAndNotTakenForTheImageBefore) {
+  const auto is_told = [&](const std::string& name, const std::string& whole, size_t at, char wrong) {
+    std::string bytes = whole;
+    bytes[at] = wrong;
+    write(name, bytes);
+    const bool depths = name.starts_with("d");
+    const Result<void> read = depths ? reader.depth(folder / name, 5000, metres) : reader.grey(folder / name, grey);
+    EXPECT_FALSE(read) << name << " " << at;
+  };
+  const std::string png = saved("a.png", noise()), jpeg = saved("a.jpg", noise()), tiff = saved("a.tiff", noise()),
+                    bmp = saved("a.bmp", noise()), depths = saved("d.png", noise(CV_16U));
+  ASSERT_TRUE(reader.grey(folder / "a.png", grey));
+  for (size_t at = 12; at < 33; ++at) is_told("a.png", png, at, static_cast<char>(png[at] ^ 0x40));
+  const size_t frame = jpeg.find("\xff\xc0");
+  ASSERT_NE(frame, std::string::npos);
+  ASSERT_TRUE(reader.grey(folder / "a.jpg", grey));
+  for (const size_t behind : {1, 4, 9}) is_told("a.jpg", jpeg, frame + behind, '\x17');
+  ASSERT_TRUE(reader.grey(folder / "a.tiff", grey));
+  is_told("a.tiff", tiff, 2, 'x');
+  is_told("a.bmp", bmp, 28, 'x');
+  ASSERT_TRUE(reader.depth(folder / "d.png", 5000, metres));
+  for (size_t at = 16; at < 29; ++at) is_told("d.png", depths, at, static_cast<char>(depths[at] ^ 0x40));
+}
+
+TEST_F(Images, ThePartOfAJpegThatIsDamagedIsTold) {
+  const std::vector<std::vector<int>> kinds{{cv::IMWRITE_JPEG_QUALITY, 95},
+                                            {cv::IMWRITE_JPEG_QUALITY, 40},
+                                            {cv::IMWRITE_JPEG_OPTIMIZE, 1},
+                                            {cv::IMWRITE_JPEG_RST_INTERVAL, 3}};
+  int all = 0, noticed = 0;
+  for (const cv::Size size : {cv::Size(64, 48), cv::Size(67, 41), cv::Size(16, 200)}) {
+    for (const int type : {CV_8UC3, CV_8UC1}) {
+      for (const std::vector<int>& kind : kinds) {
+        cv::Mat image;
+        cv::resize(noise(type), image, size);
+        std::vector<uint8_t> encoded;
+        ASSERT_TRUE(cv::imencode(".jpg", image, encoded, kind));
+        const std::string whole(encoded.begin(), encoded.end());
+        SCOPED_TRACE(testing::Message() << size << " " << type << " " << kind[0] << " " << kind[1]);
+        EXPECT_FALSE(problem_of_image(whole));
+        const size_t data = whole.find("\xff\xda") + 14, length = whole.size() - data;
+        std::string zeroed = whole;
+        zeroed.replace(data + length / 3, length / 3, length / 3, '\0');
+        ++all;
+        noticed += problem_of_image(zeroed).has_value();
+        EXPECT_THAT(problem_of_image(whole.substr(0, data + length / 2) + "\xff\xd9").value_or(""),
+                    HasSubstr("damaged or cut short"));
+      }
+    }
+  }
+  EXPECT_EQ(all, 24);
+  EXPECT_GE(noticed, 22) << "zeros may be codes of as many blocks as were there, by chance";
+  // Flat images have the shortest codes there are, in padded data.
+  std::vector<uint8_t> flat;
+  cv::imencode(".jpg", cv::Mat(480, 640, CV_8UC1, cv::Scalar(0)), flat, {cv::IMWRITE_JPEG_OPTIMIZE, 1});
+  std::string padded(flat.begin(), flat.end());
+  EXPECT_FALSE(problem_of_image(padded));
+  padded.insert(padded.size() - 2, 16, '\0');
+  EXPECT_FALSE(problem_of_image(padded));
+}
+
+TEST_F(Images, ATiffWhosePixelsLieBehindItsEndIsTold) {
+  std::string tiff = saved("a.tiff", noise());
+  EXPECT_FALSE(problem_of_image(tiff));
+  EXPECT_THAT(problem_of_image(tiff.substr(0, tiff.size() / 2)).value_or(""), HasSubstr("cut short"));
+  tiff.replace(4, 4, std::string(4, '\xff'));
+  EXPECT_THAT(problem_of_image(tiff).value_or(""), HasSubstr("cut short"));
+}
+
+TEST_F(Images, TheSizeIsReadBeforeMemoryIsAskedFor) {
+  const std::string header("\0\0\0\x0dIHDR\0\0\xea\x60\0\0\xea\x60\x08\0\0\0\0\xa5\xb9\x2a\x9e", 25);
+  std::string png = saved("a.png", noise());
+  png.replace(8, 25, header);
+  write("a.png", png);
+  EXPECT_THAT(reader.grey(folder / "a.png", grey).error().message,
+              AllOf(HasSubstr("a.png"), HasSubstr("60000x60000"), HasSubstr("20000")));
+}
+
+TEST_F(Images, AFileThatNeverEndsIsRefused) {
+  ASSERT_EQ(mkfifo((folder / "a.png").c_str(), 0600), 0);
+  EXPECT_THAT(reader.grey(folder / "a.png", grey).error().message, HasSubstr("a.png: it is a pipe or a device"));
+  EXPECT_FALSE(may_have_colours(folder / "a.png"));
+  fs::create_symlink("/dev/zero", folder / "b.png");
+  EXPECT_THAT(reader.grey(folder / "b.png", grey).error().message, HasSubstr("b.png: it is a pipe or a device"));
+  write("c.png", "");
+  fs::resize_file(folder / "c.png", uintmax_t{1} << 40);  // takes no room on the disk
+  EXPECT_THAT(reader.grey(folder / "c.png", grey).error().message, HasSubstr("c.png: it has more than 1024 MiB"));
 }
 
 TEST_F(Images, APngWithAWrongByteIsTold) {

@@ -37,6 +37,9 @@ struct Recording {
   std::function<std::unique_ptr<ImageSource>()> images;
 };
 
+// When frames that can't be used are left out (bad_frames.h); else they are an error.
+enum class BadFrames { passed_over_where_few, passed_over };
+
 // Input of the readers, one per layout. wanted: the sensor asked for, if any. given: the camera file from the command
 // line, if any.
 struct Request {
@@ -45,6 +48,7 @@ struct Request {
   std::optional<CameraFile> given;
   bool uncalibrated = false;  // see SequenceOptions
   TopicNames topics = {};     // a bag's
+  BadFrames bad_frames = BadFrames::passed_over_where_few;
 };
 Result<Recording> read_tum(const Request& request);
 Result<Recording> read_kitti(const Request& request);

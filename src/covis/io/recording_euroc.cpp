@@ -3,6 +3,8 @@
 // and sensor.yaml.
 #include <map>
 
+#include "covis/geometry/camera_check.h"
+#include "covis/io/bad_frames.h"
 #include "covis/io/files.h"
 #include "covis/io/recording.h"
 #include "covis/io/sensor_file.h"
@@ -14,35 +16,44 @@ namespace fs = std::filesystem;
 
 using Images = std::map<Timestamp, fs::path>;
 
-// Reads rows of "stamp in nanoseconds, file name".
-Result<Images> read_csv(const fs::path& csv) {
+// Reads rows of "stamp in nanoseconds, file name". Notes what is left out.
+Result<Images> read_csv(const fs::path& csv, BadFrames bad_frames, std::vector<std::string>& notes) {
   const auto text = read_text(csv);
   if (!text) return tl::unexpected(text.error());
-  Images images;
-  std::string problem;
+  std::vector<Timestamp> stamps;
+  std::vector<fs::path> files;
+  std::string problem, not_rising;
   for_each_line(*text, [&](std::string_view line, int number) {
     const auto parts = split(line);
     const auto stamp = parts.size() >= 2 ? parse_stamp(parts[0], WholeStamp::nanoseconds) : std::nullopt;
     const std::string where = place(csv, number);
     if (!stamp) {
       problem = where + ": it must hold a stamp in nanoseconds and a file name";
-    } else if (!images.empty() && *stamp <= images.rbegin()->first) {
-      problem =
-          where + ": the stamp " + std::string(parts[0]) + " is not later than the one before it; stamps must rise";
-    } else {
-      images[*stamp] = csv.parent_path() / "data" / parts[1];
+      return false;
     }
-    return problem.empty();
+    if (!stamps.empty() && *stamp <= stamps.back() && not_rising.empty()) {
+      not_rising =
+          where + ": the stamp " + std::string(parts[0]) + " is not later than the one before it; stamps must rise";
+    }
+    stamps.push_back(*stamp);
+    files.push_back(csv.parent_path() / "data" / parts[1]);
+    return true;
   });
   if (!problem.empty()) return fail(problem);
-  if (images.empty()) return fail(csv.string() + ": no image is listed in it");
+  if (stamps.empty()) return fail(csv.string() + ": no image is listed in it");
+  Images images;
+  for (const size_t i : longest_rise(stamps)) images[stamps[i]] = files[i];
+  if (images.size() == stamps.size()) return images;
+  const auto passed = pass_over(stamps.size() - images.size(), stamps.size(), "rows have stamps that do not rise",
+                                not_rising, bad_frames, notes);
+  if (!passed) return tl::unexpected(passed.error());
   return images;
 }
 
 // Maps stamps to images, from data.csv or, if there is none, from the file names.
-Result<Images> read_list(const fs::path& camera) {
+Result<Images> read_list(const fs::path& camera, BadFrames bad_frames, std::vector<std::string>& notes) {
   const fs::path csv = camera / "data.csv";
-  if (fs::exists(csv)) return read_csv(csv);
+  if (fs::exists(csv)) return read_csv(csv, bad_frames, notes);
   Images images;
   for (const fs::path& image : list_images(camera / "data")) {
     if (const auto stamp = parse_stamp(image.stem().string(), WholeStamp::nanoseconds)) images[*stamp] = image;
@@ -55,14 +66,14 @@ Result<Images> read_list(const fs::path& camera) {
 }
 
 // Pairs images with equal stamps, or lists the left images alone. A list may name images that a copy leaves out: such
-// frames are skipped. A right image that is listed must exist when the left one does.
-Result<void> list_frames(const fs::path& base, Recording& recording) {
+// frames are skipped. Where a right image is listed and missing, though the left one is there, the frame is bad.
+Result<void> list_frames(const fs::path& base, BadFrames bad_frames, Recording& recording) {
   const bool stereo = recording.sensor == Sensor::stereo;
-  const auto left = read_list(base / "cam0");
+  const auto left = read_list(base / "cam0", bad_frames, recording.notes);
   if (!left) return tl::unexpected(left.error());
   Images right;
   if (stereo) {
-    auto read = read_list(base / "cam1");
+    auto read = read_list(base / "cam1", bad_frames, recording.notes);
     if (!read) return tl::unexpected(read.error());
     right = std::move(*read);
   }
@@ -131,7 +142,7 @@ Result<Recording> read_euroc(const Request& request) {
     return fail((base / "cam1").string() + ": the right camera is missing; without it use --sensor mono");
   const auto T_bc = find_camera(request, base, recording);
   if (!T_bc) return tl::unexpected(T_bc.error());
-  if (auto listed = list_frames(base, recording); !listed) return tl::unexpected(listed.error());
+  if (auto listed = list_frames(base, request.bad_frames, recording); !listed) return tl::unexpected(listed.error());
   // TUM VI names its ground truth, which is also that of the body, mocap0.
   for (const char* source : {"state_groundtruth_estimate0", "mocap0"}) {
     const fs::path truth = base / source / "data.csv";

@@ -76,6 +76,13 @@ TEST_F(BadInput, Euroc) {
   EXPECT_THAT(open_error(), HasSubstr("to the right of the left one"));
   write("mav0/cam1/sensor.yaml", "T_BS: {data: [1, 2, x]}\n");
   EXPECT_THAT(open_error(), AllOf(HasSubstr("cam1/sensor.yaml:1"), HasSubstr("'x'")));
+  write("mav0/cam1/sensor.yaml", "T_BS: 5\n");
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("cam1/sensor.yaml"), HasSubstr("'T_BS'")));
+  for (const char* size : {"1e12, 48", "64, 48.5", "-64, 48", "nan, 48"}) {
+    std::string text = right;
+    write("mav0/cam1/sensor.yaml", text.replace(text.find("64, 48"), 6, size));
+    EXPECT_THAT(open_error(), AllOf(HasSubstr("cam1/sensor.yaml"), HasSubstr("resolution"))) << size;
+  }
   fs::remove_all(folder / "mav0/cam1");
   EXPECT_THAT(open_error({.sensor = Sensor::stereo}), AllOf(HasSubstr("cam1"), HasSubstr("--sensor mono")));
   fs::remove(folder / "mav0/cam0/sensor.yaml");

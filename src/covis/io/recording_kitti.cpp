@@ -3,6 +3,7 @@
 #include <charconv>
 #include <map>
 
+#include "covis/geometry/camera_check.h"
 #include "covis/io/files.h"
 #include "covis/io/recording.h"
 
@@ -79,7 +80,10 @@ Result<Calibration> find_calibration(const Request& request, const std::string& 
   if (sensor != Sensor::stereo) return result;
   const auto q = projections->find(right);
   if (q == projections->end()) return fail(file.string() + ": '" + right + ":' is missing");
-  result.camera.pinhole.bf = p[3] - q->second[3];
+  const Projection& other = q->second;
+  if (const auto problem = problem_of_pair(result.camera.pinhole, {other[0], other[5], other[2], other[6], 0}))
+    return fail(file.string() + ": " + left + " and " + right + ": " + *problem);
+  result.camera.pinhole.bf = p[3] - other[3];
   if (!(result.camera.pinhole.bf > 0))
     return fail(file.string() + ": " + right + " is not to the right of " + left + " (see their fourth numbers)");
   return result;
@@ -144,11 +148,7 @@ Result<Recording> read_kitti(const Request& request) {
   for (const fs::path& image : images) {
     FrameFiles frame;
     frame.image = image;
-    if (recording.sensor == Sensor::stereo) {
-      frame.right = right / image.filename();
-      if (!fs::exists(frame.right))
-        return fail(frame.right.string() + ": the right image of " + image.string() + " is missing");
-    }
+    if (recording.sensor == Sensor::stereo) frame.right = right / image.filename();
     recording.frames.push_back(std::move(frame));
   }
   const fs::path times = folder / "times.txt";

@@ -80,6 +80,12 @@ TEST_F(BadInput, StereoPairThatIsNotRectifiedOrHasNoBaseLine) {
               AllOf(HasSubstr("camera.yaml"), HasSubstr("rectified")));
   write("calib.txt", "P0: 50 0 32 0 0 50 24 0 0 0 1 0\nP1: 50 0 32 25 0 50 24 0 0 0 1 0\n");
   EXPECT_THAT(open_error(), AllOf(HasSubstr("calib.txt"), HasSubstr("not to the right")));
+  write("calib.txt", "P0: 50 0 32 0 0 50 24 0 0 0 1 0\nP1: 60 0 32 -25 0 50 24 0 0 0 1 0\n");
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("calib.txt: P0 and P1: fx is 50 left and 60 right")));
+  write("calib.txt", "P0: 50 0 32 0 0 50 24 0 0 0 1 0\nP1: 50 0 32 -5e13 0 50 24 0 0 0 1 0\n");
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("calib.txt: the baseline in metres: 1e+12")));
+  write("calib.txt", "P0: 1e308 0 32 0 0 50 24 0 0 0 1 0\nP1: 1e308 0 32 -25 0 50 24 0 0 0 1 0\n");
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("calib.txt: fx, the focal length in pixels: 1e+308")));
 }
 
 }  // namespace

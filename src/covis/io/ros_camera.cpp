@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include "covis/geometry/camera_check.h"
+
 namespace covis::io {
 namespace {
 
@@ -30,6 +32,7 @@ Result<Camera> camera_of(const RosCameraInfo& info, const char* field, const Pin
   camera.width = static_cast<int>(info.width);
   camera.height = static_cast<int>(info.height);
   camera.pinhole = pinhole;
+  if (const auto problem = problem_of(camera)) return fail(std::string(field) + ": " + *problem);
   return camera;
 }
 
@@ -92,6 +95,9 @@ Result<StereoCamera> stereo_camera(const RosCameraInfo& left, const RosCameraInf
                 " m, which must be positive; are left and right exchanged, or is the pair not calibrated?");
   }
   if (images == StereoImages::rectified || (needs_no_rectification(left) && needs_no_rectification(right))) {
+    const auto other = rectified_camera(right);
+    if (!other) return tl::unexpected(other.error());
+    if (const auto problem = problem_of_pair(rectified->pinhole, other->pinhole)) return fail("P: " + *problem);
     stereo.camera = *rectified;
     stereo.camera.pinhole.bf = rectified->pinhole.fx * baseline;
     return stereo;

@@ -3,8 +3,10 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
+#include "covis/geometry/camera_check.h"
 #include "covis/io/yaml.h"
 
 namespace covis::io {
@@ -19,16 +21,22 @@ std::optional<Distortion> distortion_named(const std::string& name) {
 Result<SensorFile> read_sensor_file(const std::filesystem::path& file) {
   const auto root = load_yaml(file);
   if (!root) return tl::unexpected(root.error());
-  if (!root->IsMap() || !(*root)["T_BS"]) return fail(file.string() + ": 'T_BS' is missing");
+  if (!root->IsMap() || !(*root)["T_BS"])
+    return fail(file.string() + ": 'T_BS' is missing, a map with a list 'data' of 16 numbers is expected");
   const auto t = yaml_numbers(file, *root, "T_BS", 16);
   if (!t) return tl::unexpected(t.error());
   const auto size = yaml_numbers(file, *root, "resolution", 2);
   if (!size) return tl::unexpected(size.error());
   const auto k = yaml_numbers(file, *root, "intrinsics", 4);
   if (!k) return tl::unexpected(k.error());
-  if (!((*k)[0] > 0) || !((*k)[1] > 0)) return fail(file.string() + ": intrinsics: the focal lengths must be positive");
-  const bool sized = (*size)[0] >= 1 && (*size)[0] <= 20000 && (*size)[1] >= 1 && (*size)[1] <= 20000;
-  if (!sized) return fail(file.string() + ": resolution: it must be width and height of the images, in pixels");
+  for (const double side : *size) {
+    if (side >= CameraBounds::kLeastSide && side <= CameraBounds::kLargestSide && side == std::floor(side)) continue;
+    std::ostringstream wrong;
+    wrong << yaml_place(file, (*root)["resolution"]) << ": resolution: " << (*size)[0] << ", " << (*size)[1]
+          << " is not right; it must be width and height, whole numbers from " << CameraBounds::kLeastSide << " to "
+          << CameraBounds::kLargestSide;
+    return fail(wrong.str());
+  }
   SensorFile sensor;
   sensor.camera.width = static_cast<int>((*size)[0]);
   sensor.camera.height = static_cast<int>((*size)[1]);
@@ -45,6 +53,7 @@ Result<SensorFile> read_sensor_file(const std::filesystem::path& file) {
     if (!d) return tl::unexpected(d.error());
     std::copy_n(d->begin(), std::min<size_t>(d->size(), 5), sensor.camera.coefficients.begin());
   }
+  if (const auto problem = problem_of(sensor.camera)) return fail(file.string() + ": " + *problem);
   Eigen::Matrix3d R;
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c) R(r, c) = (*t)[static_cast<size_t>(r * 4 + c)];

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "covis/io/bad_frames.h"
 #include "covis/io/bag.h"
 #include "covis/io/files.h"
 #include "covis/io/recording.h"
@@ -78,25 +79,6 @@ Result<SequenceKind> recognise(const std::string& path) {
               contents(path));
 }
 
-// Checks that stamps are ascending and that every file exists, where the images are files.
-Result<void> check_frames(const Recording& recording) {
-  const FrameFiles* last = nullptr;
-  for (const FrameFiles& frame : recording.frames) {
-    if (last && frame.stamp <= last->stamp) {
-      return fail(frame.image.string() + ": its stamp " + stamp_text(frame.stamp) + " s is not later than " +
-                  stamp_text(last->stamp) + " s of the frame before it; stamps must rise");
-    }
-    last = &frame;
-  }
-  if (recording.images) return {};
-  for (const FrameFiles& frame : recording.frames) {
-    for (const fs::path& file : {frame.image, frame.right, frame.depth}) {
-      if (!file.empty() && !fs::exists(file)) return fail(file.string() + ": the file is listed but missing");
-    }
-  }
-  return {};
-}
-
 void choose_frames(Recording& recording, const SequenceOptions& options) {
   std::vector<FrameFiles>& frames = recording.frames;
   std::vector<FrameFiles> chosen;
@@ -138,7 +120,9 @@ Result<std::unique_ptr<Sequence>> open(const std::string& path, const SequenceOp
   }
   if (options.topics.any() && kind != SequenceKind::bag)
     return fail(path + ": topics are named for a bag only, and this is none");
-  Request request{path, options.sensor, std::nullopt, options.uncalibrated, options.topics};
+  Request request{path,           options.sensor,
+                  std::nullopt,   options.uncalibrated,
+                  options.topics, options.skip_bad ? BadFrames::passed_over : BadFrames::passed_over_where_few};
   if (!options.camera_file.empty()) {
     auto camera = load_camera(options.camera_file);
     if (!camera) return tl::unexpected(camera.error());
@@ -148,7 +132,7 @@ Result<std::unique_ptr<Sequence>> open(const std::string& path, const SequenceOp
   if (kind != SequenceKind::bag && !fs::is_directory(path)) return fail(path + ": it is not a folder");
   auto recording = read_folder(kind, request);
   if (!recording) return tl::unexpected(recording.error());
-  if (auto checked = check_frames(*recording); !checked) return tl::unexpected(checked.error());
+  if (auto left = leave_out_bad_frames(*recording, request.bad_frames); !left) return tl::unexpected(left.error());
   const size_t all = recording->frames.size();
   choose_frames(*recording, options);
   if (recording->frames.empty()) {
@@ -161,11 +145,13 @@ Result<std::unique_ptr<Sequence>> open(const std::string& path, const SequenceOp
 }  // namespace
 
 Result<std::unique_ptr<Sequence>> open_sequence(const std::string& path, const SequenceOptions& options) {
-  try {
-    return open(path, options);
-  } catch (const fs::filesystem_error& error) {  // thrown for a folder without access rights or a name that is too long
-    return fail((error.path1().empty() ? path : error.path1().string()) + ": " + error.code().message());
-  }
+  return without_exceptions(path, [&]() -> Result<std::unique_ptr<Sequence>> {
+    try {
+      return open(path, options);
+    } catch (const fs::filesystem_error& error) {  // a folder without access rights, a name that is too long
+      return fail((error.path1().empty() ? path : error.path1().string()) + ": " + error.code().message());
+    }
+  });
 }
 
 Result<Trajectory> load_truth(const Sequence& sequence) {

@@ -50,6 +50,7 @@ struct SequenceOptions {
   int64_t first = 0;                            // index of the first frame
   int64_t count = -1;                           // greatest number of frames; -1: all
   int stride = 1;                               // only every n-th frame is read
+  bool skip_bad = false;  // true: frames that can't be used are left out, however many they are (bad_frames.h)
 };
 
 // Files with the ground truth of a recording, if there are any.
@@ -75,7 +76,7 @@ class Sequence {
   virtual std::optional<Truth> truth() const = 0;
   // Returns a one-line description: "TUM RGB-D folder, 1000 frames, 640x480".
   virtual std::string description() const = 0;
-  // Returns what was skipped on opening: "2 images are listed but missing".
+  // Returns what was skipped on opening, "2 images are listed but missing", and, behind the last frame, what lacked.
   virtual std::vector<std::string> notes() const = 0;
   // Returns the next frame, nullopt at the end, or an error for an unreadable frame, after which next() may be called
   // again for the frame after it. The memory of `recycled` is reused.

@@ -2,12 +2,16 @@
 // Video files and cameras, through OpenCV's videoio. Monocular.
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <cstring>
+#include <mutex>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "covis/geometry/camera_check.h"
 #include "covis/io/decode_ahead.h"
+#include "covis/io/files.h"
 #include "covis/io/opencv_picture.h"
 #include "covis/io/sequence_sources.h"
 
@@ -33,15 +37,22 @@ cv::VideoCapture open_quietly(const std::string& path, std::optional<int> number
   return capture;
 }
 
+// Properties of a stream that are known before its frames are read.
+struct Video {
+  double rate = 30;        // Hz
+  int64_t promised = 0;    // frames that the container says it has; 0: it does not say
+  bool has_times = false;  // its frames have times of their own, and no rate is given instead
+};
+
 class CaptureSequence : public Sequence {
  public:
-  CaptureSequence(cv::VideoCapture capture, std::string name, SequenceKind kind, const Camera& camera, double rate,
-                  int64_t frames, const SequenceOptions& options)
+  CaptureSequence(cv::VideoCapture capture, std::string name, SequenceKind kind, const Camera& camera,
+                  const Video& video, int64_t frames, const SequenceOptions& options)
       : capture_(std::move(capture)),
         name_(std::move(name)),
         kind_(kind),
         camera_(camera),
-        rate_(rate),
+        video_(video),
         frames_(frames),
         options_(options),
         // A camera does not wait for the program: only its latest frame is used.
@@ -53,12 +64,15 @@ class CaptureSequence : public Sequence {
   Sensor sensor() const override { return Sensor::monocular; }
   const Camera& camera() const override { return camera_; }
   int64_t size() const override { return frames_; }
-  double frame_rate() const override { return rate_; }
+  double frame_rate() const override { return video_.rate; }
   std::optional<Truth> truth() const override { return std::nullopt; }
-  std::vector<std::string> notes() const override { return {}; }
+  std::vector<std::string> notes() const override {
+    const std::lock_guard lock(notes_mutex_);
+    return notes_;
+  }
   std::string description() const override {
     return (kind_ == SequenceKind::camera ? "camera " : "video ") + name_ + ", " + std::to_string(camera_.width) + "x" +
-           std::to_string(camera_.height) + ", " + std::to_string(rate_) + " Hz";
+           std::to_string(camera_.height) + ", " + std::to_string(video_.rate) + " Hz";
   }
   Result<std::optional<Frame>> next(Frame recycled) override { return ahead_.next(std::move(recycled)); }
   Result<Picture> picture(int64_t frame) override {
@@ -84,11 +98,11 @@ class CaptureSequence : public Sequence {
   Result<std::optional<Frame>> decode(Frame frame) {
     if (options_.count >= 0 && given_ >= options_.count) return std::optional<Frame>();
     while (read_ < options_.first || (read_ - options_.first) % options_.stride != 0) {
-      if (!capture_.grab()) return std::optional<Frame>();
+      if (!capture_.grab()) return end();
       ++read_;
     }
+    if (!capture_.grab()) return end();
     const int64_t index = read_++;
-    if (!capture_.grab()) return std::optional<Frame>();
     const Timestamp now =
         std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
             .count();
@@ -106,20 +120,57 @@ class CaptureSequence : public Sequence {
       cv::cvtColor(picture_, grey_, picture_.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
     }
     frame.index = index;
-    frame.stamp = kind_ == SequenceKind::camera ? now : from_seconds(static_cast<double>(index) / rate_);
+    frame.stamp = kind_ == SequenceKind::camera ? now : stamp_of(index);
     frame.image.resize(grey_.cols, grey_.rows);
     for (int y = 0; y < grey_.rows; ++y) std::memcpy(frame.image.row(y), grey_.ptr(y), static_cast<size_t>(grey_.cols));
     return std::optional<Frame>(std::move(frame));
+  }
+
+  // Stamp of the frame that was grabbed last, of a video: from the container's own times where it has them and no rate
+  // is given, so that frames that are missing leave a gap.
+  Timestamp stamp_of(int64_t index) {
+    const auto by_rate = [&](int64_t i) { return from_seconds(static_cast<double>(i) / video_.rate); };
+    Timestamp stamp = by_rate(index);
+    if (video_.has_times) {
+      constexpr double kLongest = 1e12;  // milliseconds
+      const double time = capture_.get(cv::CAP_PROP_POS_MSEC);
+      const Timestamp told = time >= 0 && time < kLongest ? static_cast<Timestamp>(std::llround(time * 1e6)) : 0;
+      stamp = last_index_ < 0 || told > last_stamp_ ? told : last_stamp_ + by_rate(index - last_index_);
+    }
+    last_index_ = index;
+    last_stamp_ = stamp;
+    return stamp;
+  }
+
+  // The end of a video that is shorter than its container says is an error, once; a note where only a few frames lack,
+  // for containers without a list of frames tell about how many there are.
+  Result<std::optional<Frame>> end() {
+    constexpr double kFew = 0.02;
+    const auto missing = static_cast<double>(video_.promised - read_);
+    if (kind_ == SequenceKind::camera || missing <= 0 || said_) return std::optional<Frame>();
+    said_ = true;
+    const std::string text = name_ + ": the container promises " + std::to_string(video_.promised) + " frames, and " +
+                             std::to_string(read_) + " came";
+    if (missing > kFew * static_cast<double>(video_.promised))
+      return fail(text + "; the file is damaged or cut short behind them");
+    const std::lock_guard lock(notes_mutex_);
+    notes_.push_back(text);
+    return std::optional<Frame>();
   }
 
   cv::VideoCapture capture_;
   const std::string name_;
   const SequenceKind kind_;
   const Camera camera_;
-  const double rate_;
+  const Video video_;
   const int64_t frames_;
   const SequenceOptions options_;
   int64_t read_ = 0, given_ = 0;
+  int64_t last_index_ = -1;
+  Timestamp last_stamp_ = 0;
+  bool said_ = false;  // the end was reported as an error
+  mutable std::mutex notes_mutex_;
+  std::vector<std::string> notes_;  // guarded by notes_mutex_
   cv::Mat picture_, grey_;
   // Used by picture() only: the video once more, and the next frame it gives.
   std::optional<cv::VideoCapture> again_;
@@ -127,12 +178,16 @@ class CaptureSequence : public Sequence {
   DecodeAhead ahead_;  // last member: its thread uses the others
 };
 
+int64_t promised_frames(const cv::VideoCapture& capture) {
+  const double all = capture.get(cv::CAP_PROP_FRAME_COUNT);
+  return all > 0 && all < 1e12 ? static_cast<int64_t>(all) : 0;
+}
+
 // Returns the number of frames to come; -1 when the file does not contain it.
 int64_t count_frames(const cv::VideoCapture& capture, const SequenceOptions& options) {
-  const double all = capture.get(cv::CAP_PROP_FRAME_COUNT);
-  if (!(all > 0 && all < 1e12)) return -1;
-  const int64_t frames =
-      std::max<int64_t>(0, (static_cast<int64_t>(all) - options.first + options.stride - 1) / options.stride);
+  const int64_t all = promised_frames(capture);
+  if (all == 0) return -1;
+  const int64_t frames = std::max<int64_t>(0, (all - options.first + options.stride - 1) / options.stride);
   return options.count >= 0 ? std::min(frames, options.count) : frames;
 }
 
@@ -154,6 +209,8 @@ Result<std::unique_ptr<Sequence>> open_capture(const std::string& path, Sequence
   const CameraFile given = request.given.value_or(CameraFile());
   const std::optional<int> number = live ? camera_number(path) : std::nullopt;
   if (live && !number) return fail(path + ": a camera is named by its number: 0, 1 …");
+  if (!live && !is_regular(path))
+    return fail(path + ": it is no regular file; a video file is expected, or a camera's number");
   cv::VideoCapture capture = open_quietly(path, number);
   if (!capture.isOpened())
     return fail(path + (live ? ": the camera can't be opened" : ": it is not a video that can be read"));
@@ -175,10 +232,15 @@ Result<std::unique_ptr<Sequence>> open_capture(const std::string& path, Sequence
     return fail(path + ": the images are " + std::to_string(width) + "x" + std::to_string(height) + ", the camera of " +
                 given.file.string() + " is " + std::to_string(camera.width) + "x" + std::to_string(camera.height));
   }
-  double rate = given.fps > 0 ? given.fps : capture.get(cv::CAP_PROP_FPS);
-  if (!(rate > 0.01 && rate < 10000)) rate = 30;
+  if (const auto problem = request.given ? problem_of(camera) : std::nullopt)
+    return fail(given.file.string() + ": " + *problem);
+  Video video{.rate = given.fps > 0 ? given.fps : capture.get(cv::CAP_PROP_FPS)};
+  if (!(video.rate > 0.01 && video.rate < 10000)) video.rate = 30;
+  if (!live) video.promised = promised_frames(capture);
+  // OpenCV's own reader of AVI files tells the time of the frame after.
+  video.has_times = !live && !(given.fps > 0) && capture.getBackendName() == "FFMPEG";
   const int64_t frames = live ? -1 : count_frames(capture, options);
-  return std::make_unique<CaptureSequence>(std::move(capture), path, kind, camera, rate, frames, options);
+  return std::make_unique<CaptureSequence>(std::move(capture), path, kind, camera, video, frames, options);
 }
 
 }  // namespace covis::io

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <sys/stat.h>
+
+#include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 
 #include "covis/io/test_recordings.h"
@@ -68,6 +71,31 @@ TEST_F(Sequences, TakesAPartOfAVideo) {
   EXPECT_FALSE((*opened)->picture(9));
 }
 
+TEST_F(BadInput, AVideoThatEndsBeforeItsTimeSaysSo) {
+  camera_yaml();
+  const fs::path video = folder / "video.avi";
+  cv::VideoWriter writer(video.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25, {kWidth, kHeight});
+  cv::Mat image(kHeight, kWidth, CV_8UC3);
+  cv::RNG random(1);
+  for (int i = 0; i < 8; ++i) {
+    random.fill(image, cv::RNG::UNIFORM, 0, 255);
+    writer.write(image);
+  }
+  writer.release();
+  fs::resize_file(video, fs::file_size(video) / 2);
+  const auto opened = open_sequence(video.string(), {.camera_file = folder / "camera.yaml"});
+  ASSERT_TRUE(opened) << opened.error().message;
+  int frames = 0;
+  auto next = (*opened)->next();
+  for (; next && *next; next = (*opened)->next()) ++frames;
+  EXPECT_GT(frames, 1);
+  ASSERT_FALSE(next);
+  EXPECT_THAT(next.error().message,
+              AllOf(HasSubstr("video.avi"), HasSubstr("promises 8 frames, and " + std::to_string(frames) + " came")));
+  next = (*opened)->next();
+  EXPECT_TRUE(next && !*next) << "the end, once it was said";
+}
+
 TEST_F(BadInput, VideosAndCameras) {
   camera_yaml();
   const SequenceOptions options{.camera_file = folder / "camera.yaml"};
@@ -80,6 +108,8 @@ TEST_F(BadInput, VideosAndCameras) {
   EXPECT_THAT(error(video, options), AllOf(HasSubstr("video.mp4"), HasSubstr("not a video")));
   EXPECT_THAT(error(video, {}), AllOf(HasSubstr("video.mp4"), HasSubstr("--camera")));
   EXPECT_THAT(error(video, {.sensor = Sensor::stereo}), HasSubstr("--sensor mono only"));
+  ASSERT_EQ(mkfifo((folder / "pipe.mp4").c_str(), 0600), 0);
+  EXPECT_THAT(error((folder / "pipe.mp4").string(), options), HasSubstr("pipe.mp4: it is no regular file"));
   EXPECT_THAT(error("987", options), HasSubstr("the camera can't be opened"));
   EXPECT_THAT(error("webcam", {.kind = SequenceKind::camera, .camera_file = options.camera_file}),
               HasSubstr("named by its number"));

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "covis/geometry/camera_check.h"
 #include "covis/io/decode_ahead.h"
+#include "covis/io/files.h"
 #include "covis/io/images.h"
 #include "covis/io/sequence_sources.h"
 
@@ -55,6 +57,12 @@ class FolderSequence : public Sequence {
   Result<Picture> picture(int64_t frame) override {
     const std::filesystem::path file = file_of(frame);
     if (file.empty()) return fail("frame " + std::to_string(frame) + ": there is none");
+    return without_exceptions(file, [&] { return load_picture(file); });
+  }
+  bool may_have_colours(int64_t frame) const override { return pictures_->may_have_colours(file_of(frame)); }
+
+ private:
+  Result<Picture> load_picture(const std::filesystem::path& file) {
     auto picture = pictures_->picture(file);
     if (!picture) return picture;
     if (auto checked = check_size(file, picture->width, picture->height); !checked)
@@ -65,9 +73,7 @@ class FolderSequence : public Sequence {
     }
     return picture;
   }
-  bool may_have_colours(int64_t frame) const override { return pictures_->may_have_colours(file_of(frame)); }
 
- private:
   // Empty for a frame that is not read.
   std::filesystem::path file_of(int64_t frame) const {
     const int64_t at = (frame - options_.first) / options_.stride;
@@ -82,7 +88,8 @@ class FolderSequence : public Sequence {
     memory.index = options_.first + static_cast<int64_t>(next_) * options_.stride;
     memory.stamp = files.stamp;
     ++next_;
-    if (auto read = load(files, memory); !read) return tl::unexpected(read.error());
+    auto read = without_exceptions(files.image, [&] { return load(files, memory); });
+    if (!read) return tl::unexpected(read.error());
     return std::optional<Frame>(std::move(memory));
   }
 
@@ -161,10 +168,7 @@ Result<void> check_camera(const Recording& recording) {
   const Camera& camera = recording.camera;
   const Pinhole& p = camera.pinhole;
   if (p.fx == 0) return {};  // opened uncalibrated
-  if (!(p.cx > 0 && p.cx < camera.width && p.cy > 0 && p.cy < camera.height)) {
-    return fail(recording.calibration + ": the principal point (" + std::to_string(p.cx) + ", " + std::to_string(p.cy) +
-                ") must lie inside the image of " + size_text(camera.width, camera.height));
-  }
+  if (const auto problem = problem_of(camera)) return fail(recording.calibration + ": " + *problem);
   if (recording.sensor != Sensor::stereo) return {};
   if (camera.distortion != Distortion::none)
     return fail(recording.calibration + ": stereo pairs must be rectified already; model must be pinhole");

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/loops/background_adjustment.h"
 
+#include <exception>
+#include <string>
 #include <utility>
 
+#include "covis/core/log.h"
 #include "covis/core/time.h"
 
 namespace covis {
@@ -15,7 +18,12 @@ void BackgroundAdjustment::start(std::unique_ptr<AdjustmentJob> job, int key_fra
   interrupt_ = done_ = false;
   thread_ = std::thread([this] {
     const Stopwatch watch;
-    solved_ = job_->run(interrupt_);
+    try {
+      solved_ = job_->run(interrupt_);
+    } catch (const std::exception& error) {  // as a lack of memory; the map does without
+      solved_ = false;
+      log(LogLevel::warning, std::string("an adjustment of the map was given up: ") + error.what());
+    }
     ms_ = watch.ms();
     done_ = true;
   });

@@ -46,11 +46,13 @@ void MappingActor::finish() {
 
 MappingReport MappingActor::wait() {
   --pending_;
-  return *outbox_.pop();
+  std::optional<MappingReport> report = outbox_.pop();
+  if (!report) std::rethrow_exception(failure_);
+  return std::move(*report);
 }
 
 std::optional<MappingReport> MappingActor::poll() {
-  if (outbox_.size() == 0) return std::nullopt;
+  if (outbox_.size() == 0 && !failed_) return std::nullopt;
   return wait();
 }
 
@@ -73,7 +75,14 @@ void MappingActor::run() {
     // Cleared before it looks: a request pushed meanwhile sets it again.
     interrupt_ = false;
     if (interruptible_ && waiting_ > 1) interrupt_ = true;
-    std::optional<MappingReport> report = work_on(*request);
+    std::optional<MappingReport> report;
+    try {
+      if (!failed_) report = work_on(*request);
+    } catch (...) {
+      failure_ = std::current_exception();
+      failed_ = true;
+      outbox_.close();
+    }
     request.reset();
     --waiting_;
     waiting_.notify_all();

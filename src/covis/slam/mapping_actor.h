@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <exception>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -29,9 +30,10 @@ class MappingActor {
   // Waits until all requests are worked off, and the job in the background has ended and its result is applied.
   void finish();
 
-  // The next report; waits for it. Call only when pending() > 0.
+  // The next report; waits for it. Call only when pending() > 0. Throws what ended the work on a request, as a lack of
+  // memory: no request is worked on from then on.
   MappingReport wait();
-  // The next report if it is there.
+  // The next report if it is there. Throws as wait() does.
   std::optional<MappingReport> poll();
   // Requests submitted whose report was not taken yet. Only the submitting thread may ask.
   int pending() const { return pending_; }
@@ -53,6 +55,8 @@ class MappingActor {
   BlockingQueue<MappingReport> outbox_{kInbox + 2};  // room for all that can be pending
   std::atomic<int> waiting_{0};                      // submitted and not finished
   std::atomic<bool> interrupt_{false};               // another request waits
+  std::atomic<bool> failed_{false};
+  std::exception_ptr failure_;  // written before the outbox is closed, read after
   int pending_ = 0;
   std::jthread thread_;
 };

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/io/image_bytes.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+namespace covis::io {
+namespace {
+
+// Reads whole numbers at places of a file; 0 behind its end.
+class Numbers {
+ public:
+  enum class Order { big, little };
+  explicit Numbers(std::string_view bytes, Order order = Order::big) : bytes_(bytes), order_(order) {}
+
+  uint32_t operator()(size_t at, size_t length) const {
+    uint32_t value = 0;
+    if (at > bytes_.size() || length > bytes_.size() - at) return 0;
+    for (size_t k = 0; k < length; ++k) {
+      const size_t i = order_ == Order::big ? at + k : at + length - 1 - k;
+      value = value << 8 | static_cast<unsigned char>(bytes_[i]);
+    }
+    return value;
+  }
+
+ private:
+  const std::string_view bytes_;
+  const Order order_;
+};
+
+std::string too_short(std::string_view bytes) {
+  return "the image file is cut short (" + std::to_string(bytes.size()) + " bytes)";
+}
+
+std::optional<std::string> problem_of_size(uint32_t width, uint32_t height) {
+  constexpr uint32_t kMost = kLargestImageSide;
+  if (width >= 1 && height >= 1 && width <= kMost && height <= kMost) return std::nullopt;
+  return "its header says that the image is " + std::to_string(width) + "x" + std::to_string(height) +
+         "; sides of 1 to " + std::to_string(kMost) + " pixels can be read";
+}
+
+// The PNG specification, annex D, bit by bit: for short pieces.
+uint32_t crc32(std::string_view bytes) {
+  uint32_t crc = ~0u;
+  for (const char c : bytes) {
+    crc ^= static_cast<unsigned char>(c);
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
+  }
+  return ~crc;
+}
+
+// Walks through the chunks (the PNG specification, section 5). The decoder checks the sums of all but the header's.
+std::optional<std::string> problem_of_png(std::string_view bytes) {
+  constexpr size_t kSignature = 8, kHeader = 13, kAround = 12;  // length, name and sum of a chunk
+  const Numbers number(bytes);
+  if (bytes.size() < kSignature + kAround + kHeader) return too_short(bytes);
+  if (number(kSignature, 4) != kHeader || bytes.substr(kSignature + 4, 4) != "IHDR" ||
+      crc32(bytes.substr(kSignature + 4, 4 + kHeader)) != number(kSignature + 8 + kHeader, 4)) {
+    return "the header of the image file is damaged";
+  }
+  for (size_t at = kSignature; at + kAround <= bytes.size(); at += kAround + number(at, 4)) {
+    if (number(at, 4) > bytes.size() - at - kAround) return too_short(bytes);
+    if (bytes.substr(at + 4, 4) == "IEND") return problem_of_size(number(16, 4), number(20, 4));
+  }
+  return too_short(bytes);
+}
+
+// Walks through the headers, which may contain another complete JPEG (a preview), and looks for the end mark behind.
+std::optional<std::string> problem_of_jpeg(std::string_view bytes) {
+  const Numbers number(bytes);
+  std::optional<std::string> size = "the image file has no size in its header";
+  size_t at = 2;
+  while (at + 4 <= bytes.size() && number(at, 1) == 0xff && number(at + 1, 1) != 0xda) {
+    const uint32_t marker = number(at + 1, 1);
+    const bool frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+    if (frame) size = problem_of_size(number(at + 7, 2), number(at + 5, 2));
+    at += marker == 0xff ? 1 : 2 + number(at + 2, 2);  // a fill byte, or a segment with its length
+  }
+  const size_t end = bytes.rfind("\xff\xd9");
+  if (end == std::string_view::npos || end < at) return too_short(bytes);
+  if (size) return size;
+  if (!jpeg_scan_is_whole(bytes)) return "the compressed data of the image is damaged or cut short";
+  return std::nullopt;
+}
+
+// Checks the size, and that all strips or tiles lie in the file (TIFF 6.0, section 2), for the first image.
+std::optional<std::string> problem_of_tiff(std::string_view bytes) {
+  const Numbers number(bytes, bytes[0] == 'I' ? Numbers::Order::little : Numbers::Order::big);
+  const size_t list = number(4, 4), entries = number(list, 2);
+  if (number(2, 2) != 42) return std::nullopt;  // BigTIFF
+  if (list < 8 || list + 2 + 12 * entries > bytes.size()) return too_short(bytes);
+  struct Array {
+    size_t size = 0, count = 0, at = 0;  // bytes of an item
+  };
+  std::array<Array, 2> pieces;  // their places, and their lengths
+  uint32_t width = 0, height = 0;
+  for (size_t e = list + 2; e < list + 2 + 12 * entries; e += 12) {
+    const uint32_t tag = number(e, 2), type = number(e + 2, 2);
+    const size_t size = type == 3 ? 2 : type == 4 ? 4 : 0, count = number(e + 4, 4);
+    if (tag == 256) width = number(e + 8, size);
+    if (tag == 257) height = number(e + 8, size);
+    if (tag != 273 && tag != 324 && tag != 279 && tag != 325) continue;
+    pieces[tag == 279 || tag == 325] = {size, count, size * count <= 4 ? e + 8 : number(e + 8, 4)};
+  }
+  if (const auto problem = problem_of_size(width, height)) return problem;
+  const auto& [places, lengths] = pieces;
+  for (const Array& array : pieces) {
+    if (array.size == 0 || array.at + array.size * array.count > bytes.size()) return too_short(bytes);
+  }
+  for (size_t k = 0; k < std::min(places.count, lengths.count); ++k) {
+    const uint64_t place = number(places.at + k * places.size, places.size),
+                   length = number(lengths.at + k * lengths.size, lengths.size);
+    if (place + length > bytes.size()) return too_short(bytes);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string> problem_of_image(std::string_view bytes) {
+  if (bytes.empty()) return "the image file is empty";
+  if (bytes.starts_with("\x89PNG")) return problem_of_png(bytes);
+  if (bytes.starts_with("\xff\xd8")) return problem_of_jpeg(bytes);
+  if (bytes.starts_with("II*") || bytes.starts_with("MM")) return problem_of_tiff(bytes);
+  return std::nullopt;
+}
+
+}  // namespace covis::io

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "covis/io/image_bytes.h"
+
+namespace covis::io {
+namespace {
+
+constexpr size_t kIds = 4;  // tables of each class
+
+// A Huffman table (T.81, section C): symbols by the next 16 bits would take too much memory, so by the next nine, and
+// longer codes by length.
+class HuffmanTable {
+ public:
+  // counts: the numbers of codes of 1 to 16 bits. False: they are no code.
+  bool make(std::string_view counts, std::string_view symbols) {
+    symbols_ = symbols;
+    fast_.fill(0);
+    uint32_t code = 0, index = 0;
+    for (uint32_t length = 1; length <= 16; ++length) {
+      const uint32_t count = static_cast<unsigned char>(counts[length - 1]);
+      first_[length] = index - code;
+      if (code + count > 1u << length) return false;
+      for (uint32_t k = 0; length <= kFast && k < count; ++k) {
+        const uint32_t from = (code + k) << (kFast - length);
+        const auto entry = static_cast<uint16_t>(length << 8 | static_cast<unsigned char>(symbols[index + k]));
+        std::fill_n(fast_.begin() + from, 1u << (kFast - length), entry);
+      }
+      code += count;
+      index += count;
+      end_[length] = code;
+      code <<= 1;
+    }
+    return true;
+  }
+  bool known() const { return !symbols_.empty(); }
+
+  // Finds the symbol and the length of the code that the 16 bits begin with. False: there is none.
+  bool find(uint32_t bits, uint32_t& symbol, uint32_t& length) const {
+    if (const uint16_t entry = fast_[bits >> (16 - kFast)]; entry != 0) {
+      symbol = entry & 0xff;
+      length = entry >> 8;
+      return true;
+    }
+    for (length = kFast + 1; length <= 16; ++length) {
+      const uint32_t code = bits >> (16 - length);
+      if (code >= end_[length]) continue;
+      symbol = static_cast<unsigned char>(symbols_[first_[length] + code]);
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr uint32_t kFast = 9;
+  std::array<uint16_t, 1 << kFast> fast_{};  // length and symbol; 0: the code is longer
+  std::array<uint32_t, 17> first_{}, end_{};
+  std::string_view symbols_;
+};
+
+// Bits of compressed data, in which each byte 0xff is followed by 0, up to a marker.
+class ScanBits {
+ public:
+  explicit ScanBits(std::string_view bytes) : bytes_(bytes) {}
+
+  // The next 16 bits; behind the data they are 0.
+  uint32_t peek() {
+    while (count_ < 16) {
+      held_ = held_ << 8 | next_byte();
+      count_ += 8;
+    }
+    return held_ >> (count_ - 16) & 0xffff;
+  }
+  // At most 16.
+  void skip(uint32_t bits) {
+    peek();
+    count_ -= bits;
+  }
+  // True when more was skipped than there was.
+  bool overrun() const { return count_ < 8 * behind_; }
+  size_t bytes_left() const {
+    size_t left = 0;
+    for (size_t i = at_; i < bytes_.size() && !is_marker(i); ++i) ++left;
+    return left;
+  }
+  // Goes on behind the next marker, which must be a restart. False: there is none.
+  bool restart() {
+    while (at_ + 1 < bytes_.size() && !is_marker(at_)) ++at_;
+    if (at_ + 1 >= bytes_.size()) return false;
+    const auto marker = static_cast<unsigned char>(bytes_[at_ + 1]);
+    at_ += 2;
+    count_ = behind_ = 0;
+    held_ = 0;
+    return marker >= 0xd0 && marker <= 0xd7;
+  }
+
+ private:
+  bool is_marker(size_t i) const {
+    return bytes_[i] == '\xff' && i + 1 < bytes_.size() && bytes_[i + 1] != 0 && bytes_[i + 1] != '\xff';
+  }
+  uint32_t next_byte() {
+    if (at_ >= bytes_.size() || is_marker(at_)) {
+      ++behind_;
+      return 0;
+    }
+    const auto byte = static_cast<unsigned char>(bytes_[at_++]);
+    if (byte == 0xff) ++at_;
+    return byte;
+  }
+
+  const std::string_view bytes_;
+  size_t at_ = 0;
+  uint64_t held_ = 0;
+  uint32_t count_ = 0, behind_ = 0;  // bits held; bytes of them that lie behind the data
+};
+
+struct Component {
+  uint32_t id = 0, blocks = 1;  // blocks in a unit of the scan
+  uint32_t dc = 0, ac = 0;      // its tables
+};
+
+// The headers of a JPEG file with one scan of all components, sequential and Huffman-coded.
+struct JpegHeaders {
+  std::array<HuffmanTable, kIds> dc, ac;
+  std::vector<Component> components;
+  uint32_t units = 0, restart_interval = 0;
+  std::string_view data;  // from the first byte of the scan on
+};
+
+uint32_t byte_at(std::string_view bytes, size_t i) { return static_cast<unsigned char>(bytes[i]); }
+uint32_t short_at(std::string_view bytes, size_t i) { return byte_at(bytes, i) << 8 | byte_at(bytes, i + 1); }
+
+bool read_tables(std::string_view segment, JpegHeaders& headers) {
+  while (segment.size() >= 17) {
+    const uint32_t head = byte_at(segment, 0);
+    size_t count = 0;
+    for (size_t k = 1; k <= 16; ++k) count += byte_at(segment, k);
+    if ((head & 15) >= kIds || head >> 4 > 1 || segment.size() < 17 + count) return false;
+    auto& tables = head >> 4 ? headers.ac : headers.dc;
+    if (!tables[head & 15].make(segment.substr(1, 16), segment.substr(17, count))) return false;
+    segment.remove_prefix(17 + count);
+  }
+  return true;
+}
+
+bool read_frame(std::string_view segment, JpegHeaders& headers) {
+  if (segment.size() < 6 || segment.size() < 6 + 3 * byte_at(segment, 5)) return false;
+  uint32_t across = 1, down = 1;
+  for (uint32_t c = 0; c < byte_at(segment, 5); ++c) {
+    const uint32_t factors = byte_at(segment, 7 + 3 * c), h = factors >> 4, v = factors & 15;
+    if (h < 1 || h > 4 || v < 1 || v > 4) return false;
+    across = std::max(across, h);
+    down = std::max(down, v);
+    headers.components.push_back({byte_at(segment, 6 + 3 * c), h * v});
+  }
+  if (headers.components.size() == 1) {  // its blocks are not grouped then
+    headers.components[0].blocks = 1;
+    across = down = 1;
+  }
+  const auto units = [](uint32_t pixels, uint32_t blocks) { return (pixels + 8 * blocks - 1) / (8 * blocks); };
+  headers.units = units(short_at(segment, 3), across) * units(short_at(segment, 1), down);
+  return true;
+}
+
+bool read_scan(std::string_view segment, JpegHeaders& headers) {
+  const size_t count = headers.components.size();
+  if (count == 0 || segment.size() < 1 + 2 * count || byte_at(segment, 0) != count) return false;
+  for (size_t c = 0; c < count; ++c) {
+    Component& component = headers.components[c];
+    if (byte_at(segment, 1 + 2 * c) != component.id) return false;
+    const uint32_t tables = byte_at(segment, 2 + 2 * c);
+    component.dc = tables >> 4;
+    component.ac = tables & 15;
+    if (component.dc >= kIds || component.ac >= kIds) return false;
+    if (!headers.dc[component.dc].known() || !headers.ac[component.ac].known()) return false;
+  }
+  return true;
+}
+
+// False for files of another kind.
+bool read_headers(std::string_view bytes, JpegHeaders& headers) {
+  for (size_t at = 2; at + 4 <= bytes.size() && bytes[at] == '\xff';) {
+    const uint32_t marker = byte_at(bytes, at + 1);
+    if (marker == 0xff) {
+      ++at;
+      continue;
+    }
+    const size_t length = short_at(bytes, at + 2);
+    if (length < 2 || at + 2 + length > bytes.size()) return false;
+    const std::string_view segment = bytes.substr(at + 4, length - 2);
+    at += 2 + length;
+    if (marker == 0xc4 && !read_tables(segment, headers)) return false;
+    if ((marker == 0xc0 || marker == 0xc1) && !read_frame(segment, headers)) return false;
+    if (marker == 0xdd && segment.size() >= 2) headers.restart_interval = short_at(segment, 0);
+    if (marker == 0xda) {
+      headers.data = bytes.substr(at);
+      return read_scan(segment, headers);
+    }
+  }
+  return false;
+}
+
+// Walks through the 64 coefficients of a block.
+bool skip_block(const HuffmanTable& dc, const HuffmanTable& ac, ScanBits& bits) {
+  uint32_t symbol = 0, length = 0;
+  if (!dc.find(bits.peek(), symbol, length) || symbol > 16) return false;
+  bits.skip(length);
+  bits.skip(symbol);
+  for (uint32_t k = 1; k < 64; ++k) {
+    if (!ac.find(bits.peek(), symbol, length)) return false;
+    bits.skip(length);
+    const uint32_t zeros = symbol >> 4, size = symbol & 15;
+    if (size == 0 && zeros != 15) return true;  // the end of the block
+    k += zeros;
+    if (k > 63) return false;
+    bits.skip(size);
+  }
+  return true;
+}
+
+}  // namespace
+
+bool jpeg_scan_is_whole(std::string_view bytes) {
+  JpegHeaders headers;
+  if (!read_headers(bytes, headers)) return true;
+  ScanBits bits(headers.data);
+  for (uint32_t unit = 0; unit < headers.units; ++unit) {
+    if (headers.restart_interval > 0 && unit > 0 && unit % headers.restart_interval == 0 && !bits.restart())
+      return false;
+    for (const Component& component : headers.components) {
+      for (uint32_t block = 0; block < component.blocks; ++block) {
+        if (!skip_block(headers.dc[component.dc], headers.ac[component.ac], bits)) return false;
+      }
+    }
+    if (bits.overrun()) return false;
+  }
+  // Some encoders pad the data; a decoder that lost its place leaves much.
+  return bits.bytes_left() <= 64 + headers.data.size() / 32;
+}
+
+}  // namespace covis::io

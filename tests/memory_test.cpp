@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// A lack of memory in any thread ends what was asked for with an error, and leaves what was made.
+#include <gmock/gmock.h>
+
+#include <exception>
+
+#include "api_frames.h"
+#include "covis/core/test_allocations.h"
+#include "covis/features/staged_work.h"
+
+namespace covis {
+namespace {
+
+using testing::HasSubstr;
+
+// Ends with its scope.
+class MemoryFullForOthers {
+ public:
+  MemoryFullForOthers() {
+    has_memory_left = true;
+    memory_is_full = true;
+  }
+  ~MemoryFullForOthers() { memory_is_full = false; }
+};
+
+TEST(Memory, WhereMappingHasNoneTrackingSaysSoAndTheMapStays) {
+  Recording recording(Sensor::rgbd, 60);
+  System system(recording.synth.camera(), options_for(Sensor::rgbd));
+  constexpr int kBefore = 20;
+  for (int i = 0; i < kBefore; ++i) system.process(recording.frame(i));
+  system.finish();
+  const size_t poses = system.snapshot()->trajectory.size();
+  EXPECT_GT(poses, 10u);
+  const MemoryFullForOthers full;
+  bool thrown = false;
+  for (int i = kBefore; i < recording.size() && !thrown; ++i) {
+    try {
+      system.process(recording.frame(i));
+    } catch (const std::bad_alloc&) {
+      thrown = true;
+    }
+  }
+  EXPECT_TRUE(thrown) << "of the mapping thread, when its result was due";
+  EXPECT_GE(system.snapshot()->trajectory.size(), poses);
+}
+
+TEST(Memory, TheLibraryMakesAnErrorOfIt) {
+  Recording recording(Sensor::rgbd, 60);
+  auto slam =
+      Slam::create({.sensor = SensorType::rgbd, .camera = parameters_of(recording.synth.camera(), Sensor::rgbd)});
+  ASSERT_TRUE(slam) << slam.error();
+  const MemoryFullForOthers full;
+  std::string error;
+  for (int i = 0; i < recording.size() && error.empty(); ++i) {
+    const System::Input input = recording.frame(i);
+    error = error_of((*slam)->track({.stamp = input.stamp, .image = grey(input.image), .depth = depth(input.depth)}));
+  }
+  EXPECT_THAT(error, HasSubstr("bad_alloc"));
+  (*slam)->finish();
+  EXPECT_TRUE((*slam)->snapshot());
+}
+
+TEST(Memory, AStageThatFailsInAnyThreadFailsForItsCaller) {
+  std::atomic<int> done{0};
+  bool fails = true;
+  StagedWork work({{4, [&](int) { ++done; }},
+                   {4,
+                    [&](int task) {
+                      if (fails && task == 2) throw std::bad_alloc();
+                    }},
+                   {2, [&](int) { ++done; }}});
+  EXPECT_THROW(work.run(), std::bad_alloc);
+  EXPECT_EQ(done, 4) << "later stages are not run";
+  fails = false;
+  work.run();
+  EXPECT_EQ(done, 10);
+}
+
+}  // namespace
+}  // namespace covis
