@@ -203,6 +203,8 @@ json to_json(const RunSummary& s) {
            {"first_tracked_frame", s.frames.first_tracked},
            {"frames_late", s.frames.late},
            {"frames_unreadable", s.frames.unreadable},
+           {"frames_dropped", s.frames.dropped},
+           {"camera_gone", s.frames.camera_gone},
            {"interrupted", s.interrupted},
            {"keyframes", s.map.key_frames},
            {"keyframes_made", s.map.key_frames_made},
@@ -221,6 +223,7 @@ json to_json(const RunSummary& s) {
            {"first_pose_ms", s.costs.first_pose_ms},
            {"peak_rss_mb", s.costs.peak_rss_mb},
            {"not_tracked", losses_json(s.not_tracked)}};
+  if (!s.failure.empty()) all["failure"] = s.failure;
   if (s.estimate) all["camera_estimate"] = estimate_json(*s.estimate);
   if (!s.accuracy) return all;
   const Accuracy& a = *s.accuracy;

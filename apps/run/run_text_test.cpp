@@ -33,6 +33,20 @@ TEST(RunText, TellsTheFocalLengthWhereTheMapMovedIt) {
   EXPECT_EQ(rows.back(), std::pair(std::string("focal length, refined"), std::string("507.5 pixels instead of 500.0")));
 }
 
+TEST(RunText, TellsWhatBecameOfALiveCamera) {
+  RunRecord run = made_record();
+  run.dropped = 12;
+  run.frames.push_back(skipped_frame(10, 0, FrameState::camera_gone, "gone"));
+  run.failure = "another size";
+  const RunSummary summary = summarise(run, made_snapshot(), nullptr, 0);
+  const std::string text = summary_text(summary, "out");
+  EXPECT_NE(text.find("6 of 10 frames tracked"), std::string::npos) << text;
+  EXPECT_NE(text.find("12 frames dropped for newer ones; the camera went away 1 time\nended early: another size\n"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(summary_rows(summary).size(), 10u);
+}
+
 TEST(RunText, RowsOfTheReport) {
   const Snapshot snapshot = made_snapshot();
   const Trajectory truth = main_submap(snapshot).trajectory;

@@ -1,55 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
-// Video files and cameras, through OpenCV's videoio. Monocular.
+// Video files, through OpenCV's videoio, and the opening of live cameras. Monocular.
 #include <charconv>
-#include <chrono>
-#include <cstring>
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
 #include "covis/io/decode_ahead.h"
+#include "covis/io/live_camera.h"
+#include "covis/io/opencv_capture.h"
 #include "covis/io/opencv_picture.h"
 #include "covis/io/sequence_sources.h"
 
 namespace covis::io {
 namespace {
 
-// OpenCV's own warnings about failed attempts are less helpful than our message. Only the suitable back ends are tried,
-// because a search through all of them takes longer and leaks memory.
-cv::VideoCapture open_quietly(const std::string& path, std::optional<int> number) {
-  namespace logging = cv::utils::logging;
-  const logging::LogLevel before = logging::setLogLevel(logging::LOG_LEVEL_SILENT);
-  cv::VideoCapture capture;
-  try {
-    if (number) {
-      capture.open(*number, cv::CAP_V4L2);
-    } else if (!capture.open(path, cv::CAP_FFMPEG)) {
-      capture.open(path, cv::CAP_OPENCV_MJPEG);
-    }
-  } catch (const cv::Exception&) {
-    capture.release();
-  }
-  logging::setLogLevel(before);
-  return capture;
+// Only the suitable back ends are tried, because a search through all of them takes longer and leaks memory.
+cv::VideoCapture capture_of(const std::string& path) {
+  return open_quietly([&](cv::VideoCapture& capture) {
+    if (!capture.open(path, cv::CAP_FFMPEG)) capture.open(path, cv::CAP_OPENCV_MJPEG);
+  });
 }
 
-class CaptureSequence : public Sequence {
+class VideoSequence : public Sequence {
  public:
-  CaptureSequence(cv::VideoCapture capture, std::string name, SequenceKind kind, const Camera& camera, double rate,
-                  int64_t frames, const SequenceOptions& options)
+  VideoSequence(cv::VideoCapture capture, std::string name, const Camera& camera, double rate, int64_t frames,
+                const SequenceOptions& options)
       : capture_(std::move(capture)),
         name_(std::move(name)),
-        kind_(kind),
         camera_(camera),
         rate_(rate),
         frames_(frames),
         options_(options),
-        // A camera does not wait for the program: only its latest frame is used.
-        ahead_([this](Frame memory) { return decode(std::move(memory)); },
-               kind == SequenceKind::camera ? 1 : options.decode_ahead,
-               kind == SequenceKind::camera ? DecodeAhead::WhenFull::drop_old : DecodeAhead::WhenFull::wait) {}
+        ahead_([this](Frame memory) { return decode(std::move(memory)); }, options.decode_ahead) {}
 
-  SequenceKind kind() const override { return kind_; }
+  SequenceKind kind() const override { return SequenceKind::video; }
   Sensor sensor() const override { return Sensor::monocular; }
   const Camera& camera() const override { return camera_; }
   int64_t size() const override { return frames_; }
@@ -57,14 +38,13 @@ class CaptureSequence : public Sequence {
   std::optional<Truth> truth() const override { return std::nullopt; }
   std::vector<std::string> notes() const override { return {}; }
   std::string description() const override {
-    return (kind_ == SequenceKind::camera ? "camera " : "video ") + name_ + ", " + std::to_string(camera_.width) + "x" +
-           std::to_string(camera_.height) + ", " + std::to_string(rate_) + " Hz";
+    return "video " + name_ + ", " + std::to_string(camera_.width) + "x" + std::to_string(camera_.height) + ", " +
+           std::to_string(rate_) + " Hz";
   }
   Result<std::optional<Frame>> next(Frame recycled) override { return ahead_.next(std::move(recycled)); }
   Result<Picture> picture(int64_t frame) override {
-    if (kind_ == SequenceKind::camera) return fail(name_ + ": a camera's frames can't be read again");
     if (!again_ || frame < next_again_) {
-      again_ = open_quietly(name_, std::nullopt);
+      again_ = capture_of(name_);
       next_again_ = 0;
     }
     for (; next_again_ <= frame; ++next_again_) {
@@ -78,7 +58,7 @@ class CaptureSequence : public Sequence {
       return fail(name_ + ": frame " + std::to_string(frame) + " can't be decoded");
     return picture_of(image);
   }
-  bool may_have_colours(int64_t) const override { return kind_ != SequenceKind::camera; }
+  bool may_have_colours(int64_t) const override { return true; }
 
  private:
   Result<std::optional<Frame>> decode(Frame frame) {
@@ -89,9 +69,6 @@ class CaptureSequence : public Sequence {
     }
     const int64_t index = read_++;
     if (!capture_.grab()) return std::optional<Frame>();
-    const Timestamp now =
-        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-            .count();
     if (!capture_.retrieve(picture_) || picture_.empty())
       return fail(name_ + ": frame " + std::to_string(index) + " can't be decoded");
     ++given_;
@@ -100,27 +77,20 @@ class CaptureSequence : public Sequence {
                   std::to_string(picture_.rows) + ", the camera " + std::to_string(camera_.width) + "x" +
                   std::to_string(camera_.height));
     }
-    if (picture_.channels() == 1) {
-      grey_ = picture_;
-    } else {
-      cv::cvtColor(picture_, grey_, picture_.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
-    }
+    to_grey(picture_, frame.image);
     frame.index = index;
-    frame.stamp = kind_ == SequenceKind::camera ? now : from_seconds(static_cast<double>(index) / rate_);
-    frame.image.resize(grey_.cols, grey_.rows);
-    for (int y = 0; y < grey_.rows; ++y) std::memcpy(frame.image.row(y), grey_.ptr(y), static_cast<size_t>(grey_.cols));
+    frame.stamp = from_seconds(static_cast<double>(index) / rate_);
     return std::optional<Frame>(std::move(frame));
   }
 
   cv::VideoCapture capture_;
   const std::string name_;
-  const SequenceKind kind_;
   const Camera camera_;
   const double rate_;
   const int64_t frames_;
   const SequenceOptions options_;
   int64_t read_ = 0, given_ = 0;
-  cv::Mat picture_, grey_;
+  cv::Mat picture_;
   // Used by picture() only: the video once more, and the next frame it gives.
   std::optional<cv::VideoCapture> again_;
   int64_t next_again_ = 0;
@@ -143,29 +113,9 @@ std::optional<int> camera_number(const std::string& path) {
   return number;
 }
 
-}  // namespace
-
-Result<std::unique_ptr<Sequence>> open_capture(const std::string& path, SequenceKind kind, const Request& request,
-                                               const SequenceOptions& options) {
-  const bool live = kind == SequenceKind::camera;
-  if (request.wanted && *request.wanted != Sensor::monocular)
-    return fail(path + ": a video or a camera serves --sensor mono only");
-  if (!request.given && (live || !request.uncalibrated)) return tl::unexpected(no_calibration(path, "--camera"));
-  const CameraFile given = request.given.value_or(CameraFile());
-  const std::optional<int> number = live ? camera_number(path) : std::nullopt;
-  if (live && !number) return fail(path + ": a camera is named by its number: 0, 1 …");
-  cv::VideoCapture capture = open_quietly(path, number);
-  if (!capture.isOpened())
-    return fail(path + (live ? ": the camera can't be opened" : ": it is not a video that can be read"));
-  Camera camera = given.camera;
-  camera.pinhole.bf = 0;
-  if (live) {
-    capture.set(cv::CAP_PROP_FRAME_WIDTH, camera.width);
-    capture.set(cv::CAP_PROP_FRAME_HEIGHT, camera.height);
-    if (given.fps > 0) capture.set(cv::CAP_PROP_FPS, given.fps);
-  }
-  const int width = static_cast<int>(capture.get(cv::CAP_PROP_FRAME_WIDTH));
-  const int height = static_cast<int>(capture.get(cv::CAP_PROP_FRAME_HEIGHT));
+// Checks the camera file's size against that of the images, where those are known, and takes it from them if there is
+// no camera file.
+Result<void> settle_size(const std::string& path, const CameraFile& given, int width, int height, Camera& camera) {
   if (camera.width == 0) {
     if (width <= 0 || height <= 0) return fail(path + ": the video does not say how large its images are");
     camera.width = width;
@@ -175,10 +125,55 @@ Result<std::unique_ptr<Sequence>> open_capture(const std::string& path, Sequence
     return fail(path + ": the images are " + std::to_string(width) + "x" + std::to_string(height) + ", the camera of " +
                 given.file.string() + " is " + std::to_string(camera.width) + "x" + std::to_string(camera.height));
   }
-  double rate = given.fps > 0 ? given.fps : capture.get(cv::CAP_PROP_FPS);
-  if (!(rate > 0.01 && rate < 10000)) rate = 30;
-  const int64_t frames = live ? -1 : count_frames(capture, options);
-  return std::make_unique<CaptureSequence>(std::move(capture), path, kind, camera, rate, frames, options);
+  return {};
+}
+
+double settle_rate(double given, double told) {
+  const double rate = given > 0 ? given : told;
+  return rate > 0.01 && rate < 10000 ? rate : 30;
+}
+
+Result<void> serves(const std::string& path, const Request& request) {
+  if (request.wanted && *request.wanted != Sensor::monocular)
+    return fail(path + ": a video or a camera serves --sensor mono only");
+  return {};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Sequence>> open_video(const std::string& path, const Request& request,
+                                             const SequenceOptions& options) {
+  if (const auto served = serves(path, request); !served) return tl::unexpected(served.error());
+  if (!request.given && !request.uncalibrated) return tl::unexpected(no_calibration(path, "--camera"));
+  const CameraFile given = request.given.value_or(CameraFile());
+  cv::VideoCapture capture = capture_of(path);
+  if (!capture.isOpened()) return fail(path + ": it is not a video that can be read");
+  Camera camera = given.camera;
+  camera.pinhole.bf = 0;
+  if (const auto settled = settle_size(path, given, static_cast<int>(capture.get(cv::CAP_PROP_FRAME_WIDTH)),
+                                       static_cast<int>(capture.get(cv::CAP_PROP_FRAME_HEIGHT)), camera);
+      !settled)
+    return tl::unexpected(settled.error());
+  const double rate = settle_rate(given.fps, capture.get(cv::CAP_PROP_FPS));
+  const int64_t frames = count_frames(capture, options);
+  return std::make_unique<VideoSequence>(std::move(capture), path, camera, rate, frames, options);
+}
+
+Result<std::unique_ptr<Sequence>> open_camera(const std::string& path, const Request& request,
+                                              const SequenceOptions& options) {
+  if (const auto served = serves(path, request); !served) return tl::unexpected(served.error());
+  if (!request.given) return tl::unexpected(no_calibration(path, "--camera"));
+  const std::optional<int> number = camera_number(path);
+  if (!number) return fail(path + ": a camera is named by its number: 0, 1 …");
+  std::unique_ptr<CameraDevice> device = make_v4l2_camera(*number, *request.given);
+  const auto format = device->open();
+  if (!format) return fail(path + ": " + format.error().message);
+  LiveCamera::Setup setup{.name = path, .camera = request.given->camera, .options = options};
+  setup.camera.pinhole.bf = 0;
+  if (const auto settled = settle_size(path, *request.given, format->width, format->height, setup.camera); !settled)
+    return tl::unexpected(settled.error());
+  setup.rate = settle_rate(request.given->fps, format->fps);
+  return std::make_unique<LiveCamera>(std::move(device), std::move(setup));
 }
 
 }  // namespace covis::io
