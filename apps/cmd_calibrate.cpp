@@ -8,6 +8,7 @@
 #include "apps/calibrate/board.h"
 #include "apps/calibrate/board_frames.h"
 #include "apps/calibrate/calibration.h"
+#include "apps/calibrate/charuco.h"
 #include "commands.h"
 #include "common.h"
 #include "covis/core/atomic_file.h"
@@ -36,6 +37,7 @@ Result<Board> board_of(const CalibrateArguments& a) {
   if (!a.charuco && (a.marker != 0 || a.dictionary != CalibrateArguments{}.dictionary))
     return fail("--marker, --dictionary: they are those of a ChArUco board; --charuco says that it is one");
   if (!a.charuco) return board;
+  if (const auto there = charuco_is_there(); !there) return tl::unexpected(there.error());
   if (!(a.marker > 0 && a.marker < a.square))
     return fail("--marker: the side of a marker is wanted, less than a square's");
   const auto dictionary = dictionary_of(a.dictionary);

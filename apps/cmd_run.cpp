@@ -135,6 +135,7 @@ int conclude(const RunArguments& arguments, const RunSummary& summary, io::Seque
   } else if (!arguments.quiet) {
     std::fputs(summary_text(summary, arguments.out).c_str(), stdout);
   }
+  if (!summary.failure.empty()) return fail_with(summary.failure + ". The results so far are written");
   // Ctrl-C is the normal end of a camera; for a recording the exit code is the shell's code for the signal.
   if (summary.interrupted && kind != io::SequenceKind::camera) {
     log(LogLevel::warning, "interrupted; the results so far are written");
@@ -191,6 +192,7 @@ int run(const RunArguments& arguments) {
   end_well_on_signals();
   io::SequenceOptions reading = arguments.reading.options();
   reading.uncalibrated = arguments.map.empty();
+  reading.stop = &interrupted;
   auto sequence = io::open_sequence(arguments.path, reading);
   if (!sequence) return fail_with(sequence.error());
   options.sensor = (*sequence)->sensor();
@@ -326,6 +328,9 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "  covis run office.bag --topic /camera/color/image_raw --out office\n"
       "  covis run 0 --camera webcam.yaml --realtime --out live\n"
       "  covis run 0 --camera webcam.yaml --realtime --view --out live          watch it in a browser\n"
+      "  (A live camera runs until Ctrl-C. Only its newest frame is tracked; frames in between are dropped and "
+      "counted. "
+      "One that is unplugged is opened again when it is back, and located in the map.)\n"
       "  covis run office1 --out o1 --save-map office.m\n"
       "  covis run office2 --out o2 --map office.m --save-map office.m      continue the map\n"
       "  covis run office3 --out o3 --map office.m --localize");

@@ -5,15 +5,14 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <opencv2/aruco/charuco.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "apps/calibrate/charuco.h"
+
 namespace covis::app {
 namespace {
-
-constexpr size_t kLeastCorners = 8;  // a ChArUco board may show no fewer
 
 std::vector<cv::Point3f> checkerboard_corners(const Board& board) {
   std::vector<cv::Point3f> corners;
@@ -53,46 +52,24 @@ std::array<double, 5> pose_of(const BoardView& view, cv::Size image) {
 
 }  // namespace
 
-struct BoardFinder::Charuco {
-  cv::Ptr<cv::aruco::Dictionary> dictionary;
-  cv::Ptr<cv::aruco::CharucoBoard> board;
-};
-
-BoardFinder::BoardFinder(const Board& board) : board_(board), charuco_(std::make_unique<Charuco>()) {
-  if (board.kind != Board::Kind::charuco) return;
-  charuco_->dictionary = cv::aruco::getPredefinedDictionary(board.dictionary);
-  charuco_->board = cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square),
-                                                    static_cast<float>(board.marker), charuco_->dictionary);
+BoardFinder::BoardFinder(const Board& board) : board_(board) {
+  if (board.kind == Board::Kind::charuco) charuco_ = make_charuco_finder(board);
 }
 
 BoardFinder::~BoardFinder() = default;
 
 std::optional<BoardView> BoardFinder::find(const cv::Mat& grey) const {
   if (board_.kind == Board::Kind::checkerboard) return find_checkerboard(board_, grey);
-  std::vector<int> markers, ids;
-  std::vector<std::vector<cv::Point2f>> outlines;
-  cv::aruco::detectMarkers(grey, charuco_->dictionary, outlines, markers);
-  if (markers.empty()) return std::nullopt;
-  BoardView view;
-  cv::aruco::interpolateCornersCharuco(outlines, markers, grey, charuco_->board, view.pixels, ids);
-  if (ids.size() < kLeastCorners) return std::nullopt;
-  for (const int id : ids) view.corners.push_back(charuco_->board->chessboardCorners[static_cast<size_t>(id)]);
-  // Corners of a single line leave the view open.
-  const auto differ = [&](auto coordinate) {
-    return std::any_of(view.corners.begin(), view.corners.end(),
-                       [&](const cv::Point3f& p) { return p.*coordinate != view.corners.front().*coordinate; });
-  };
-  if (!differ(&cv::Point3f::x) || !differ(&cv::Point3f::y)) return std::nullopt;
-  return view;
+  return charuco_ ? charuco_->find(grey) : std::nullopt;
 }
 
 Result<int> dictionary_of(const std::string& name) {
   std::map<std::string, int> known;
   const char* const sizes[] = {"4X4", "5X5", "6X6", "7X7"};
   const char* const counts[] = {"50", "100", "250", "1000"};
+  // OpenCV numbers them in this order.
   for (int s = 0; s < 4; ++s) {
-    for (int c = 0; c < 4; ++c)
-      known.emplace(std::string(sizes[s]) + "_" + counts[c], cv::aruco::DICT_4X4_50 + 4 * s + c);
+    for (int c = 0; c < 4; ++c) known.emplace(std::string(sizes[s]) + "_" + counts[c], 4 * s + c);
   }
   const auto found = known.find(name);
   if (found == known.end())

@@ -29,6 +29,8 @@ struct BoardView {
   std::vector<cv::Point2f> pixels;   // pixel of each corner
 };
 
+class CharucoFinder;
+
 class BoardFinder {
  public:
   explicit BoardFinder(const Board& board);
@@ -39,9 +41,8 @@ class BoardFinder {
   std::optional<BoardView> find(const cv::Mat& grey) const;
 
  private:
-  struct Charuco;
   const Board board_;
-  std::unique_ptr<Charuco> charuco_;
+  std::unique_ptr<CharucoFinder> charuco_;
 };
 
 // The number of a dictionary by its name in OpenCV, without DICT_: "4X4_50", "5X5_100", "6X6_250" and so on.

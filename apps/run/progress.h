@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "covis/core/time.h"
+#include "covis/slam/system.h"
 
 namespace covis::app {
 
@@ -18,11 +20,13 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void show(std::string_view state, size_t done, size_t key_frames, size_t points);
+  // Another state is shown at once, other figures ten times a second. dropped: frames of a live camera.
+  void show(std::string_view state, size_t done, const System::MapSize& map, int64_t dropped);
 
  private:
   const bool shown_;
   const int64_t total_;
+  std::string state_;
   Stopwatch all_, since_;
 };
 

@@ -203,6 +203,8 @@ json to_json(const RunSummary& s) {
            {"first_tracked_frame", s.frames.first_tracked},
            {"frames_late", s.frames.late},
            {"frames_unreadable", s.frames.unreadable},
+           {"frames_dropped", s.frames.dropped},
+           {"camera_gone", s.frames.camera_gone},
            {"interrupted", s.interrupted},
            {"keyframes", s.map.key_frames},
            {"keyframes_made", s.map.key_frames_made},

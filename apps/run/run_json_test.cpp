@@ -28,6 +28,9 @@ TEST(RunJson, SummaryHasTheKeysThatScriptsRead) {
   EXPECT_EQ(s["frames"], 10);
   EXPECT_EQ(s["frames_tracked"], 6);
   EXPECT_EQ(s["frames_late"], 1);
+  EXPECT_EQ(s["frames_dropped"], 0);
+  EXPECT_EQ(s["camera_gone"], 0);
+  EXPECT_FALSE(s.contains("failure"));
   EXPECT_EQ(s["map_points"], 42);
   EXPECT_EQ(s["camera"]["fx"], 500);
   EXPECT_EQ(s["camera_given"], json({{"fx", 500.0}, {"fy", 501.0}, {"cx", 320.0}, {"cy", 240.0}}));

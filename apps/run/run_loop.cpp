@@ -24,6 +24,18 @@ void skip(FrameStats stats, RunObserver* observer, RunRecord& run) {
   run.frames.push_back(std::move(stats));
 }
 
+// Records a frame that can't be had, and says why; returns false where there will be no other.
+bool pass_over(const Error& error, const io::LiveStatus& live, int64_t frame, RunObserver* observer, RunRecord& run) {
+  log(LogLevel::warning, error.message);
+  const bool failed = live.state == io::LiveStatus::State::failed;
+  if (failed) run.failure = error.message;
+  skip(skipped_frame(frame, 0,
+                     live.state == io::LiveStatus::State::gone ? FrameState::camera_gone : FrameState::unreadable,
+                     error.message),
+       observer, run);
+  return !failed;
+}
+
 // Keeps what mapping reported.
 void add_mapping(const std::vector<MappingReport>& reports, const System& system, view::LoopHistory& history,
                  RunObserver* observer, RunRecord& run) {
@@ -52,13 +64,17 @@ void track_frames(io::Sequence& sequence, System& system, const PlayOptions& opt
     beside.at = expected;
     Result<std::optional<io::Frame>> next = sequence.next(std::move(frame));
     frame = {};
+    const io::LiveStatus live = sequence.live();
+    run.dropped = live.dropped;
     if (!next) {
-      log(LogLevel::warning, next.error().message);
-      skip(skipped_frame(expected, 0, FrameState::unreadable, next.error().message), options.observer, run);
+      if (!pass_over(next.error(), live, expected, options.observer, run)) break;
+      progress.show(name(run.frames.back().state), run.frames.size(), system.map_size(), live.dropped);
       expected += options.stride;
       continue;
     }
     if (!*next) break;
+    if (!run.frames.empty() && run.frames.back().state == FrameState::camera_gone)
+      log(LogLevel::info, "the camera is back");
     frame = std::move(**next);
     beside.at = frame.index;
     expected = frame.index + options.stride;
@@ -83,8 +99,7 @@ void track_frames(io::Sequence& sequence, System& system, const PlayOptions& opt
     run.frames.push_back(std::move(stats));
     if (beside.colouring && report.track.key_frame) beside.colouring->wake();
     if (options.saver) options.saver->frame_done(system);
-    const System::MapSize map = system.map_size();
-    progress.show(name(run.frames.back().state), run.frames.size(), map.key_frames, map.points);
+    progress.show(name(run.frames.back().state), run.frames.size(), system.map_size(), live.dropped);
   }
 }
 

@@ -16,7 +16,7 @@ class RunObserver {
   // The system has the last of these frames behind it.
   virtual void run_begins(const System& system) = 0;
   virtual void frame_tracked(const FrameStats& stats, const io::Frame& frame, const FrameReport& report) = 0;
-  // Late or unreadable.
+  // Late or unreadable, or the camera went away.
   virtual void frame_skipped(const FrameStats& stats) = 0;
   virtual void loops_changed(const std::vector<view::LoopPaths>& loops) = 0;
 };

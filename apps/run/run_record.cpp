@@ -39,6 +39,8 @@ std::string_view name(FrameState state) {
       return "late";
     case FrameState::unreadable:
       return "unreadable";
+    case FrameState::camera_gone:
+      return "camera_gone";
   }
   return "";
 }

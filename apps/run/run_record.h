@@ -19,8 +19,8 @@
 namespace covis::app {
 
 // Result for one frame of the recording. not_localised: a lost frame of a run that localises only; late: dropped in
-// real time; unreadable: its image could not be decoded.
-enum class FrameState { tracking, lost, not_initialised, not_localised, late, unreadable };
+// real time; unreadable: its image could not be decoded; camera_gone: no frame, but a live camera that went away there.
+enum class FrameState { tracking, lost, not_initialised, not_localised, late, unreadable, camera_gone };
 std::string_view name(FrameState state);
 
 // Purpose of the run: frames without a pose are lost from a map, or not localised in one.
@@ -38,7 +38,9 @@ struct FrameStats {
   double rss_mb = 0;  // resident memory after this frame, for every hundredth frame; 0: not measured
 
   // True when the tracker received the frame; only then the fields after `reason` are set.
-  bool processed() const { return state != FrameState::late && state != FrameState::unreadable; }
+  bool processed() const {
+    return state != FrameState::late && state != FrameState::unreadable && state != FrameState::camera_gone;
+  }
   // Cost of tracking a decoded image: the total without waiting for mapping.
   double tracking_ms() const { return timing.total_ms - timing.wait_ms; }
 };
@@ -75,7 +77,8 @@ struct RunRecord {
   std::vector<MappingReport> mapping;
   std::vector<view::LoopPaths> loops;
   std::vector<std::string> notes;  // frames of the recording that were passed over, and why
-  std::string failure;             // the reason for an end before that of the recording; empty: there was none
+  int64_t dropped = 0;  // frames of a live camera that were replaced by newer ones before they could be tracked
+  std::string failure;  // the reason for an end before that of the recording; empty: there was none
   bool interrupted = false;
   double wall_seconds = 0;
   double first_pose_ms = -1;  // from the first decoded image to the first pose; negative: no pose
@@ -83,7 +86,7 @@ struct RunRecord {
 
 // Makes the row of a frame that the tracker received.
 FrameStats tracked_frame(const io::Frame& frame, const FrameReport& report, RunMode mode);
-// Makes the row of a frame that it did not receive: late or unreadable.
+// Makes the row of a frame that it did not receive: late or unreadable, or of the camera's going.
 FrameStats skipped_frame(int64_t frame, Timestamp stamp, FrameState state, std::string reason);
 // At the end of a run: frames whose poses were retracted after they were tracked lose their state `tracking`, and those
 // that got their pose afterwards have it.

@@ -28,11 +28,13 @@ Trajectory of_main_submap(const Poses& poses, const Snapshot& snapshot) {
 
 FrameCounts count_frames(const RunRecord& run, const Snapshot& snapshot) {
   FrameCounts counts;
-  counts.all = run.frames.size();
   for (const FrameStats& f : run.frames) {
     counts.late += f.state == FrameState::late;
     counts.unreadable += f.state == FrameState::unreadable;
+    counts.camera_gone += f.state == FrameState::camera_gone;
   }
+  counts.all = run.frames.size() - counts.camera_gone;
+  counts.dropped = run.dropped;
   counts.tracked = snapshot.trajectory.size();
   counts.tracked_online = snapshot.online.size();
   if (!snapshot.online.empty()) counts.first_tracked = snapshot.online.front().frame;

@@ -27,11 +27,13 @@ struct Spread {
 };
 
 struct FrameCounts {
-  size_t all = 0;
+  size_t all = 0;             // without those that a live camera dropped
   size_t tracked = 0;         // number of frames with a pose at the end
   size_t tracked_online = 0;  // number of frames with a pose immediately after tracking
   int64_t first_tracked = -1;
   size_t late = 0, unreadable = 0;
+  int64_t dropped = 0;     // by a live camera, for newer ones
+  size_t camera_gone = 0;  // number of times that a live camera went away
 };
 
 struct MapCounts {

@@ -26,6 +26,17 @@ std::string estimate_text(const RunSummary& s) {
          fixed(s.estimate->k1, 3, " ± ") + fixed(s.estimate->k1_sigma, 3, "");
 }
 
+// "12 frames dropped for newer ones; the camera went away 2 times"; empty where there is nothing to tell.
+std::string live_text(const FrameCounts& frames) {
+  std::string text;
+  if (frames.dropped > 0) text = std::to_string(frames.dropped) + " frames dropped for newer ones";
+  if (frames.camera_gone > 0) {
+    text += (text.empty() ? "" : "; ") + std::string("the camera went away ") + std::to_string(frames.camera_gone) +
+            (frames.camera_gone == 1 ? " time" : " times");
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string why_nothing_is_tracked(const RunSummary& s, const Camera& camera) {
@@ -47,6 +58,8 @@ std::string why_nothing_is_tracked(const RunSummary& s, const Camera& camera) {
 std::string summary_text(const RunSummary& s, const std::filesystem::path& out) {
   std::string text = std::to_string(s.frames.tracked) + " of " + std::to_string(s.frames.all) + " frames tracked, " +
                      std::to_string(s.map.key_frames) + " key frames, " + std::to_string(s.map.points) + " points\n";
+  if (const std::string live = live_text(s.frames); !live.empty()) text += live + "\n";
+  if (!s.failure.empty()) text += "ended early: " + s.failure + "\n";
   if (s.map.submaps.size() > 1) {
     text += std::to_string(s.map.submaps.size()) + " maps that could not be joined; trajectory.txt has the " +
             std::to_string(s.map.submaps.front().frames) + " frames of the first\n";
@@ -76,6 +89,8 @@ std::vector<std::pair<std::string, std::string>> summary_rows(const RunSummary& 
        fixed(s.times.tracking.median, 2, " ms") + " (" + fixed(s.times.tracking.p95, 2, " ms)")},
       {"frames per second", fixed(s.costs.frames_per_second, 1, "")},
       {"peak memory", fixed(s.costs.peak_rss_mb, 0, " MB")}};
+  if (const std::string live = live_text(s.frames); !live.empty()) rows.emplace_back("live camera", live);
+  if (!s.failure.empty()) rows.emplace_back("ended early", s.failure);
   if (s.map.submaps.size() > 1) rows.emplace_back("maps, not joined", std::to_string(s.map.submaps.size()));
   if (s.estimate) rows.emplace_back("focal length, estimated from the recording", estimate_text(s));
   if (refined(s)) rows.emplace_back("focal length, refined", focal_text(s));

@@ -47,6 +47,20 @@ TEST(RunText, ARunWithoutAPoseIsExplainedByItsCameraElseByItsFrames) {
   EXPECT_NE(why_nothing_is_tracked(summary, camera).find("a focal length of 1 pixels"), std::string::npos);
 }
 
+TEST(RunText, TellsWhatBecameOfALiveCamera) {
+  RunRecord run = made_record();
+  run.dropped = 12;
+  run.frames.push_back(skipped_frame(10, 0, FrameState::camera_gone, "gone"));
+  run.failure = "another size";
+  const RunSummary summary = summarise(run, made_snapshot(), nullptr, 0);
+  const std::string text = summary_text(summary, "out");
+  EXPECT_NE(text.find("6 of 10 frames tracked"), std::string::npos) << text;
+  EXPECT_NE(text.find("12 frames dropped for newer ones; the camera went away 1 time\nended early: another size\n"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(summary_rows(summary).size(), 10u);
+}
+
 TEST(RunText, RowsOfTheReport) {
   const Snapshot snapshot = made_snapshot();
   const Trajectory truth = main_submap(snapshot).trajectory;

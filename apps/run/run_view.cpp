@@ -10,7 +10,8 @@ namespace covis::app {
 namespace {
 
 constexpr FrameState kStates[] = {FrameState::tracking,      FrameState::lost, FrameState::not_initialised,
-                                  FrameState::not_localised, FrameState::late, FrameState::unreadable};
+                                  FrameState::not_localised, FrameState::late, FrameState::unreadable,
+                                  FrameState::camera_gone};
 
 }  // namespace
 

@@ -16,8 +16,9 @@ import backend  # noqa: E402
 def test_the_example_of_the_documentation_runs(recording, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / 'office').symlink_to(recording('desk_rgbd'))
-    for example in re.findall(r'```python\n(.*?)```', (ROOT / 'docs' / 'python.md').read_text(), re.DOTALL):
-        exec(compile(example, 'docs/python.md', 'exec'), {})
+    for page in ('docs/python.md', 'docs/howto.md'):
+        for example in re.findall(r'```python\n(.*?)```', (ROOT / page).read_text(), re.DOTALL):
+            exec(compile(example, page, 'exec'), {})
     said = capsys.readouterr().out
     assert 'ATE' in said and 'not recognised' not in said
     assert (tmp_path / 'path.png').stat().st_size > 5000

@@ -22,13 +22,9 @@ class DecodeAhead {
   using Item = Result<std::optional<Frame>>;
   // Decodes the next frame into the given memory; returns nullopt at the end.
   using Decode = std::function<Item(Frame)>;
-  // Behaviour when frames arrive faster than they are taken: wait (recordings), or go on and drop frames (live cameras,
-  // so that a taken frame is never older than one frame interval).
-  enum class WhenFull { wait, drop_old };
 
-  // ahead: greatest number of frames in the queue; with `wait`, the frame being decoded counts as one of them.
-  DecodeAhead(Decode decode, int ahead, WhenFull when_full = WhenFull::wait)
-      : ahead_(static_cast<size_t>(std::max(1, ahead))), when_full_(when_full), decode_(std::move(decode)) {
+  // ahead: greatest number of frames in the queue; the frame being decoded counts as one of them.
+  DecodeAhead(Decode decode, int ahead) : ahead_(static_cast<size_t>(std::max(1, ahead))), decode_(std::move(decode)) {
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   }
 
@@ -55,14 +51,12 @@ class DecodeAhead {
   }
 
   void run(const std::stop_token& stop) {
-    if (when_full_ == WhenFull::wait) lower_thread_priority();  // a live camera's frame is needed at once
+    lower_thread_priority();
     for (bool end = false; !end && !stop.stop_requested();) {
-      // Not after decoding only: a frame that waits for its place takes memory as those that have one.
-      if (when_full_ == WhenFull::wait && !wait_for_room(stop)) return;
+      // Before decoding: a frame that waits for its place takes memory as those that have one.
+      if (!wait_for_room(stop)) return;
       Item item = decode_next();
       end = is_end(item);
-      if (when_full_ == WhenFull::drop_old && item && *item) drop_frames();
-      if (!wait_for_room(stop)) return;
       const std::lock_guard lock(mutex_);
       ready_.push_back(std::move(item));
       changed_.notify_all();
@@ -94,17 +88,7 @@ class DecodeAhead {
     return memory;
   }
 
-  // Drops frames only: errors and the end are always reported.
-  void drop_frames() {
-    const std::lock_guard lock(mutex_);
-    for (Item& item : ready_) {
-      if (item && *item) keep_memory(std::move(**item));
-    }
-    std::erase_if(ready_, [](const Item& item) { return item && *item; });
-  }
-
   const size_t ahead_;
-  const WhenFull when_full_;
   const Decode decode_;
   std::mutex mutex_;
   std::condition_variable_any changed_;

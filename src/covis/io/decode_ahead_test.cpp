@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <latch>
 #include <new>
 #include <set>
 
@@ -70,38 +69,12 @@ TEST(DecodeAhead, AnExceptionIsAnErrorAndThenTheEnd) {
   EXPECT_TRUE(end && !*end);
 }
 
-TEST(DecodeAhead, OfALiveCameraTheLatestFrameIsTaken) {
-  std::latch made_ten(1), go_on(1);
-  int64_t made = 0;
-  DecodeAhead ahead(
-      [&](Frame memory) -> DecodeAhead::Item {
-        if (made == 10) {  // frames 0 to 9 lie behind us, each pushed before the next was begun
-          made_ten.count_down();
-          go_on.wait();
-          ++made;
-          return fail("a bad frame");
-        }
-        if (made > 10) return std::optional<Frame>();
-        return std::optional(make_frame(made++, std::move(memory)));
-      },
-      1, DecodeAhead::WhenFull::drop_old);
-  made_ten.wait();
-  auto item = ahead.next({});
-  ASSERT_TRUE(item && *item);
-  EXPECT_EQ((*item)->index, 9);
-  go_on.count_down();
-  EXPECT_FALSE(ahead.next({})) << "errors are not dropped";
-  item = ahead.next({});
-  ASSERT_TRUE(item);
-  EXPECT_FALSE(*item);
-}
-
 TEST(DecodeAhead, StopsAtAnyTime) {
   for (int i = 0; i < 200; ++i) {
     int64_t made = 0;
     DecodeAhead ahead(
         [&](Frame memory) -> DecodeAhead::Item { return std::optional(make_frame(made++, std::move(memory))); },
-        1 + i % 4, i % 2 ? DecodeAhead::WhenFull::wait : DecodeAhead::WhenFull::drop_old);
+        1 + i % 4);
     for (int k = 0; k < i % 7; ++k) EXPECT_TRUE(ahead.next({}));
   }
 }

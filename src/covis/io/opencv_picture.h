@@ -36,4 +36,15 @@ inline Picture picture_of(const cv::Mat& image) {
   return picture;
 }
 
+// Converts a decoded image, grey or with blue first, to grey in `grey`'s memory.
+inline void to_grey(const cv::Mat& image, ImageU8& grey) {
+  grey.resize(image.cols, image.rows);
+  cv::Mat to = as_mat(grey, CV_8UC1);
+  if (image.channels() == 1) {
+    image.copyTo(to);
+  } else {
+    cv::cvtColor(image, to, image.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
+  }
+}
+
 }  // namespace covis::io

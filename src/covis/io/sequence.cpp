@@ -128,7 +128,8 @@ Result<std::unique_ptr<Sequence>> open(const std::string& path, const SequenceOp
     if (!camera) return tl::unexpected(camera.error());
     request.given = *camera;
   }
-  if (kind == SequenceKind::video || kind == SequenceKind::camera) return open_capture(path, kind, request, options);
+  if (kind == SequenceKind::video) return open_video(path, request, options);
+  if (kind == SequenceKind::camera) return open_camera(path, request, options);
   if (kind != SequenceKind::bag && !fs::is_directory(path)) return fail(path + ": it is not a folder");
   auto recording = read_folder(kind, request);
   if (!recording) return tl::unexpected(recording.error());

@@ -4,6 +4,7 @@
 // file, a camera.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -51,6 +52,15 @@ struct SequenceOptions {
   int64_t count = -1;                           // greatest number of frames; -1: all
   int stride = 1;                               // only every n-th frame is read
   bool skip_bad = false;  // true: frames that can't be used are left out, however many they are (bad_frames.h)
+  const std::atomic<int>* stop = nullptr;       // not zero: next() of a camera no longer waits; may be null
+};
+
+// State of a live camera after the last call of next(); recordings have that of a camera that is there.
+struct LiveStatus {
+  // gone: it gives no images, and is waited for; failed: it can't be used any more, and next() gives the end.
+  enum class State { there, gone, failed };
+  State state = State::there;
+  int64_t dropped = 0;  // number of frames that were older than another when they could have been taken
 };
 
 // Files with the ground truth of a recording, if there are any.
@@ -85,6 +95,7 @@ class Sequence {
   // error where it can't be read (again), as that of a camera. For one thread at a time, which may be another than that
   // of next(). Of a video, frames asked for in their order take least time.
   virtual Result<Picture> picture(int64_t frame) = 0;
+  virtual LiveStatus live() const { return {}; }
   // False when picture() would give a grey image or none.
   virtual bool may_have_colours(int64_t frame) const = 0;
 };

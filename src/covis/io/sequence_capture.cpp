@@ -1,40 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Video files and cameras, through OpenCV's videoio. Monocular.
+// Video files, through OpenCV's videoio, and the opening of live cameras. Monocular.
 #include <charconv>
-#include <chrono>
 #include <cmath>
-#include <cstring>
 #include <mutex>
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
 #include "covis/geometry/camera_check.h"
 #include "covis/io/decode_ahead.h"
 #include "covis/io/files.h"
+#include "covis/io/live_camera.h"
+#include "covis/io/opencv_capture.h"
 #include "covis/io/opencv_picture.h"
 #include "covis/io/sequence_sources.h"
 
 namespace covis::io {
 namespace {
 
-// OpenCV's own warnings about failed attempts are less helpful than our message. Only the suitable back ends are tried,
-// because a search through all of them takes longer and leaks memory.
-cv::VideoCapture open_quietly(const std::string& path, std::optional<int> number) {
-  namespace logging = cv::utils::logging;
-  const logging::LogLevel before = logging::setLogLevel(logging::LOG_LEVEL_SILENT);
-  cv::VideoCapture capture;
-  try {
-    if (number) {
-      capture.open(*number, cv::CAP_V4L2);
-    } else if (!capture.open(path, cv::CAP_FFMPEG)) {
-      capture.open(path, cv::CAP_OPENCV_MJPEG);
-    }
-  } catch (const cv::Exception&) {
-    capture.release();
-  }
-  logging::setLogLevel(before);
-  return capture;
+// Only the suitable back ends are tried, because a search through all of them takes longer and leaks memory.
+cv::VideoCapture capture_of(const std::string& path) {
+  return open_quietly([&](cv::VideoCapture& capture) {
+    if (!capture.open(path, cv::CAP_FFMPEG)) capture.open(path, cv::CAP_OPENCV_MJPEG);
+  });
 }
 
 // Properties of a stream that are known before its frames are read.
@@ -44,23 +29,19 @@ struct Video {
   bool has_times = false;  // its frames have times of their own, and no rate is given instead
 };
 
-class CaptureSequence : public Sequence {
+class VideoSequence : public Sequence {
  public:
-  CaptureSequence(cv::VideoCapture capture, std::string name, SequenceKind kind, const Camera& camera,
-                  const Video& video, int64_t frames, const SequenceOptions& options)
+  VideoSequence(cv::VideoCapture capture, std::string name, const Camera& camera, const Video& video, int64_t frames,
+                const SequenceOptions& options)
       : capture_(std::move(capture)),
         name_(std::move(name)),
-        kind_(kind),
         camera_(camera),
         video_(video),
         frames_(frames),
         options_(options),
-        // A camera does not wait for the program: only its latest frame is used.
-        ahead_([this](Frame memory) { return decode(std::move(memory)); },
-               kind == SequenceKind::camera ? 1 : options.decode_ahead,
-               kind == SequenceKind::camera ? DecodeAhead::WhenFull::drop_old : DecodeAhead::WhenFull::wait) {}
+        ahead_([this](Frame memory) { return decode(std::move(memory)); }, options.decode_ahead) {}
 
-  SequenceKind kind() const override { return kind_; }
+  SequenceKind kind() const override { return SequenceKind::video; }
   Sensor sensor() const override { return Sensor::monocular; }
   const Camera& camera() const override { return camera_; }
   int64_t size() const override { return frames_; }
@@ -71,14 +52,13 @@ class CaptureSequence : public Sequence {
     return notes_;
   }
   std::string description() const override {
-    return (kind_ == SequenceKind::camera ? "camera " : "video ") + name_ + ", " + std::to_string(camera_.width) + "x" +
-           std::to_string(camera_.height) + ", " + std::to_string(video_.rate) + " Hz";
+    return "video " + name_ + ", " + std::to_string(camera_.width) + "x" + std::to_string(camera_.height) + ", " +
+           std::to_string(video_.rate) + " Hz";
   }
   Result<std::optional<Frame>> next(Frame recycled) override { return ahead_.next(std::move(recycled)); }
   Result<Picture> picture(int64_t frame) override {
-    if (kind_ == SequenceKind::camera) return fail(name_ + ": a camera's frames can't be read again");
     if (!again_ || frame < next_again_) {
-      again_ = open_quietly(name_, std::nullopt);
+      again_ = capture_of(name_);
       next_again_ = 0;
     }
     for (; next_again_ <= frame; ++next_again_) {
@@ -92,7 +72,7 @@ class CaptureSequence : public Sequence {
       return fail(name_ + ": frame " + std::to_string(frame) + " can't be decoded");
     return picture_of(image);
   }
-  bool may_have_colours(int64_t) const override { return kind_ != SequenceKind::camera; }
+  bool may_have_colours(int64_t) const override { return true; }
 
  private:
   Result<std::optional<Frame>> decode(Frame frame) {
@@ -103,9 +83,6 @@ class CaptureSequence : public Sequence {
     }
     if (!capture_.grab()) return end();
     const int64_t index = read_++;
-    const Timestamp now =
-        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-            .count();
     if (!capture_.retrieve(picture_) || picture_.empty())
       return fail(name_ + ": frame " + std::to_string(index) + " can't be decoded");
     ++given_;
@@ -114,19 +91,13 @@ class CaptureSequence : public Sequence {
                   std::to_string(picture_.rows) + ", the camera " + std::to_string(camera_.width) + "x" +
                   std::to_string(camera_.height));
     }
-    if (picture_.channels() == 1) {
-      grey_ = picture_;
-    } else {
-      cv::cvtColor(picture_, grey_, picture_.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
-    }
+    to_grey(picture_, frame.image);
     frame.index = index;
-    frame.stamp = kind_ == SequenceKind::camera ? now : stamp_of(index);
-    frame.image.resize(grey_.cols, grey_.rows);
-    for (int y = 0; y < grey_.rows; ++y) std::memcpy(frame.image.row(y), grey_.ptr(y), static_cast<size_t>(grey_.cols));
+    frame.stamp = stamp_of(index);
     return std::optional<Frame>(std::move(frame));
   }
 
-  // Stamp of the frame that was grabbed last, of a video: from the container's own times where it has them and no rate
+  // Stamp of the frame that was grabbed last: from the container's own times where it has them and no rate
   // is given, so that frames that are missing leave a gap.
   Timestamp stamp_of(int64_t index) {
     const auto by_rate = [&](int64_t i) { return from_seconds(static_cast<double>(i) / video_.rate); };
@@ -147,7 +118,7 @@ class CaptureSequence : public Sequence {
   Result<std::optional<Frame>> end() {
     constexpr double kFew = 0.02;
     const auto missing = static_cast<double>(video_.promised - read_);
-    if (kind_ == SequenceKind::camera || missing <= 0 || said_) return std::optional<Frame>();
+    if (missing <= 0 || said_) return std::optional<Frame>();
     said_ = true;
     const std::string text = name_ + ": the container promises " + std::to_string(video_.promised) + " frames, and " +
                              std::to_string(read_) + " came";
@@ -160,7 +131,6 @@ class CaptureSequence : public Sequence {
 
   cv::VideoCapture capture_;
   const std::string name_;
-  const SequenceKind kind_;
   const Camera camera_;
   const Video video_;
   const int64_t frames_;
@@ -171,7 +141,7 @@ class CaptureSequence : public Sequence {
   bool said_ = false;  // the end was reported as an error
   mutable std::mutex notes_mutex_;
   std::vector<std::string> notes_;  // guarded by notes_mutex_
-  cv::Mat picture_, grey_;
+  cv::Mat picture_;
   // Used by picture() only: the video once more, and the next frame it gives.
   std::optional<cv::VideoCapture> again_;
   int64_t next_again_ = 0;
@@ -198,31 +168,9 @@ std::optional<int> camera_number(const std::string& path) {
   return number;
 }
 
-}  // namespace
-
-Result<std::unique_ptr<Sequence>> open_capture(const std::string& path, SequenceKind kind, const Request& request,
-                                               const SequenceOptions& options) {
-  const bool live = kind == SequenceKind::camera;
-  if (request.wanted && *request.wanted != Sensor::monocular)
-    return fail(path + ": a video or a camera serves --sensor mono only");
-  if (!request.given && (live || !request.uncalibrated)) return tl::unexpected(no_calibration(path, "--camera"));
-  const CameraFile given = request.given.value_or(CameraFile());
-  const std::optional<int> number = live ? camera_number(path) : std::nullopt;
-  if (live && !number) return fail(path + ": a camera is named by its number: 0, 1 …");
-  if (!live && !is_regular(path))
-    return fail(path + ": it is no regular file; a video file is expected, or a camera's number");
-  cv::VideoCapture capture = open_quietly(path, number);
-  if (!capture.isOpened())
-    return fail(path + (live ? ": the camera can't be opened" : ": it is not a video that can be read"));
-  Camera camera = given.camera;
-  camera.pinhole.bf = 0;
-  if (live) {
-    capture.set(cv::CAP_PROP_FRAME_WIDTH, camera.width);
-    capture.set(cv::CAP_PROP_FRAME_HEIGHT, camera.height);
-    if (given.fps > 0) capture.set(cv::CAP_PROP_FPS, given.fps);
-  }
-  const int width = static_cast<int>(capture.get(cv::CAP_PROP_FRAME_WIDTH));
-  const int height = static_cast<int>(capture.get(cv::CAP_PROP_FRAME_HEIGHT));
+// Checks the camera file's size against that of the images, where those are known, and takes it from them if there is
+// no camera file.
+Result<void> settle_size(const std::string& path, const CameraFile& given, int width, int height, Camera& camera) {
   if (camera.width == 0) {
     if (width <= 0 || height <= 0) return fail(path + ": the video does not say how large its images are");
     camera.width = width;
@@ -232,15 +180,63 @@ Result<std::unique_ptr<Sequence>> open_capture(const std::string& path, Sequence
     return fail(path + ": the images are " + std::to_string(width) + "x" + std::to_string(height) + ", the camera of " +
                 given.file.string() + " is " + std::to_string(camera.width) + "x" + std::to_string(camera.height));
   }
+  return {};
+}
+
+double settle_rate(double given, double told) {
+  const double rate = given > 0 ? given : told;
+  return rate > 0.01 && rate < 10000 ? rate : 30;
+}
+
+Result<void> serves(const std::string& path, const Request& request) {
+  if (request.wanted && *request.wanted != Sensor::monocular)
+    return fail(path + ": a video or a camera serves --sensor mono only");
+  return {};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Sequence>> open_video(const std::string& path, const Request& request,
+                                             const SequenceOptions& options) {
+  if (const auto served = serves(path, request); !served) return tl::unexpected(served.error());
+  if (!request.given && !request.uncalibrated) return tl::unexpected(no_calibration(path, "--camera"));
+  const CameraFile given = request.given.value_or(CameraFile());
+  if (!is_regular(path))
+    return fail(path + ": it is no regular file; a video file is expected, or a camera's number");
+  cv::VideoCapture capture = capture_of(path);
+  if (!capture.isOpened()) return fail(path + ": it is not a video that can be read");
+  Camera camera = given.camera;
+  camera.pinhole.bf = 0;
+  if (const auto settled = settle_size(path, given, static_cast<int>(capture.get(cv::CAP_PROP_FRAME_WIDTH)),
+                                       static_cast<int>(capture.get(cv::CAP_PROP_FRAME_HEIGHT)), camera);
+      !settled)
+    return tl::unexpected(settled.error());
   if (const auto problem = request.given ? problem_of(camera) : std::nullopt)
     return fail(given.file.string() + ": " + *problem);
-  Video video{.rate = given.fps > 0 ? given.fps : capture.get(cv::CAP_PROP_FPS)};
-  if (!(video.rate > 0.01 && video.rate < 10000)) video.rate = 30;
-  if (!live) video.promised = promised_frames(capture);
-  // OpenCV's own reader of AVI files tells the time of the frame after.
-  video.has_times = !live && !(given.fps > 0) && capture.getBackendName() == "FFMPEG";
-  const int64_t frames = live ? -1 : count_frames(capture, options);
-  return std::make_unique<CaptureSequence>(std::move(capture), path, kind, camera, video, frames, options);
+  const Video video{.rate = settle_rate(given.fps, capture.get(cv::CAP_PROP_FPS)),
+                    .promised = promised_frames(capture),
+                    // OpenCV's own reader of AVI files tells the time of the frame after.
+                    .has_times = !(given.fps > 0) && capture.getBackendName() == "FFMPEG"};
+  const int64_t frames = count_frames(capture, options);
+  return std::make_unique<VideoSequence>(std::move(capture), path, camera, video, frames, options);
+}
+
+Result<std::unique_ptr<Sequence>> open_camera(const std::string& path, const Request& request,
+                                              const SequenceOptions& options) {
+  if (const auto served = serves(path, request); !served) return tl::unexpected(served.error());
+  if (!request.given) return tl::unexpected(no_calibration(path, "--camera"));
+  const std::optional<int> number = camera_number(path);
+  if (!number) return fail(path + ": a camera is named by its number: 0, 1 …");
+  std::unique_ptr<CameraDevice> device = make_v4l2_camera(*number, *request.given);
+  const auto format = device->open();
+  if (!format) return fail(path + ": " + format.error().message);
+  LiveCamera::Setup setup{.name = path, .camera = request.given->camera, .options = options};
+  setup.camera.pinhole.bf = 0;
+  if (const auto settled = settle_size(path, *request.given, format->width, format->height, setup.camera); !settled)
+    return tl::unexpected(settled.error());
+  if (const auto problem = problem_of(setup.camera)) return fail(request.given->file.string() + ": " + *problem);
+  setup.rate = settle_rate(request.given->fps, format->fps);
+  return std::make_unique<LiveCamera>(std::move(device), std::move(setup));
 }
 
 }  // namespace covis::io

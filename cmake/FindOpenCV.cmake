@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+# Modules of OpenCV as targets: opencv_core, opencv_imgproc … OpenCV's own OpenCVConfig.cmake gives them where there is one.
+# That of Debian comes with libopencv-dev, which brings all fifty modules with what those need; without it, the headers and
+# libraries of the modules asked for are looked for, as libopencv-core-dev and its like have them.
+find_package(OpenCV ${OpenCV_FIND_VERSION} QUIET CONFIG COMPONENTS ${OpenCV_FIND_COMPONENTS})
+if(NOT OpenCV_FOUND AND NOT OpenCV_CONFIG)
+  find_path(OpenCV_INCLUDE_DIR opencv2/core/version.hpp PATH_SUFFIXES opencv4)
+  set(opencv_variables OpenCV_INCLUDE_DIR)
+  foreach(component ${OpenCV_FIND_COMPONENTS})
+    find_path(OpenCV_${component}_INCLUDE_DIR opencv2/${component}.hpp HINTS ${OpenCV_INCLUDE_DIR})
+    find_library(OpenCV_${component}_LIBRARY opencv_${component})
+    list(APPEND opencv_variables OpenCV_${component}_INCLUDE_DIR OpenCV_${component}_LIBRARY)
+  endforeach()
+  if(OpenCV_INCLUDE_DIR)
+    file(STRINGS ${OpenCV_INCLUDE_DIR}/opencv2/core/version.hpp lines REGEX "#define CV_VERSION_(MAJOR|MINOR|REVISION) +[0-9]+")
+    string(REGEX REPLACE "[^0-9;]" "" numbers "${lines}")
+    list(JOIN numbers "." OpenCV_VERSION)
+  endif()
+  include(FindPackageHandleStandardArgs)
+  find_package_handle_standard_args(OpenCV REQUIRED_VARS ${opencv_variables} VERSION_VAR OpenCV_VERSION)
+  mark_as_advanced(${opencv_variables})
+  if(OpenCV_FOUND)
+    foreach(component ${OpenCV_FIND_COMPONENTS})
+      if(NOT TARGET opencv_${component})
+        add_library(opencv_${component} UNKNOWN IMPORTED)
+        set_target_properties(opencv_${component} PROPERTIES IMPORTED_LOCATION ${OpenCV_${component}_LIBRARY}
+          INTERFACE_INCLUDE_DIRECTORIES ${OpenCV_${component}_INCLUDE_DIR})
+      endif()
+    endforeach()
+  endif()
+elseif(NOT OpenCV_FOUND AND OpenCV_FIND_REQUIRED)
+  message(FATAL_ERROR "${OpenCV_CONFIG} has not all of OpenCV's modules ${OpenCV_FIND_COMPONENTS}")
+endif()
