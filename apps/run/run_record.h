@@ -74,6 +74,7 @@ struct RunRecord {
   std::vector<FrameStats> frames;
   std::vector<MappingReport> mapping;
   std::vector<view::LoopPaths> loops;
+  std::vector<SensorWarning> warnings;
   bool interrupted = false;
   double wall_seconds = 0;
   double first_pose_ms = -1;  // from the first decoded image to the first pose; negative: no pose

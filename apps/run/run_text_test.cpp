@@ -33,6 +33,14 @@ TEST(RunText, TellsTheFocalLengthWhereTheMapMovedIt) {
   EXPECT_EQ(rows.back(), std::pair(std::string("focal length, refined"), std::string("507.5 pixels instead of 500.0")));
 }
 
+TEST(RunText, WarningsAreSaid) {
+  RunRecord run = made_record();
+  run.warnings = {{SensorDoubt::depth_against_motion, 1.25, 8}};
+  const RunSummary summary = summarise(run, made_snapshot(), nullptr, 0);
+  EXPECT_NE(summary_text(summary, "out").find("warning: depth contradicts the motion"), std::string::npos);
+  EXPECT_EQ(summary_rows(summary).back().first, "warning, frame 8");
+}
+
 TEST(RunText, RowsOfTheReport) {
   const Snapshot snapshot = made_snapshot();
   const Trajectory truth = main_submap(snapshot).trajectory;
