@@ -19,6 +19,7 @@ struct DepthAgainstMotion {
   double spread = 0;  // median of |log(ratio / median ratio)|: 0.1 means that half of the depths are off by 10 %
   double of_scene =
       0;  // the same of the triangulated depths by themselves: the spread that a constant depth would have
+  double explained = 0;  // share of the points for which one motion explains the images by their measured depths
 
   // The error of depth where a constant depth, which tells nothing, has 1. Right depth has 0.05 to 0.5, depth that has
   // nothing to do with the images 1 to 3.

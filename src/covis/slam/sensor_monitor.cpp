@@ -8,13 +8,17 @@
 namespace covis {
 namespace {
 
-// The bounds lie between what good recordings and faulty ones show (docs/notes/032-depth-to-be-believed.md).
+// The bounds lie between what good recordings and faulty ones show (docs/notes/033-depth-to-be-believed.md).
 constexpr double kLeastShareStereo = 0.15, kLeastShareRgbd = 0.05;
 constexpr double kMostZero = 0.7;       // share of matches
 constexpr double kMostRowError = 0.85;  // sigmas of a keypoint
 constexpr double kLeastNear = 0.2;      // metres: no depth camera sees nearer
-constexpr double kMostError = 0.85;     // as DepthAgainstMotion::error()
-constexpr double kLeastSpread = 0.09;   // below it depth is right, however flat the scene
+constexpr double kMostError = 0.85;     // DepthAgainstMotion::error()
+constexpr size_t kFew = 3;              // comparisons that suffice where the error is great
+constexpr double kMostErrorOfFew = 1.1;
+constexpr double kMostExplained = 0.6;  // DepthAgainstMotion::explained of depth that may be wrong
+constexpr double kEndsBelow = 0.6;      // the error at which a doubt ends
+constexpr double kLeastSpread = 0.06;   // below it depth is right, however flat the scene
 constexpr int kLeastFeatures = 100;     // keypoints without which a frame says nothing
 
 std::string text(const char* pattern, double figure) {
@@ -89,30 +93,36 @@ void SensorMonitor::add_frame(int64_t frame, const Features& f, double row_error
   }
   const auto known = static_cast<double>(depths_.size());
   share_.add(known / f.size());
-  const double share = share_.median();
   const bool stereo = sensor_ == Sensor::stereo;
+  const double share = share_.median(kFrames);
   if (share_.full())
     judge(SensorDoubt::few_depths, share < (stereo ? kLeastShareStereo : kLeastShareRgbd), share, frame);
   if (depths_.empty()) return;
   if (stereo) {
     zero_.add(zero / known);
     rows_.add(row_error);
-    if (zero_.full()) judge(SensorDoubt::no_disparity, zero_.median() > kMostZero, zero_.median(), frame);
-    if (rows_.full()) judge(SensorDoubt::rows_differ, rows_.median() > kMostRowError, rows_.median(), frame);
+    if (zero_.full()) judge(SensorDoubt::no_disparity, zero_.median(kFrames) > kMostZero, zero_.median(kFrames), frame);
+    if (rows_.full())
+      judge(SensorDoubt::rows_differ, rows_.median(kFrames) > kMostRowError, rows_.median(kFrames), frame);
     return;
   }
   const auto tenth = depths_.begin() + static_cast<ptrdiff_t>(depths_.size() / 10);
   std::nth_element(depths_.begin(), tenth, depths_.end());
   near_.add(*tenth);
-  if (near_.full()) judge(SensorDoubt::depth_too_near, near_.median() < kLeastNear, near_.median(), frame);
+  if (near_.full())
+    judge(SensorDoubt::depth_too_near, near_.median(kFrames) < kLeastNear, near_.median(kFrames), frame);
 }
 
 void SensorMonitor::add_comparison(int64_t frame, const DepthAgainstMotion& comparison) {
-  error_.add(comparison.error());
+  error_.add(comparison.explained < kMostExplained ? comparison.error() : 0);
   spread_.add(comparison.spread);
-  if (!error_.full()) return;
-  const bool is_wrong = error_.median() > kMostError && spread_.median() > kLeastSpread;
-  judge(SensorDoubt::depth_against_motion, is_wrong, error_.median(), frame);
+  const auto exceeded = [&](size_t last, double most) {
+    return error_.count >= last && error_.median(last) > most && spread_.median(last) > kLeastSpread;
+  };
+  const bool doubted = wrong_[static_cast<size_t>(SensorDoubt::depth_against_motion)];
+  const bool is_wrong = exceeded(kFew, kMostErrorOfFew) || exceeded(kComparisons, kMostError) ||
+                        (doubted && error_.median(kComparisons) > kEndsBelow);
+  judge(SensorDoubt::depth_against_motion, is_wrong, error_.median(std::min(error_.count, kComparisons)), frame);
 }
 
 // A wrong scale alone leaves poses right up to it.

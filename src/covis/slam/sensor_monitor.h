@@ -57,10 +57,13 @@ class SensorMonitor {
     size_t count = 0;
 
     void add(double value) { values[count++ % kSize] = value; }
-    double median() const {
-      std::array<double, kSize> sorted = values;
-      std::nth_element(sorted.begin(), sorted.begin() + kSize / 2, sorted.end());
-      return sorted[kSize / 2];
+    double median(size_t last) const {
+      std::array<double, kSize> sorted{};
+      for (size_t k = 0; k < last; ++k) sorted[k] = values[(count + kSize - 1 - k) % kSize];
+      const auto end = sorted.begin() + static_cast<ptrdiff_t>(last),
+                 middle = sorted.begin() + static_cast<ptrdiff_t>(last / 2);
+      std::nth_element(sorted.begin(), middle, end);
+      return *middle;
     }
     bool full() const { return count >= kSize; }
   };

@@ -68,9 +68,9 @@ TEST(SensorMonitor, DepthsNearerThanCamerasSee) {
 TEST(SensorMonitor, ContradictionsAreDoubtedUntilTheyEnd) {
   const DepthAgainstMotion wrong{100, 0.4, 0.3}, right{100, 0.03, 0.3};
   SensorMonitor monitor(Sensor::rgbd);
-  for (int k = 0; k < 4; ++k) monitor.add_comparison(k, wrong);
+  for (int k = 0; k < 2; ++k) monitor.add_comparison(k, wrong);
   EXPECT_FALSE(monitor.doubts()) << "few comparisons";
-  monitor.add_comparison(4, wrong);
+  monitor.add_comparison(2, wrong);
   EXPECT_TRUE(monitor.doubts());
   const auto warnings = monitor.take_warnings();
   ASSERT_EQ(warnings.size(), 1u);
@@ -81,6 +81,21 @@ TEST(SensorMonitor, ContradictionsAreDoubtedUntilTheyEnd) {
   for (int k = 0; k < 5; ++k) monitor.add_comparison(8 + k, wrong);
   EXPECT_TRUE(monitor.doubts());
   EXPECT_TRUE(monitor.take_warnings().empty()) << "reported once";
+}
+
+TEST(SensorMonitor, LittleBetterThanAConstantTakesMoreComparisons) {
+  SensorMonitor monitor(Sensor::rgbd);
+  for (int k = 0; k < 4; ++k) monitor.add_comparison(k, {100, 0.3, 0.3});
+  EXPECT_FALSE(monitor.doubts());
+  monitor.add_comparison(4, {100, 0.3, 0.3});
+  EXPECT_TRUE(monitor.doubts());
+}
+
+// The triangulation may be wrong, not depth.
+TEST(SensorMonitor, WhatDepthExplainsIsNoContradiction) {
+  SensorMonitor monitor(Sensor::rgbd);
+  for (int k = 0; k < 10; ++k) monitor.add_comparison(k, {100, 0.4, 0.2, 0.7});
+  EXPECT_FALSE(monitor.doubts());
 }
 
 // A flat wall: a constant depth is as good as any.
