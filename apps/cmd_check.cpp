@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "check_picture.h"
+#include "check_sensor.h"
 #include "commands.h"
 #include "common.h"
 #include "covis/core/log.h"
@@ -77,6 +78,12 @@ void print(const nlohmann::json& found) {
               found["seconds"].get<double>());
   std::cout << "camera          " << found["camera"].dump() << "\n";
   std::cout << "truth           " << (found["truth"].is_null() ? "none" : found["truth"].get<std::string>()) << "\n";
+  if (found.contains("depth_m")) {
+    const auto& depth = found["depth_m"];
+    std::printf(
+        "depth           %.2f m (median of the keypoints), a tenth nearer than %.2f m, a tenth farther than %.2f m\n",
+        depth["median"].get<double>(), depth["tenth"].get<double>(), depth["nine_tenths"].get<double>());
+  }
   for (const auto& note : found["notes"]) std::cout << "note            " << note.get<std::string>() << "\n";
   for (const auto& problem : found["problems"]) {
     const std::string place =
@@ -92,6 +99,7 @@ struct Findings {
   std::vector<Timestamp> stamps;  // stamps of the readable frames
   std::vector<int64_t> frames;    // indices of the readable frames
   int64_t unreadable = 0;
+  std::optional<SensorSample::Depths> depths;
 };
 
 Findings read_all(io::Sequence& sequence, const Reading& reading, CheckPicture& picture) {
@@ -100,6 +108,7 @@ Findings read_all(io::Sequence& sequence, const Reading& reading, CheckPicture& 
   for (const std::string& doubt : doubts_about(sequence.camera())) f.problems.push_back({std::nullopt, doubt});
   int64_t expected = reading.first;
   const int64_t size = sequence.size() > 0 ? sequence.size() : 300;
+  SensorSample sensor(sequence.camera(), sequence.sensor(), sequence.size());
   const int64_t step = std::max<int64_t>(1, size / CheckPicture::kFrames);
   io::Frame frame;
   while (true) {
@@ -117,6 +126,7 @@ Findings read_all(io::Sequence& sequence, const Reading& reading, CheckPicture& 
     f.stamps.push_back(frame.stamp);
     f.frames.push_back(frame.index);
     look_at(frame, f.problems);
+    sensor.add(frame);
     if ((frame.index - reading.first) / reading.stride % step != 0) continue;
     const std::optional<double> matched = picture.add(frame);
     if (matched && *matched < kFewMatches) {
@@ -126,6 +136,8 @@ Findings read_all(io::Sequence& sequence, const Reading& reading, CheckPicture& 
     }
   }
   look_for_gaps(f.stamps, f.problems, f.frames);
+  for (const SensorWarning& w : sensor.warnings()) f.problems.push_back({w.frame, describe(w, sequence.sensor())});
+  f.depths = sensor.depths();
   return f;
 }
 
@@ -142,6 +154,9 @@ nlohmann::json to_json(const io::Sequence& sequence, const Findings& f) {
                        {"truth", nullptr},
                        {"notes", sequence.notes()}};
   if (const auto truth = sequence.truth()) found["truth"] = truth->file.string();
+  if (f.depths)
+    found["depth_m"] = {
+        {"tenth", f.depths->tenth}, {"median", f.depths->median}, {"nine_tenths", f.depths->nine_tenths}};
   found["problems"] = nlohmann::json::array();
   for (const Problem& problem : f.problems) {
     nlohmann::json& entry = found["problems"].emplace_back(nlohmann::json{{"problem", problem.text}});

@@ -138,7 +138,7 @@ void bind_enums(py::module_& m) {
   for (int k = 0; k <= static_cast<int>(NoPoseReason::no_key_frame_matches); ++k)
     reason.value(name(static_cast<NoPoseReason>(k)), static_cast<NoPoseReason>(k));
   py::enum_<Event::Kind> kind(m, "EventKind");
-  for (int k = 0; k <= static_cast<int>(Event::Kind::found); ++k)
+  for (int k = 0; k <= static_cast<int>(Event::Kind::sensor_doubted); ++k)
     kind.value(name(static_cast<Event::Kind>(k)), static_cast<Event::Kind>(k));
   py::enum_<LogLevel>(m, "LogLevel")
       .value("debug", LogLevel::debug)

@@ -88,6 +88,20 @@ TEST_F(CommandCheck, MakesACameraFileOfAnotherProgramsCamera) {
   EXPECT_EQ(covis({"check", folder, "--import-camera", chain}).code, 2) << "one or the other";
 }
 
+TEST_F(CommandCheck, LeftAndRightSwapped) {
+  const fs::path recording = render("stereo", 24);
+  fs::rename(recording / "image_0", recording / "left");
+  fs::rename(recording / "image_1", recording / "image_0");
+  fs::rename(recording / "left", recording / "image_1");
+  const Outcome check = covis({"check", recording, "--json", "--out", folder / "c.png"});
+  EXPECT_EQ(check.code, 1);
+  EXPECT_THAT(check.out, HasSubstr("of the left keypoints have a match in the right image"));
+  EXPECT_GT(json::parse(check.out, nullptr, false)["depth_m"]["median"], 0);
+  const Outcome run = covis({"run", recording, "--quiet", "--out", folder / "out"});
+  EXPECT_THAT(run.error, HasSubstr("of the left keypoints have a match in the right image"));
+  EXPECT_EQ(parsed(folder / "out" / "summary.json")["warnings"][0]["kind"], "few_depths");
+}
+
 using CommandUsage = CommandTest;
 
 TEST_F(CommandUsage, WrongArgumentsAreNamedWithCode2) {

@@ -108,6 +108,15 @@ json losses_json(const std::vector<Loss>& losses) {
   return list;
 }
 
+json warnings_json(const RunSummary& s) {
+  json list = json::array();
+  for (const SensorWarning& w : s.warnings) {
+    list.push_back(
+        {{"frame", w.frame}, {"kind", name(w.doubt)}, {"figure", w.figure}, {"text", describe(w, s.sensor)}});
+  }
+  return list;
+}
+
 json to_json(const Spread& spread) { return {{"median", spread.median}, {"p95", spread.p95}}; }
 
 json to_json(const std::vector<std::pair<const char*, Spread>>& stages) {
@@ -222,7 +231,8 @@ json to_json(const RunSummary& s) {
            {"wall_s", s.costs.wall_seconds},
            {"first_pose_ms", s.costs.first_pose_ms},
            {"peak_rss_mb", s.costs.peak_rss_mb},
-           {"not_tracked", losses_json(s.not_tracked)}};
+           {"not_tracked", losses_json(s.not_tracked)},
+           {"warnings", warnings_json(s)}};
   if (!s.notes.empty()) all["notes"] = s.notes;
   if (!s.failure.empty()) all["failure"] = s.failure;
   if (s.estimate) all["camera_estimate"] = estimate_json(*s.estimate);

@@ -46,6 +46,17 @@ TEST(RunJson, SummaryHasTheKeysThatScriptsRead) {
   EXPECT_FALSE(to_json(summarise(made_record(), snapshot, nullptr, 0)).contains("ate_m"));
 }
 
+TEST(RunJson, WarningsHaveTheirFigure) {
+  RunRecord run = made_record();
+  EXPECT_EQ(to_json(summarise(run, made_snapshot(), nullptr, 0))["warnings"], json::array());
+  run.warnings = {{SensorDoubt::depth_against_motion, 1.25, 8}};
+  const json warning = to_json(summarise(run, made_snapshot(), nullptr, 0))["warnings"][0];
+  EXPECT_EQ(warning["frame"], 8);
+  EXPECT_EQ(warning["kind"], "depth_against_motion");
+  EXPECT_EQ(warning["figure"], 1.25);
+  EXPECT_NE(warning["text"].get<std::string>().find("1.25"), std::string::npos);
+}
+
 TEST(RunJson, EveryFrameHasALine) {
   RunRecord run = made_record();
   run.mapping.resize(2);

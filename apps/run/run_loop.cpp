@@ -91,6 +91,7 @@ void track_frames(io::Sequence& sequence, System& system, const PlayOptions& opt
     const FrameReport report = system.process(input_of(frame));
     if (run.first_pose_ms < 0 && report.track.state == TrackingState::tracking) run.first_pose_ms = since_first->ms();
     add_mapping(report.mapping, system, beside.history, options.observer, run);
+    run.warnings.insert(run.warnings.end(), report.warnings.begin(), report.warnings.end());
     FrameStats stats = tracked_frame(frame, report, options.mode);
     stats.decode_ms = decode_ms;
     stats.cpu_ms = thread_cpu_ms() - cpu_start;

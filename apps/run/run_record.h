@@ -79,6 +79,7 @@ struct RunRecord {
   std::vector<std::string> notes;  // frames of the recording that were passed over, and why
   int64_t dropped = 0;  // frames of a live camera that were replaced by newer ones before they could be tracked
   std::string failure;  // the reason for an end before that of the recording; empty: there was none
+  std::vector<SensorWarning> warnings;
   bool interrupted = false;
   double wall_seconds = 0;
   double first_pose_ms = -1;  // from the first decoded image to the first pose; negative: no pose

@@ -143,6 +143,7 @@ RunSummary summarise(const RunRecord& run, const Snapshot& snapshot, const Traje
                    run.first_pose_ms, peak_rss_mb};
   collect_loops(run.mapping, summary);
   summary.not_tracked = losses_of(run.frames);
+  summary.warnings = run.warnings;
   if (truth) summary.accuracy = accuracy_of(snapshot, *truth, alignment_of(run.sensor));
   return summary;
 }

@@ -96,6 +96,7 @@ struct RunSummary {
   RunCosts costs;
   std::vector<LoopSummary> loops, merges;
   std::vector<Loss> not_tracked;
+  std::vector<SensorWarning> warnings;
   std::optional<Accuracy> accuracy;  // only if there is ground truth
 };
 

@@ -61,6 +61,14 @@ TEST(RunText, TellsWhatBecameOfALiveCamera) {
   EXPECT_EQ(summary_rows(summary).size(), 10u);
 }
 
+TEST(RunText, WarningsAreSaid) {
+  RunRecord run = made_record();
+  run.warnings = {{SensorDoubt::depth_against_motion, 1.25, 8}};
+  const RunSummary summary = summarise(run, made_snapshot(), nullptr, 0);
+  EXPECT_NE(summary_text(summary, "out").find("warning: depth contradicts the motion"), std::string::npos);
+  EXPECT_EQ(summary_rows(summary).back().first, "warning, frame 8");
+}
+
 TEST(RunText, RowsOfTheReport) {
   const Snapshot snapshot = made_snapshot();
   const Trajectory truth = main_submap(snapshot).trajectory;

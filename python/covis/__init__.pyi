@@ -70,6 +70,7 @@ class EventKind(enum.Enum):
     submap_discarded: EventKind
     lost: EventKind
     found: EventKind
+    sensor_doubted: EventKind
 
 class LogLevel(enum.Enum):
     debug: LogLevel

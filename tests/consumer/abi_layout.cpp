@@ -194,6 +194,7 @@ int main() {
   VALUE(Event::Kind::submap_discarded);
   VALUE(Event::Kind::lost);
   VALUE(Event::Kind::found);
+  VALUE(Event::Kind::sensor_doubted);
   VALUE(SettingType::whole_number);
   VALUE(SettingType::number);
   VALUE(SettingType::boolean);

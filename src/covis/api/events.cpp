@@ -63,6 +63,7 @@ std::vector<Event> EventTeller::of_frame(int64_t stamp, const FrameReport& repor
   if (report.discarded_submap) tell(Kind::submap_discarded, *report.discarded_submap);
   if (tracked && !begun && before == TrackingState::lost) tell(Kind::found, track.submap);
   if (!tracked && before == TrackingState::tracking) tell(Kind::lost, submap_);
+  if (!report.warnings.empty()) tell(Kind::sensor_doubted, track.submap);
   if (tracked) submap_ = track.submap;
   return events;
 }

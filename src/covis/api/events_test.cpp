@@ -130,5 +130,15 @@ TEST_F(EventsTest, ASubmapGivenUpIsTold) {
   EXPECT_EQ(events[1].stamp, 70);
 }
 
+TEST_F(EventsTest, DepthThatIsNonsenseIsTold) {
+  EventTeller teller(TrackingState::tracking);
+  FrameReport report;
+  report.track.state = TrackingState::tracking;
+  report.warnings.push_back({SensorDoubt::depth_against_motion, 1.2, 7});
+  const auto events = teller.of_frame(70, report, shared);
+  EXPECT_EQ(kinds(events), (std::vector{Kind::sensor_doubted}));
+  EXPECT_EQ(events[0].stamp, 70);
+}
+
 }  // namespace
 }  // namespace covis

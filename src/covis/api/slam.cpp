@@ -346,6 +346,8 @@ const char* name(Event::Kind kind) {
       return "lost";
     case Event::Kind::found:
       return "found";
+    case Event::Kind::sensor_doubted:
+      return "sensor_doubted";
   }
   return "";
 }

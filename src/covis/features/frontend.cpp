@@ -162,6 +162,8 @@ Frontend::~Frontend() = default;
 
 const Frontend::Timing& Frontend::timing() const { return impl_->timing; }
 
+double Frontend::row_error() const { return impl_->matcher.row_error(); }
+
 void Frontend::set_feature_budget(int features) {
   impl_->left.set_budget(features);
   if (impl_->right) impl_->right->set_budget(features);

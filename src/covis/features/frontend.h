@@ -51,6 +51,8 @@ class Frontend {
   FeaturesPtr monocular(ImageView<const uint8_t> image);
   // Processes a rectified pair; both images are extracted in parallel by two threads.
   FeaturesPtr stereo(ImageView<const uint8_t> left, ImageView<const uint8_t> right);
+  // StereoMatcher::row_error() of the last pair.
+  double row_error() const;
   // depth: metres, registered to the image, same size; 0 or non-finite: no measurement.
   FeaturesPtr rgbd(ImageView<const uint8_t> image, ImageView<const float> depth);
 

@@ -70,6 +70,8 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
   }
 
   accepted_.clear();
+  row_distances_.clear();
+  row_error_ = 0;
   const auto max_disparity = static_cast<float>(fx);  // disparity of a point at a depth of one baseline
   for (size_t i = 0; i < l.size(); ++i) {
     const auto row = static_cast<size_t>(std::clamp(static_cast<int>(std::lround(l.y[i])), 0, height - 1));
@@ -115,8 +117,12 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     u_right[i] = l.x[i] - disparity;
     depth[i] = static_cast<float>(bf) / disparity;
     accepted_.emplace_back(sad[m], static_cast<uint32_t>(i));
+    row_distances_.push_back(std::abs(r.y[best_j] - l.y[i]) / pyramid.scale[r.level[best_j]]);
   }
   if (accepted_.empty()) return;
+  const auto usual = row_distances_.begin() + static_cast<ptrdiff_t>(row_distances_.size() / 2);
+  std::nth_element(row_distances_.begin(), usual, row_distances_.end());
+  row_error_ = static_cast<double>(*usual);
   const auto middle = accepted_.begin() + static_cast<ptrdiff_t>(accepted_.size() / 2);
   std::nth_element(accepted_.begin(), middle, accepted_.end());
   const double bound = 1.5 * 1.4 * middle->first;

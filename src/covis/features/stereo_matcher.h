@@ -14,10 +14,15 @@ class StereoMatcher {
   // pixels x metres.
   void match(const OrbExtractor& left, const OrbExtractor& right, double fx, double bf, AlignedVector<float>& u_right,
              AlignedVector<float>& depth);
+  // Median distance between the rows of the keypoints matched last, in sigmas of the right one; 0 without matches. Of a
+  // rectified pair it is 0.3 to 0.5; rows that have nothing to do with each other give 1, half of the search's reach.
+  double row_error() const { return row_error_; }
 
  private:
   std::vector<uint32_t> row_offsets_, row_items_, next_;
   std::vector<std::pair<int, uint32_t>> accepted_;  // SAD and index of the left keypoint
+  std::vector<float> row_distances_;                // of the accepted ones, in sigmas
+  double row_error_ = 0;
 };
 
 }  // namespace covis

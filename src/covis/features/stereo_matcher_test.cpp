@@ -46,6 +46,24 @@ TEST(StereoMatcher, ColumnAndDepthBelongTogether) {
   EXPECT_GT(right, 0.95 * m.count);
 }
 
+double row_error(const ImageU8& left, const ImageU8& right) {
+  OrbExtractor from_left{OrbOptions{}}, from_right{OrbOptions{}};
+  from_left.extract(left.view());
+  from_right.extract(right.view());
+  AlignedVector<float> u_right, depth;
+  StereoMatcher matcher;
+  matcher.match(from_left, from_right, kFx, kBf, u_right, depth);
+  return matcher.row_error();
+}
+
+TEST(StereoMatcher, TellsHowWellTheRowsAgree) {
+  const ImageU8 left = texture(400, 300, 3), right = texture(400, 300, 3, 11);
+  EXPECT_LT(row_error(left, right), 0.3);
+  ImageU8 lower(400, 300);
+  for (int y = 0; y < 300; ++y) std::copy_n(right.row(std::max(0, y - 2)), 400, lower.row(y));
+  EXPECT_GT(row_error(left, lower), 0.85) << "2 pixels";
+}
+
 // The eyes differ by gain and offset, as two cameras with an exposure of their own do.
 TEST(StereoMatcher, EyesNeedNotBeEquallyBright) {
   constexpr int kShift = 11;

@@ -39,6 +39,7 @@ struct KeyFrameRequest {
   std::vector<uint32_t> new_points;  // features whose depth makes a new point
   std::vector<PointCount> counts;
   std::vector<UnlocatedFrame> unlocated;  // earlier frames, newest first
+  bool doubted_depth = false;             // true: nothing is to be estimated from depth
 };
 
 // Make the first two key frames and points of a monocular submap, beside what is there. World = camera of the first.

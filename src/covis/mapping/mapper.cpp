@@ -26,8 +26,9 @@ MapperReport Mapper::process(const KeyFrameRequest& request, const std::atomic<b
   report.counts.points_fused = fuse_neighbours(map_, current, sensor_, options_, fuser_);
   report.ms.fuse = watch.lap();
   if (!enough_to_adjust(current) || (interrupt && interrupt->load())) return report;
-  report.adjustment = adjust_locally(map_, current, options_, adjuster_,
-                                     options_.estimate_depth_noise ? &depth_noise_ : nullptr, interrupt);
+  const bool learns_noise = options_.estimate_depth_noise && !request.doubted_depth;
+  report.adjustment =
+      adjust_locally(map_, current, options_, adjuster_, learns_noise ? &depth_noise_ : nullptr, interrupt);
   report.ms.adjust = watch.lap();
   report.counts.key_frames_culled = cull_key_frames(map_, current, sensor_, options_.cull_redundancy, close_depth_);
   report.ms.cull_key_frames = watch.lap();

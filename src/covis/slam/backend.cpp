@@ -33,7 +33,8 @@ MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic
   const Stopwatch watch;
   apply_adjustment(report);
   close_loop(report);
-  refine_focal(report.key_frame);
+  if (!request.doubted_depth) refine_focal(report.key_frame);
+  report.depth_check = check_depth(report.key_frame);
   forget_replaced_points(report.key_frame);
   report.loop_ms = watch.ms();
   report.located = backtrack(map_, {options_.sensor, options_.tracker, options_.seed}, request.unlocated);
@@ -74,6 +75,15 @@ void Backend::refine_focal(KeyFrameId current) {
   if (!key_frames) return;
   auto job = FocalRefinement::of(*map_.read(), current, given_fx_);
   background_.start(std::move(job), *key_frames);
+}
+
+std::optional<DepthAgainstMotion> Backend::check_depth(KeyFrameId current) {
+  if (options_.sensor == Sensor::monocular) return std::nullopt;
+  const auto [features, camera] = [&] {
+    const auto map = map_.read();
+    return std::pair(map->at(current).features, map->camera());
+  }();
+  return depth_check_.add(features, camera);
 }
 
 // Handles are held by the tracker (points of the last frame and counts, reported with the next key frame), by requests

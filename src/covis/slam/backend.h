@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 
 #include "covis/core/schedule.h"
 #include "covis/loops/background_adjustment.h"
@@ -12,6 +13,7 @@
 #include "covis/loops/loop_closer.h"
 #include "covis/loops/loop_options.h"
 #include "covis/map/shared_map.h"
+#include "covis/mapping/depth_against_motion.h"
 #include "covis/mapping/mapper.h"
 #include "covis/slam/messages.h"
 #include "covis/slam/options.h"
@@ -49,6 +51,7 @@ class Backend {
   void apply_adjustment(MappingReport& report);
   void close_loop(MappingReport& report);
   void refine_focal(KeyFrameId current);
+  std::optional<DepthAgainstMotion> check_depth(KeyFrameId current);
   void forget_replaced_points(KeyFrameId current);
 
   SharedMap& map_;
@@ -57,6 +60,7 @@ class Backend {
   LoopCloser closer_;
   BackgroundAdjustment background_;
   FocalSchedule focal_;
+  MotionDepthCheck depth_check_;
   const double given_fx_;  // the focal length the camera came with, pixels
 };
 

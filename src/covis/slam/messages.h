@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <variant>
 #include <vector>
 
 #include "covis/loops/loop_report.h"
+#include "covis/mapping/depth_against_motion.h"
 #include "covis/mapping/mapping_report.h"
 
 namespace covis {
@@ -31,6 +33,7 @@ struct MappingReport : MapperReport {
   double loop_ms = 0;                 // loop closing, and applying and starting jobs in the background
   double full_adjustment_ms = 0;      // the full bundle adjustment whose result was applied with this key frame
   double total_ms = 0;
+  std::optional<DepthAgainstMotion> depth_check = {};  // where depth was compared
 };
 
 }  // namespace covis

@@ -56,7 +56,7 @@ System::~System() = default;
 
 Result<void> System::set_map(Map map, const Camera& made_by) {
   // Handles of the map that is there would name other things in this one.
-  if (processed_ > 0) return fail("a map can be put in place before the first frame only");
+  if (frames_.processed > 0) return fail("a map can be put in place before the first frame only");
   std::optional<Pinhole> own_camera;
   if (const std::string other = difference(given_, made_by); !other.empty()) {
     const std::string what = "the map was made by another camera (" + other + ")";
@@ -88,7 +88,8 @@ FrameReport System::process(const Input& input) {
   report.timing.extract_ms = frontend_.timing().extract_ms;
   report.timing.depth_ms = frontend_.timing().depth_ms;
 
-  ++processed_;
+  monitor_.add_frame(input.frame, *features, frontend_.row_error());
+  ++frames_.processed;
   apply_visible_mapping(report);
 
   const Stopwatch tracking;
@@ -108,6 +109,7 @@ FrameReport System::process(const Input& input) {
     report_begun_map(report);
   }
   explain_missing_map(report.track);
+  watch_sensor(report);
   report.timing.total_ms = total.ms();
   return report;
 }
@@ -209,7 +211,7 @@ FeaturesPtr System::extract(const Input& input, int features) {
 void System::apply_visible_mapping(FrameReport& report) {
   if (realtime()) {
     apply_finished_mapping(report);
-  } else if (processed_ >= visible_at_ || tracker_.near_loss()) {
+  } else if (frames_.processed >= frames_.visible_at || tracker_.near_loss()) {
     apply_all_mapping(report);
   }
 }
@@ -231,6 +233,7 @@ void System::apply_finished_mapping(FrameReport& report) {
 
 void System::apply(MappingReport made, FrameReport& report) {
   tracker_.key_frame_made(made);
+  if (made.depth_check) monitor_.add_comparison(made.frame, *made.depth_check);
   if (made.key_frame.valid()) anchor(made);
   for (const LocatedFrame& located : made.located) log_.locate(located);
   report.mapping.push_back(std::move(made));
@@ -263,8 +266,9 @@ MappingStatus System::mapping_status() const {
 
 void System::submit(MapRequest request) {
   if (auto* const key_frame = std::get_if<KeyFrameRequest>(&request)) {
+    key_frame->doubted_depth = monitor_.doubts();
     log_.make_room();  // here, so that frames that make no key frame never allocate
-    visible_at_ = processed_ + options_.mapping_delay;
+    frames_.visible_at = frames_.processed + options_.mapping_delay;
     mapping_.submit(std::move(*key_frame));
   } else if (auto* const initial_map = std::get_if<InitialMapRequest>(&request)) {
     mapping_.submit(std::move(*initial_map));
@@ -286,6 +290,14 @@ void System::record(const Input& input, const Tracker::Outcome& outcome, FrameRe
 void System::discard(uint32_t submap) {
   log_.forget(*map_.read(), submap);
   mapping_.discard(submap);
+}
+
+// Poses that follow from depth which is not to be believed are tentative at best.
+void System::watch_sensor(FrameReport& report) {
+  report.warnings = monitor_.take_warnings();
+  for (const SensorWarning& warning : report.warnings)
+    log(LogLevel::warning, "frame " + std::to_string(warning.frame) + ": " + describe(warning, options_.sensor));
+  if (report.track.state == TrackingState::tracking) report.track.tentative |= monitor_.doubts();
 }
 
 void System::report_begun_map(FrameReport& report) const {

@@ -24,6 +24,7 @@
 #include "covis/slam/key_frame_colours.h"
 #include "covis/slam/mapping_actor.h"
 #include "covis/slam/options.h"
+#include "covis/slam/sensor_monitor.h"
 #include "covis/slam/snapshot.h"
 #include "covis/slam/trajectory_log.h"
 #include "covis/tracking/tracker.h"
@@ -45,6 +46,7 @@ struct FrameReport {
   std::vector<MappingReport> mapping;        // of key frames whose mapping became visible
   std::optional<Timestamp> retracted_from;   // frames from here on have lost their poses: the place proved wrong
   std::optional<uint32_t> discarded_submap;  // a monocular submap that was lost in its first moments
+  std::vector<SensorWarning> warnings;       // depth that is not to be believed, each kind once
 };
 
 // The place of one image.
@@ -133,6 +135,7 @@ class System {
   void anchor_in(const Map& map, const KeyFrameMade& made);
   void record(const Input& input, const Tracker::Outcome& outcome, FrameReport& report);
   void discard(uint32_t submap);
+  void watch_sensor(FrameReport& report);
   void report_begun_map(FrameReport& report) const;
   void explain_missing_map(TrackResult& result) const;
   bool realtime() const { return options_.schedule() == Schedule::realtime; }
@@ -147,8 +150,12 @@ class System {
   Frontend frontend_;
   Tracker tracker_;
   MappingActor mapping_;
-  int64_t processed_ = 0;   // frames so far
-  int64_t visible_at_ = 0;  // count of frames at which pending mapping becomes visible
+  SensorMonitor monitor_{options_.sensor};
+  struct FrameCounts {
+    int64_t processed = 0;
+    int64_t visible_at = 0;  // the count at which pending mapping becomes visible
+  };
+  FrameCounts frames_;
 };
 
 }  // namespace covis

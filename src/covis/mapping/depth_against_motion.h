@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measured depth against what images alone tell of it. The motion between two views follows from their keypoints
+// (geometry/two_view.h), and the points are triangulated; the ratio of measured to triangulated depth is the same for
+// all points where depth is right. No map is needed, which nonsense depth would have spoilt. A wrong scale of all
+// depths does not show: the images know no scale.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "covis/features/features.h"
+#include "covis/geometry/camera.h"
+
+namespace covis {
+
+struct DepthAgainstMotion {
+  int points = 0;     // depths compared
+  double spread = 0;  // median of |log(ratio / median ratio)|: 0.1 means that half of the depths are off by 10 %
+  double of_scene =
+      0;  // the same of the triangulated depths by themselves: the spread that a constant depth would have
+  double explained = 0;  // share of the points for which one motion explains the images by their measured depths
+
+  // The error of depth where a constant depth, which tells nothing, has 1. Right depth has 0.05 to 0.5, depth that has
+  // nothing to do with the images 1 to 3.
+  double error() const { return of_scene > 0 ? spread / of_scene : 0; }
+};
+
+// nullopt where the views tell nothing: few matches, little parallax, or an ambiguous motion.
+std::optional<DepthAgainstMotion> compare_depth_with_motion(const Features& a, const Features& b, const Pinhole& camera,
+                                                            uint64_t seed);
+
+// Compares views as they come, each with the last that was compared, until the camera has moved enough.
+class MotionDepthCheck {
+ public:
+  // `view` is kept. Once enough views have answered, only one pair of a few is looked at: it takes 10 to 20 ms.
+  std::optional<DepthAgainstMotion> add(std::shared_ptr<const Features> view, const Pinhole& camera);
+  // The next view does not follow the last.
+  void restart() { last_.reset(); }
+
+ private:
+  std::shared_ptr<const Features> last_;
+  int waited_ = 0;  // views compared with the last in vain
+  int answers_ = 0;
+  int passed_over_ = 0;  // views since the last answer that were not looked at
+};
+
+}  // namespace covis

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/mapping/depth_against_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "covis/core/random.h"
+#include "covis/features/test_features.h"
+#include "covis/geometry/se3.h"
+
+namespace covis {
+namespace {
+
+const Pinhole kCamera = [] {
+  Pinhole camera;
+  camera.fx = camera.fy = 500;
+  camera.cx = 320;
+  camera.cy = 240;
+  camera.bf = 40;
+  return camera;
+}();
+
+using MeasuredDepth = std::function<double(double depth, Random& random)>;
+
+// Points of a room as a camera sees them that has moved to the right, a little forward, and turned.
+struct Views {
+  std::shared_ptr<Features> a = std::make_shared<Features>(no_features()),
+                            b = std::make_shared<Features>(no_features());
+
+  Views(double way, const MeasuredDepth& measured) {
+    Random random(5);
+    const SE3 T_ba(so3_exp(Eigen::Vector3d(0.01, -0.04, 0.02)), Eigen::Vector3d(-way, 0.1 * way, -0.3 * way));
+    for (int i = 0; i < 400; ++i) {
+      const double z = random.uniform(1, 5);
+      const Eigen::Vector3d in_a = z * kCamera.unproject(random.uniform(20, 620), random.uniform(20, 460));
+      const Descriptor descriptor = random_descriptor(random);
+      add_point(*a, in_a, descriptor, measured, random);
+      add_point(*b, T_ba * in_a, descriptor, measured, random);
+    }
+    finish(*a);
+    finish(*b);
+  }
+  std::optional<DepthAgainstMotion> compare() const { return compare_depth_with_motion(*a, *b, kCamera, 1); }
+
+ private:
+  static void add_point(Features& f, const Eigen::Vector3d& p, const Descriptor& descriptor,
+                        const MeasuredDepth& measured, Random& random) {
+    const Eigen::Vector2d at = kCamera.project(p);
+    const double x = at.x() + 0.5 * random.normal(), y = at.y() + 0.5 * random.normal();
+    add(f, {.x = x, .y = y, .descriptor = descriptor, .depth = measured(p.z(), random)}, kCamera.bf);
+  }
+};
+
+double noisy(double depth, Random& random) { return depth + 0.003 * depth * depth * random.normal(); }
+
+TEST(DepthAgainstMotion, RightDepthAgrees) {
+  const auto found = Views(0.3, noisy).compare();
+  ASSERT_TRUE(found);
+  EXPECT_GT(found->points, 200);
+  EXPECT_LT(found->error(), 0.2);
+  EXPECT_GT(found->of_scene, 0.2);
+  EXPECT_GT(found->explained, 0.7);
+}
+
+TEST(DepthAgainstMotion, AWrongScaleDoesNotShow) {
+  const auto found = Views(0.3, [](double depth, Random& random) { return noisy(depth, random) / 5; }).compare();
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->error(), 0.2);
+}
+
+TEST(DepthAgainstMotion, NonsenseDisagrees) {
+  const MeasuredDepth kinds[] = {
+      [](double, Random&) { return 2.0; }, [](double, Random& random) { return random.uniform(0.5, 6); },
+      [](double depth, Random&) { return 4 / depth; }, [](double depth, Random&) { return 6 - depth; }};
+  for (const MeasuredDepth& kind : kinds) {
+    const auto found = Views(0.3, kind).compare();
+    ASSERT_TRUE(found);
+    EXPECT_GT(found->error(), 0.9) << &kind - kinds;
+    EXPECT_LT(found->explained, 0.6) << &kind - kinds;
+  }
+}
+
+// The shift of a right image that came late, in pixels, adds to the disparity.
+TEST(DepthAgainstMotion, AConstantErrorOfDisparityDisagrees) {
+  const auto found = Views(0.3, [](double depth, Random&) { return kCamera.bf / (kCamera.bf / depth + 40); }).compare();
+  ASSERT_TRUE(found);
+  EXPECT_GT(found->error(), 0.6);
+}
+
+TEST(DepthAgainstMotion, ACameraThatStandsTellsNothing) { EXPECT_FALSE(Views(0, noisy).compare()); }
+
+TEST(MotionDepthCheck, AsksEveryPairOnlyAtFirst) {
+  const Views views(0.3, noisy);
+  MotionDepthCheck check;
+  EXPECT_FALSE(check.add(views.a, kCamera)) << "the first view";
+  int answers = 0;
+  for (int k = 0; k < 10; ++k) answers += check.add(k % 2 ? views.a : views.b, kCamera).has_value();
+  EXPECT_EQ(answers, 10);
+  for (int k = 0; k < 10; ++k) answers += check.add(k % 2 ? views.a : views.b, kCamera).has_value();
+  EXPECT_EQ(answers, 12);
+}
+
+}  // namespace
+}  // namespace covis

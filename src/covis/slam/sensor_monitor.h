@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Watches whether the depth of a stereo pair or a depth camera can be believed, by figures that are at hand: what the
+// features of each frame have, and what comparisons with the motion of the images say (mapping/depth_against_motion.h).
+// It changes nothing; while it doubts, nothing is estimated from depth, and poses count as tentative.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "covis/core/sensor.h"
+#include "covis/features/features.h"
+#include "covis/mapping/depth_against_motion.h"
+
+namespace covis {
+
+enum class SensorDoubt {
+  few_depths,            // figure: share of the keypoints with a depth, of a pair those with a match
+  no_disparity,          // stereo; share of the matches nearer together than a pixel
+  rows_differ,           // stereo; median distance of the rows of matched keypoints, sigmas of a keypoint
+  depth_too_near,        // RGB-D; metres, the depth that a tenth of the keypoints are nearer than
+  depth_against_motion,  // DepthAgainstMotion::error()
+};
+constexpr size_t kSensorDoubts = 5;
+std::string_view name(SensorDoubt doubt);
+
+struct SensorWarning {
+  SensorDoubt doubt = SensorDoubt::few_depths;
+  double figure = 0;
+  int64_t frame = 0;  // the frame at which it was noticed
+};
+// Returns what was seen, with the figure, and the likely causes.
+std::string describe(const SensorWarning& warning, Sensor sensor);
+
+class SensorMonitor {
+ public:
+  explicit SensorMonitor(Sensor sensor) : sensor_(sensor) {}
+
+  // `row_error`: Frontend::row_error() of a stereo pair.
+  void add_frame(int64_t frame, const Features& features, double row_error);
+  void add_comparison(int64_t frame, const DepthAgainstMotion& comparison);
+  // True while poses are not to be relied on.
+  bool doubts() const;
+  // The warnings since the last call: one of each kind, the first time.
+  std::vector<SensorWarning> take_warnings() { return std::exchange(fresh_, {}); }
+
+ private:
+  // Figures of the last frames of one kind, for their median.
+  template <size_t kSize>
+  struct Window {
+    std::array<double, kSize> values{};
+    size_t count = 0;
+
+    void add(double value) { values[count++ % kSize] = value; }
+    double median(size_t last) const {
+      std::array<double, kSize> sorted{};
+      for (size_t k = 0; k < last; ++k) sorted[k] = values[(count + kSize - 1 - k) % kSize];
+      const auto end = sorted.begin() + static_cast<ptrdiff_t>(last),
+                 middle = sorted.begin() + static_cast<ptrdiff_t>(last / 2);
+      std::nth_element(sorted.begin(), middle, end);
+      return *middle;
+    }
+    bool full() const { return count >= kSize; }
+  };
+  static constexpr size_t kFrames = 20, kComparisons = 5;
+
+  void judge(SensorDoubt doubt, bool is_wrong, double figure, int64_t frame);
+
+  const Sensor sensor_;
+  Window<kFrames> share_, zero_, rows_, near_;
+  Window<kComparisons> error_, spread_;
+  std::vector<double> depths_;  // work space
+  std::array<bool, kSensorDoubts> wrong_{}, told_{};
+  std::vector<SensorWarning> fresh_;
+};
+
+}  // namespace covis

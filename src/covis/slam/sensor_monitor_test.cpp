@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/slam/sensor_monitor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "covis/features/test_features.h"
+
+namespace covis {
+namespace {
+
+using testing::HasSubstr;
+
+// Features of which a share has a disparity.
+Features features(double share, double disparity) {
+  Random random(1);
+  Features f = no_features();
+  for (int i = 0; i < 200; ++i) {
+    const double x = random.uniform(100, 600);
+    add(f, {.x = x, .y = random.uniform(0, 480), .u_right = i < 200 * share ? x - disparity : -1});
+  }
+  finish(f);
+  return f;
+}
+
+std::vector<SensorWarning> warnings_of(Sensor sensor, const Features& f, double row_error, int frames = 20) {
+  SensorMonitor monitor(sensor);
+  for (int i = 0; i < frames; ++i) monitor.add_frame(i, f, row_error);
+  EXPECT_FALSE(monitor.doubts() && frames < 20);
+  return monitor.take_warnings();
+}
+
+TEST(SensorMonitor, AGoodPairIsBelieved) {
+  EXPECT_TRUE(warnings_of(Sensor::stereo, features(0.4, 10), 0.4).empty());
+  EXPECT_TRUE(warnings_of(Sensor::rgbd, features(0.4, 10), 0).empty());
+}
+
+TEST(SensorMonitor, FewMatches) {
+  const auto warnings = warnings_of(Sensor::stereo, features(0.1, 10), 0.4);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].doubt, SensorDoubt::few_depths);
+  EXPECT_EQ(warnings[0].frame, 19) << "not of the first frames alone";
+  EXPECT_THAT(describe(warnings[0], Sensor::stereo), HasSubstr("only 10 % of the left keypoints"));
+  EXPECT_TRUE(warnings_of(Sensor::stereo, features(0.1, 10), 0.4, 10).empty());
+}
+
+TEST(SensorMonitor, OneImageTwice) {
+  const auto warnings = warnings_of(Sensor::stereo, features(0.5, 0.2), 0);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].doubt, SensorDoubt::no_disparity);
+  EXPECT_THAT(describe(warnings[0], Sensor::stereo), HasSubstr("100 %"));
+}
+
+TEST(SensorMonitor, RowsThatDiffer) {
+  const auto warnings = warnings_of(Sensor::stereo, features(0.4, 10), 1.0);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].doubt, SensorDoubt::rows_differ);
+}
+
+// 40 / 400: a tenth of a metre.
+TEST(SensorMonitor, DepthsNearerThanCamerasSee) {
+  const auto warnings = warnings_of(Sensor::rgbd, features(0.6, 400), 0);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].doubt, SensorDoubt::depth_too_near);
+  EXPECT_THAT(describe(warnings[0], Sensor::rgbd), HasSubstr("depth_scale"));
+}
+
+TEST(SensorMonitor, ContradictionsAreDoubtedUntilTheyEnd) {
+  const DepthAgainstMotion wrong{100, 0.4, 0.3}, right{100, 0.03, 0.3};
+  SensorMonitor monitor(Sensor::rgbd);
+  for (int k = 0; k < 2; ++k) monitor.add_comparison(k, wrong);
+  EXPECT_FALSE(monitor.doubts()) << "few comparisons";
+  monitor.add_comparison(2, wrong);
+  EXPECT_TRUE(monitor.doubts());
+  const auto warnings = monitor.take_warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NEAR(warnings[0].figure, 1.33, 0.01);
+  EXPECT_THAT(describe(warnings[0], Sensor::rgbd), HasSubstr("1.33"));
+  for (int k = 0; k < 3; ++k) monitor.add_comparison(5 + k, right);
+  EXPECT_FALSE(monitor.doubts());
+  for (int k = 0; k < 5; ++k) monitor.add_comparison(8 + k, wrong);
+  EXPECT_TRUE(monitor.doubts());
+  EXPECT_TRUE(monitor.take_warnings().empty()) << "reported once";
+}
+
+TEST(SensorMonitor, LittleBetterThanAConstantTakesMoreComparisons) {
+  SensorMonitor monitor(Sensor::rgbd);
+  for (int k = 0; k < 4; ++k) monitor.add_comparison(k, {100, 0.3, 0.3});
+  EXPECT_FALSE(monitor.doubts());
+  monitor.add_comparison(4, {100, 0.3, 0.3});
+  EXPECT_TRUE(monitor.doubts());
+}
+
+// The triangulation may be wrong, not depth.
+TEST(SensorMonitor, WhatDepthExplainsIsNoContradiction) {
+  SensorMonitor monitor(Sensor::rgbd);
+  for (int k = 0; k < 10; ++k) monitor.add_comparison(k, {100, 0.4, 0.2, 0.7});
+  EXPECT_FALSE(monitor.doubts());
+}
+
+// A flat wall: a constant depth is as good as any.
+TEST(SensorMonitor, AFlatSceneIsNoContradiction) {
+  SensorMonitor monitor(Sensor::rgbd);
+  for (int k = 0; k < 10; ++k) monitor.add_comparison(k, {100, 0.03, 0.02});
+  EXPECT_FALSE(monitor.doubts());
+}
+
+TEST(SensorMonitor, OneCameraHasNoDepthToDoubt) {
+  EXPECT_TRUE(warnings_of(Sensor::monocular, features(0, 10), 0).empty());
+}
+
+}  // namespace
+}  // namespace covis

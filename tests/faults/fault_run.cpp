@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/faults/fault_run.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "covis/core/quantile.h"
+#include "covis/covis.h"
+#include "covis/geometry/alignment.h"
+
+namespace covis::faults {
+namespace {
+
+constexpr uint64_t kStage = 100;  // stage of random numbers, above those of the library
+
+SlamOptions options_of(const Synth& synth) {
+  SlamOptions options;
+  options.sensor = synth.sensor() == Sensor::monocular ? SensorType::monocular
+                   : synth.sensor() == Sensor::stereo  ? SensorType::stereo
+                                                       : SensorType::rgbd;
+  const Camera& camera = synth.camera();
+  options.camera = {.width = camera.width,
+                    .height = camera.height,
+                    .fx = camera.pinhole.fx,
+                    .fy = camera.pinhole.fy,
+                    .cx = camera.pinhole.cx,
+                    .cy = camera.pinhole.cy};
+  if (synth.sensor() == Sensor::stereo) options.camera.baseline = camera.pinhole.baseline();
+  options.timing = Timing::deterministic;
+  options.vocabulary = COVIS_SOURCE_DIR "/vocabulary/default.covis-voc";
+  return options;
+}
+
+Frame frame_of(const Moment& m) {
+  Frame frame{.stamp = m.stamp};
+  frame.image = {m.left.view().data, m.left.width(), m.left.height(), m.left.stride()};
+  if (!m.right.empty()) frame.right = {m.right.view().data, m.right.width(), m.right.height(), m.right.stride()};
+  if (!m.depth.empty()) frame.depth = {m.depth.view().data, m.depth.width(), m.depth.height(), m.depth.stride()};
+  return frame;
+}
+
+// A frame that claims to know where it is.
+struct Sure {
+  int frame = 0;
+  int submap = 0;
+  Eigen::Vector3d position;
+  double error = 0;  // metres
+};
+
+// Each submap is aligned by what it claims outside the stretch.
+void find_errors(std::vector<Sure>& all, const Synth& synth, Stretch stretch) {
+  std::map<int, std::vector<Sure*>> submaps;
+  for (Sure& sure : all) submaps[sure.submap].push_back(&sure);
+  for (auto& [submap, frames] : submaps) {
+    std::vector<Eigen::Vector3d> claimed, truth;
+    const auto collect = [&](bool outside_only) {
+      for (const Sure* sure : frames) {
+        if (outside_only && stretch.has(sure->frame)) continue;
+        claimed.push_back(sure->position);
+        truth.push_back(synth.T_wc(sure->frame).t());
+      }
+    };
+    collect(true);
+    if (claimed.size() < 10) {
+      claimed.clear();
+      truth.clear();
+      collect(false);
+    }
+    const auto alignment = align(claimed, truth, synth.sensor() == Sensor::monocular ? Scale::free : Scale::fixed);
+    if (!alignment) continue;
+    for (Sure* sure : frames) sure->error = (*alignment * sure->position - synth.T_wc(sure->frame).t()).norm();
+  }
+}
+
+double path_length(const Synth& synth, int frames) {
+  double length = 0;
+  for (int i = 1; i < frames; ++i) length += (synth.T_wc(i).t() - synth.T_wc(i - 1).t()).norm();
+  return length;
+}
+
+}  // namespace
+
+GoodRecording::GoodRecording(const SynthOptions& options, int frames)
+    : synth_(std::move(Synth::create(options).value())), frames_(static_cast<size_t>(frames)) {}
+
+const Moment& GoodRecording::operator()(int i) {
+  Moment& moment = frames_[static_cast<size_t>(std::clamp(i, 0, size() - 1))];
+  if (!moment.left.empty()) return moment;
+  const int at = static_cast<int>(&moment - frames_.data());
+  synth_.render(at, moment.left, synth_.sensor() == Sensor::stereo ? &moment.right : nullptr,
+                synth_.sensor() == Sensor::rgbd ? &moment.depth : nullptr);
+  moment.stamp = synth_.stamp(at);
+  return moment;
+}
+
+FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stretch) {
+  const GoodFrames good = [&](int i) -> const Moment& { return recording(i); };
+  const Synth& synth = recording.synth();
+  auto slam = Slam::create(options_of(synth));
+  if (!slam) {
+    std::fprintf(stderr, "%s\n", slam.error().c_str());
+    std::abort();
+  }
+  FaultResult result;
+  std::vector<Sure> sure;
+  int now = 0;
+  (*slam)->on_event([&](const Event& event) {
+    if (event.kind == Event::Kind::sensor_doubted && result.warned_after < 0) result.warned_after = now - stretch.first;
+  });
+  for (now = 0; now < recording.size(); ++now) {
+    const bool within = stretch.has(now);
+    std::optional<Moment> faulty;
+    if (within) {
+      Random random(hash_seed(1, kStage, static_cast<uint64_t>(now)));
+      faulty = fault.at(now, good, random);
+      if (!faulty) continue;
+    }
+    ++(within ? result.within : result.outside);
+    const auto tracked = (*slam)->track(frame_of(faulty ? *faulty : good(now)));
+    if (!tracked) {
+      ++result.refused;
+      continue;
+    }
+    if (!tracked->tracked() || tracked->tentative) continue;
+    ++(within ? result.sure_within : result.sure_outside);
+    if (now >= stretch.end && result.recovered_after < 0) result.recovered_after = now - stretch.end;
+    sure.push_back({now, tracked->submap, {tracked->pose.x, tracked->pose.y, tracked->pose.z}});
+  }
+  (*slam)->finish();
+  find_errors(sure, synth, stretch);
+  std::vector<double> errors;
+  for (const Sure& s : sure) errors.push_back(s.error);
+  result.median_error = quantile(errors, 0.5);
+  const double bound = std::max({0.02, 0.01 * path_length(synth, recording.size()), 5 * result.median_error});
+  for (const Sure& s : sure) {
+    if (s.error > bound) ++(stretch.has(s.frame) ? result.wrong_within : result.wrong_outside);
+  }
+  return result;
+}
+
+}  // namespace covis::faults

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// A rendered recording with a fault in it, through the public interface, and what came of it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "synth/synth.h"
+#include "tests/faults/faults.h"
+
+namespace covis::faults {
+
+// Frames of a world, each rendered once.
+class GoodRecording {
+ public:
+  GoodRecording(const SynthOptions& options, int frames);
+  const Moment& operator()(int i);
+
+  const Synth& synth() const { return synth_; }
+  int size() const { return static_cast<int>(frames_.size()); }
+
+ private:
+  Synth synth_;
+  std::vector<Moment> frames_;
+};
+
+// The frames that a fault is at: from `first` up to but without `end`.
+struct Stretch {
+  int first = 0, end = 0;
+  bool has(int i) const { return i >= first && i < end; }
+};
+
+struct FaultResult {
+  int sure_outside = 0, sure_within = 0;    // frames outside and within the stretch that are tracked and not tentative
+  int outside = 0, within = 0;              // frames that came
+  int refused = 0;                          // frames that were refused with a message
+  int wrong_outside = 0, wrong_within = 0;  // sure frames that are far from the truth
+  int recovered_after = -1;                 // frames from the end of the stretch to a sure one; -1: never
+  int warned_after = -1;                    // frames from the start of the stretch to a warning; -1: none
+  double median_error = 0;                  // metres, of sure frames
+};
+
+FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stretch);
+
+}  // namespace covis::faults

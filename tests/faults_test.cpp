@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// Faults of cameras on small rendered recordings; `faults` of bench/ has all of them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "faults/fault_run.h"
+
+namespace covis::faults {
+namespace {
+
+constexpr int kFrames = 60, kRate = 10;
+
+GoodRecording& recording(Sensor sensor) {
+  const auto make = [](Sensor of) {
+    SynthOptions options;
+    options.sensor = name(of);
+    options.width = 320;
+    options.height = 240;
+    options.fps = kRate;
+    options.noise = 2;
+    return GoodRecording(options, kFrames);
+  };
+  static GoodRecording stereo = make(Sensor::stereo), rgbd = make(Sensor::rgbd);
+  return sensor == Sensor::stereo ? stereo : rgbd;
+}
+
+Fault named(std::vector<Fault> faults, const std::string& name) {
+  const auto at = std::find_if(faults.begin(), faults.end(), [&](const Fault& f) { return f.name == name; });
+  EXPECT_NE(at, faults.end()) << name;
+  return at == faults.end() ? Fault{} : *at;
+}
+
+FaultResult always(Sensor sensor, const std::string& name) {
+  return run_fault(recording(sensor), named(sensor_faults(sensor), name), {0, kFrames});
+}
+
+FaultResult for_a_while(Sensor sensor, const std::string& name) {
+  return run_fault(recording(sensor), named(stream_faults(sensor), name), {25, 33});
+}
+
+TEST(Faults, AGoodRecordingIsNotDoubted) {
+  for (const Sensor sensor : {Sensor::stereo, Sensor::rgbd}) {
+    const FaultResult r = run_fault(recording(sensor), {}, {kFrames, kFrames});
+    EXPECT_EQ(r.warned_after, -1) << name(sensor);
+    EXPECT_EQ(r.sure_outside, kFrames) << name(sensor);
+    EXPECT_EQ(r.wrong_outside, 0) << name(sensor);
+  }
+}
+
+void expect_doubted(Sensor sensor, const std::string& fault) {
+  const FaultResult r = always(sensor, fault);
+  EXPECT_GE(r.warned_after, 0) << fault;
+  EXPECT_LT(r.warned_after, 50) << fault;
+  EXPECT_LE(r.sure_within, r.warned_after) << fault << ": sure of a pose after the warning";
+}
+
+// A small image shows its motion seldom, so that a doubt may end between two comparisons.
+TEST(Faults, RandomDepthIsDoubted) {
+  const FaultResult r = always(Sensor::rgbd, "random");
+  EXPECT_GE(r.warned_after, 0);
+  EXPECT_LT(r.warned_after, 50);
+}
+
+TEST(Faults, ARightImageThatIsNoneIsDoubted) {
+  for (const char* fault : {"left_twice", "late_2"}) expect_doubted(Sensor::stereo, fault);
+}
+
+TEST(Faults, AStreamRecovers) {
+  for (const char* fault : {"dropped", "black", "torn", "stamps_back", "other_size"}) {
+    const FaultResult r = for_a_while(Sensor::rgbd, fault);
+    EXPECT_EQ(r.wrong_outside, 0) << fault;
+    EXPECT_GE(r.recovered_after, 0) << fault;
+    EXPECT_LE(r.recovered_after, kRate) << fault;
+  }
+}
+
+}  // namespace
+}  // namespace covis::faults
