@@ -57,7 +57,7 @@ struct Merged {
       poses.push_back(pose_of(now->at(id).frame, now->at(id).T_cw.inverse(), submap));
     return poses;
   }
-  // Of the key frames of a submap, metres.
+  // RMSE of the key frames of a submap, metres.
   double error_of(const Recording& recording, uint32_t submap = 0) const {
     return error(key_frames(submap), recording.synth, recording.synth.sensor() == Sensor::monocular);
   }

@@ -47,7 +47,7 @@ void sync_folder(const std::filesystem::path& folder) {
   ::close(handle);
 }
 
-constexpr std::string_view kInfix = ".tmp";  // of temporary names: TARGET.tmpPID-NUMBER
+constexpr std::string_view kInfix = ".tmp";  // temporary names are TARGET.tmpPID-NUMBER
 
 std::filesystem::path temporary_name(const std::filesystem::path& target) {
   static std::atomic<unsigned> count = 0;

@@ -21,7 +21,7 @@ class StereoMatcher {
  private:
   std::vector<uint32_t> row_offsets_, row_items_, next_;
   std::vector<std::pair<int, uint32_t>> accepted_;  // SAD and index of the left keypoint
-  std::vector<float> row_distances_;                // of the accepted ones, in sigmas
+  std::vector<float> row_distances_;                // one for each accepted match, in sigmas
   double row_error_ = 0;
 };
 

@@ -25,7 +25,7 @@ struct ImportedCamera {
   std::string format;              // "Kalibr camera chain"
   CameraFile file;                 // the only or left camera; with a baseline where the pair's images are rectified
   std::optional<SensorPair> pair;  // a pair that no camera file can describe
-  std::vector<std::string> notes;  // what the file says and is not used
+  std::vector<std::string> notes;  // figures of the file that are not used
 };
 
 // Returns nullopt for a file of none of these kinds. Errors name file and field. What is returned lies in the bounds of

@@ -46,7 +46,7 @@ class NewestFrame {
     changed_.notify_all();
   }
 
-  // Of troubles that nobody took, the gravest is kept.
+  // The gravest of the troubles that nobody took is kept.
   void report(Trouble trouble, Error error) {
     const std::lock_guard lock(mutex_);
     if (frame_ && frame_is_later_) drop();

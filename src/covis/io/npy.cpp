@@ -37,7 +37,7 @@ std::string_view header_value(std::string_view header, std::string_view key) {
   const size_t found = header.find("'" + std::string(key) + "':");
   if (found == std::string_view::npos) return {};
   const size_t begin = found + key.size() + 3;
-  int depth = 0;  // of brackets
+  int depth = 0;  // number of open brackets
   for (size_t end = begin; end < header.size(); ++end) {
     const char c = header[end];
     if (depth == 0 && (c == ',' || c == '}')) return trimmed(header.substr(begin, end - begin));

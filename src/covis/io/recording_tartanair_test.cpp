@@ -88,7 +88,7 @@ TEST_F(TartanAir, TruthIsThatOfTheUsualAxesOfACamera) {
   EXPECT_TRUE((R * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d::UnitX(), 1e-9)) << "the view is forward";
   EXPECT_TRUE((R * Eigen::Vector3d::UnitX()).isApprox(Eigen::Vector3d::UnitY(), 1e-9)) << "x is to the right";
   EXPECT_TRUE(((*truth)[1].T_wc.R() * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d::UnitY(), 1e-7));
-  // Of a part of a trajectory the names tell the poses.
+  // The names tell the poses of a part of a trajectory.
   fs::remove(folder / "image_left/000000_left.png");
   EXPECT_EQ((*(*open())->next())->stamp, 100'000'000);
 }

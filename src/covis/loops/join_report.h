@@ -26,7 +26,7 @@ struct JoinedPair {
   uint32_t older = 0, younger = 0;
   JoinRefusal refusal = JoinRefusal::none;
   LoopRefusal why = LoopRefusal::none;      // not_verified: of the candidate that came furthest
-  LoopEvidence evidence = {};               // of the strongest claim, or of that candidate
+  LoopEvidence evidence = {};               // that of the strongest claim, or of the candidate
   int claims = 0, contrary = 0;             // key frames that claim to see the other; claims on another relation
   int views_agree = 0, views_disagree = 0;  // pairs of views that would stand side by side, once both are joined
   Sim3 S_older_younger = {};                // from the younger one's world to the older one's, as first joined
@@ -43,7 +43,7 @@ struct JoinedMap {
   uint32_t id = 0;           // its submap in the map
   std::vector<uint32_t> of;  // the submaps that it was made of, by their ids before; rising
   double correction = 0;     // greatest move of a key frame by the pose graph, in the map's unit
-  AdjustedCost cost = {};    // of the last bundle adjustment
+  AdjustedCost cost = {};    // cost of the last bundle adjustment
 };
 
 struct JoinReport {

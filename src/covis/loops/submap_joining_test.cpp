@@ -63,7 +63,7 @@ struct Pieces {
   }
   size_t submaps() const { return world.shared.read()->submaps().size(); }
 
-  std::vector<size_t> steps;  // of the scene's path, for each key frame
+  std::vector<size_t> steps;  // one step of the scene's path for each key frame
 };
 
 class JoinedPieces : public testing::TestWithParam<Sensor> {};

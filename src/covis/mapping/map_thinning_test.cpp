@@ -24,7 +24,7 @@ TEST(MapThinning, KeepsSoManyKeyFramesAndThePointsTheySee) {
   EXPECT_TRUE(map->find(world.frames[0])) << "the root";
 }
 
-// Of ten key frames at one place and five along the way those at one place go first.
+// Ten key frames are at one place, and five along the way: those at one place go first.
 TEST(MapThinning, WhatOthersSeeAnywayGoesFirst) {
   const PointScene scene = PointScene::wall();
   SceneMap world(scene);

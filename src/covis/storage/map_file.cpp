@@ -343,7 +343,7 @@ Result<void> save_map(const std::filesystem::path& file, const MapState& map, co
   const auto bytes = pack_sections(sections_of(map, header), kMapFileMajor,
                                    has_colours(map) ? kMapFileMinor : kMapFileMinorWithoutColours);
   if (!bytes) return fail(file.string() + ": " + bytes.error().message);
-  // What a reader would refuse is no map.
+  // A file that a reader would refuse is no map.
   problem = problem_of_meetings(meetings_of(map), map, bytes->size());
   if (!problem.empty()) return fail(file.string() + ": the map is not sound and was not saved: " + problem);
   return write_atomically(file, *bytes, Durability::durable);
