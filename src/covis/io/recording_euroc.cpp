@@ -25,9 +25,9 @@ Result<Images> read_csv(const fs::path& csv, BadFrames bad_frames, std::vector<s
   std::string problem, not_rising;
   for_each_line(*text, [&](std::string_view line, int number) {
     const auto parts = split(line);
-    const auto stamp = parts.size() >= 2 ? parse_stamp(parts[0], WholeStamp::nanoseconds) : std::nullopt;
+    const auto stamp = parse_stamp(parts.empty() ? line : parts[0], WholeStamp::nanoseconds);
     const std::string where = place(csv, number);
-    if (!stamp) {
+    if (!stamp || parts.size() < 2) {
       problem = where + ": it must hold a stamp in nanoseconds and a file name";
       return false;
     }
