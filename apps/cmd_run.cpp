@@ -135,14 +135,15 @@ int conclude(const RunArguments& arguments, const RunSummary& summary, io::Seque
   } else if (!arguments.quiet) {
     std::fputs(summary_text(summary, arguments.out).c_str(), stdout);
   }
-  if (!summary.failure.empty()) return fail_with(summary.failure + ". The results so far are written");
+  if (!summary.failure.empty()) {
+    const std::string named = kind == io::SequenceKind::camera ? "" : arguments.path + ": ";  // a camera's names it
+    return fail_with(named + summary.failure + "; the results so far are written");
+  }
   // Ctrl-C is the normal end of a camera; for a recording the exit code is the shell's code for the signal.
   if (summary.interrupted && kind != io::SequenceKind::camera) {
     log(LogLevel::warning, "interrupted; the results so far are written");
     return 128 + interrupted;
   }
-  if (!summary.failure.empty())
-    return fail_with(arguments.path + ": " + summary.failure + "; the results so far are written");
   if (summary.frames.tracked > 0) return 0;
   return fail_with(arguments.path + ": no frame was tracked: " + why_nothing_is_tracked(summary, camera));
 }
@@ -163,7 +164,8 @@ PlayOptions play_options(const RunArguments& arguments, const SystemOptions& opt
   return play;
 }
 
-// Checks before the run what is to be saved after it. Returns the interval of savings meanwhile.
+// Checks before the run what is to be saved after it. Returns the interval of savings meanwhile. A folder that comes
+// with the results is open_outputs()'s to check.
 Result<SaveInterval> check_saving(const RunArguments& arguments, const SystemOptions& options, io::SequenceKind kind) {
   if (arguments.keep_images && arguments.save_map.empty())
     return fail("--keep-images: the images are kept beside a saved map, --save-map FILE");
@@ -172,9 +174,15 @@ Result<SaveInterval> check_saving(const RunArguments& arguments, const SystemOpt
   auto interval = parse_save_interval(arguments.save_every);
   if (!interval) return interval;
   if (arguments.save_map.empty() || options.localize) *interval = {};  // localising changes no map
-  if (arguments.save_map.empty()) return interval;
+  if (arguments.save_map.empty() || comes_with_results(arguments.save_map, arguments.out)) return interval;
   if (auto fits = check_map_target(arguments.save_map, *interval); !fits) return tl::unexpected(fits.error());
   return interval;
+}
+
+Result<void> open_outputs(const RunArguments& arguments, const SaveInterval& interval) {
+  const bool unchecked = !arguments.save_map.empty() && comes_with_results(arguments.save_map, arguments.out);
+  if (auto opened = open_output_folder(arguments.out); !opened) return opened;
+  return unchecked ? check_map_target(arguments.save_map, interval) : Result<void>();
 }
 
 int run(const RunArguments& arguments) {
@@ -237,7 +245,7 @@ int run(const RunArguments& arguments) {
     if (!started) return fail_with("--view: " + started.error().message);
     viewer = std::move(*started);
   }
-  if (const auto opened = open_output_folder(arguments.out); !opened) return fail_with(opened.error());
+  if (const auto opened = open_outputs(arguments, *interval); !opened) return fail_with(opened.error());
   std::optional<exchange::KeptImages> images;
   if (arguments.keep_images) {
     auto opened = exchange::KeptImages::open_to_write(exchange::image_folder(arguments.save_map));
@@ -263,7 +271,7 @@ int run(const RunArguments& arguments) {
     return fail_with(arguments.path + ": no frame could be read");
 
   const auto summary = save(arguments, record, *system, **sequence, header, first_own, images);
-  if (saver && summary) saver->finish();
+  if (saver && summary && system->map_size().key_frames > 0) saver->finish();
   if (viewer)
     viewer->run_ended(view_state(record, *system->snapshot(), summary ? *summary : RunSummary(), title_of(arguments)));
   if (!summary) return fail_with(summary.error());

@@ -18,6 +18,13 @@ void on_signal(int signal) {
   std::signal(signal, SIG_DFL);
 }
 
+// From 1 on, or -1, which is all.
+CLI::Validator count_or_all() {
+  return CLI::Validator(
+      [](std::string& text) { return text == "-1" ? std::string() : whole_number_from(1)(text) + ", or -1 for all"; },
+      "FROM 1");
+}
+
 }  // namespace
 
 const std::map<std::string, Sensor> kSensors{
@@ -59,7 +66,7 @@ void add_reading_options(CLI::App& command, Reading& reading) {
   command.add_option("--right-topic", reading.topics.right, "right image topic of a bag");
   command.add_option("--depth-topic", reading.topics.depth, "depth topic of a bag, registered to the image");
   command.add_option("--first", reading.first, "index of the first frame")->check(whole_number_from(0));
-  command.add_option("--count", reading.count, "frames at most")->check(whole_number_from(1));
+  command.add_option("--count", reading.count, "frames at most; -1: all")->check(count_or_all());
   command.add_option("--stride", reading.stride, "every n-th frame")->check(whole_number_from(1));
   command.add_flag("--skip-bad", reading.skip_bad,
                    "leave out frames without their right image, depth or a stamp that rises, also where they are many");

@@ -49,11 +49,27 @@ TEST_F(CommandSave, WhatAKilledRunLeavesIsAMap) {
   const auto left = storage::load_map(aside);
   ASSERT_TRUE(left) << left.error().message;
   EXPECT_GT(left->map.key_frame_count(), 0u);
+  const std::string bytes = text_of(aside);
   const Outcome next = covis(run_of({}));
   EXPECT_EQ(next.code, 0);
   EXPECT_THAT(next.error, HasSubstr("it is the map of a run that did not end well"));
   EXPECT_TRUE(fs::exists(map));
-  EXPECT_FALSE(fs::exists(aside));
+  EXPECT_EQ(text_of(aside), bytes) << "a run that saved nothing aside leaves what it did not write";
+  EXPECT_EQ(covis(run_of({"--save-every", "1"})).code, 0);
+  EXPECT_FALSE(fs::exists(aside)) << "its own";
+  EXPECT_EQ(text_of(folder / "m.covis.unfinished.old"), bytes);
+}
+
+TEST_F(CommandSave, TheMapMayGoToTheFolderOfTheResults) {
+  const fs::path out = folder / "new" / "out";
+  const auto run_to = [&](const fs::path& file) {
+    return covis({"run", recording, "--quiet", "--count", "5", "--out", out, "--save-map", file});
+  };
+  EXPECT_THAT(run_to(folder / "elsewhere/m").error, HasSubstr("elsewhere/m: it can't be written"));
+  EXPECT_FALSE(fs::exists(folder / "new")) << "the run has not begun";
+  const Outcome run = run_to(out / "m.covis");
+  EXPECT_EQ(run.code, 0) << run.error;
+  EXPECT_TRUE(storage::load_map(out / "m.covis"));
 }
 
 TEST_F(CommandSave, ARunThatTracksNothingLeavesTheOldMap) {

@@ -113,7 +113,7 @@ TEST_F(CommandUsage, WrongArgumentsAreNamedWithCode2) {
                {{"run", "somewhere", "--sensor", "sonar"}, "sonar not in {mono,rgbd,stereo}"},
                {{"run", "somewhere", "--features", "1"}, "not in range 50 to 30000"},
                {{"run", "somewhere", "--stride", "0"}, "--stride: 0 is not a whole number from 1 on"},
-               {{"run", "somewhere", "--count", "-5"}, "--count: -5 is not a whole number from 1 on"},
+               {{"run", "somewhere", "--count", "-5"}, "--count: -5 is not a whole number from 1 on, or -1 for all"},
                {{"run", "somewhere", "--first", "-1"}, "--first: -1 is not a whole number from 0 on"},
                {{"eval", "a", "b", "--delta", "nan"}, "--delta: nan is not a positive number"},
                {{"eval", "a", "b", "--max-difference", "inf"}, "--max-difference: inf is not a positive number"},

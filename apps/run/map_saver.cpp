@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/run/map_saver.h"
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
-#include <cmath>
+#include <exception>
 #include <system_error>
 #include <utility>
 
@@ -30,6 +31,22 @@ std::filesystem::path unfinished_map(const std::filesystem::path& file) {
   return aside;
 }
 
+std::filesystem::path older_unfinished_map(const std::filesystem::path& file) {
+  std::filesystem::path older = unfinished_map(file);
+  older += ".old";
+  return older;
+}
+
+bool comes_with_results(const std::filesystem::path& file, const std::filesystem::path& results) {
+  std::error_code none;
+  const auto place = [&](const std::filesystem::path& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path, none), none);
+  };
+  if (file.parent_path().empty() || std::filesystem::exists(file.parent_path(), none)) return false;
+  const std::filesystem::path folder = place(file.parent_path()), made = place(results);
+  return std::mismatch(folder.begin(), folder.end(), made.begin(), made.end()).first == folder.end();
+}
+
 Result<void> check_map_target(const std::filesystem::path& file, const SaveInterval& interval) {
   if (auto fits = storage::check_save_target(file); !fits) return fits;
   std::error_code none;
@@ -39,11 +56,12 @@ Result<void> check_map_target(const std::filesystem::path& file, const SaveInter
     return {};
   const std::filesystem::path aside = unfinished_map(file);
   if (auto fits = storage::check_save_target(aside); !fits) return fits;
-  if (std::filesystem::exists(aside, none)) {
-    log(LogLevel::warning, aside.string() +
-                               ": it is the map of a run that did not end well. This run will replace it; "
-                               "to keep it, end this run and rename it");
-  }
+  if (!std::filesystem::exists(aside, none)) return {};
+  const std::filesystem::path older = older_unfinished_map(file);
+  if (auto fits = storage::check_save_target(older); !fits) return fits;
+  log(LogLevel::warning, aside.string() + ": it is the map of a run that did not end well. Before this run saves there, "
+                                          "it is renamed to " +
+                             older.filename().string());
   return {};
 }
 
@@ -52,12 +70,41 @@ bool MapSaver::is_due() const {
   return interval_.seconds > 0 && since_.ms() >= 1000 * interval_.seconds;
 }
 
+void MapSaver::warn(const std::string& why) {
+  if (warned_) return;
+  warned_ = true;
+  log(LogLevel::warning, "the map could not be saved aside: " + why);
+}
+
 void MapSaver::take_result() {
   if (!saving_.valid()) return;
-  const Result<void> saved = saving_.get();
-  if (saved || warned_) return;
-  warned_ = true;
-  log(LogLevel::warning, "the map could not be saved aside: " + saved.error().message);
+  try {
+    if (const Result<void> saved = saving_.get(); !saved) warn(saved.error().message);
+  } catch (const std::exception& error) {  // as a lack of memory
+    warn(error.what());
+  }
+}
+
+// Runs on the thread that saves.
+Result<void> MapSaver::save(const MapState& map) {
+  lower_thread_priority();
+  std::error_code error;
+  if (!owned_ && std::filesystem::exists(aside_, error)) {
+    std::filesystem::rename(aside_, older_, error);
+    if (error) return fail(aside_.string() + ": it can't be renamed to " + older_.string() + ": " + error.message());
+  }
+  owned_ = true;
+  auto saved = storage::save_map(aside_, map, header_);
+  wrote_ = wrote_ || saved;
+  return saved;
+}
+
+void MapSaver::begin_saving(const System& system) {
+  try {
+    saving_ = std::async(std::launch::async, [this, map = system.map_state()] { return save(map); });
+  } catch (const std::exception& error) {  // as no thread to be had
+    warn(error.what());
+  }
 }
 
 void MapSaver::frame_done(const System& system) {
@@ -67,17 +114,13 @@ void MapSaver::frame_done(const System& system) {
   take_result();
   frames_ = 0;
   since_ = Stopwatch();
-  if (system.map_size().key_frames == 0) return;
-  saving_ = std::async(std::launch::async, [state = system.map_state(), file = aside_, header = header_] {
-    lower_thread_priority();
-    return storage::save_map(file, state, header);
-  });
+  if (system.map_size().key_frames > 0) begin_saving(system);
 }
 
 void MapSaver::finish() {
   take_result();
   std::error_code none;
-  std::filesystem::remove(aside_, none);
+  if (wrote_) std::filesystem::remove(aside_, none);
 }
 
 }  // namespace covis::app

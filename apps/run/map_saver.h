@@ -27,7 +27,13 @@ Result<SaveInterval> parse_save_interval(const std::string& text);
 // FILE.unfinished beside the file that the map goes to at the run's end.
 std::filesystem::path unfinished_map(const std::filesystem::path& file);
 
-// Says before a run whether its map can be saved to the file, and to the one aside; warns of a map that an earlier run
+// FILE.unfinished.old: the first saving of a run puts there what an earlier run left aside.
+std::filesystem::path older_unfinished_map(const std::filesystem::path& file);
+
+// The file's folder is not there yet, and will be once that of the results is made.
+bool comes_with_results(const std::filesystem::path& file, const std::filesystem::path& results);
+
+// Says before a run whether its map can be saved to the file, and to those aside; warns of a map that an earlier run
 // left aside. `interval`: never means that nothing is saved aside.
 Result<void> check_map_target(const std::filesystem::path& file, const SaveInterval& interval);
 
@@ -36,23 +42,30 @@ Result<void> check_map_target(const std::filesystem::path& file, const SaveInter
 class MapSaver {
  public:
   MapSaver(const std::filesystem::path& file, const storage::MapHeader& header, const SaveInterval& interval)
-      : aside_(unfinished_map(file)), header_(header), interval_(interval) {}
-  // Called after each frame: saves when that is due and the last saving is done. A saving that fails is warned of.
+      : aside_(unfinished_map(file)), older_(older_unfinished_map(file)), header_(header), interval_(interval) {}
+  MapSaver(const MapSaver&) = delete;
+  MapSaver& operator=(const MapSaver&) = delete;
+  // Called after each frame: saves when that is due and the last saving is done. A saving that fails is warned of; the
+  // run goes on.
   void frame_done(const System& system);
-  // The map is saved where it belongs: waits for the last saving and removes the file aside.
+  // The map is saved where it belongs: waits for the last saving and removes the file aside, if this run wrote it.
   void finish();
 
  private:
   bool is_due() const;
+  void begin_saving(const System& system);
+  Result<void> save(const MapState& map);
   void take_result();
+  void warn(const std::string& why);
 
-  std::filesystem::path aside_;
+  std::filesystem::path aside_, older_;
   storage::MapHeader header_;
   SaveInterval interval_;
   int64_t frames_ = 0;  // number of frames since the last saving
   Stopwatch since_;
-  std::future<Result<void>> saving_;
   bool warned_ = false;
+  bool owned_ = false, wrote_ = false;   // the file aside is this run's to write; this run wrote it
+  std::future<Result<void>> saving_;     // the last, as it is waited for before all else goes
 };
 
 }  // namespace covis::app

@@ -57,27 +57,40 @@ void note_refusals(const Map& map, const JoinClaims& found, std::vector<JoinedPa
   }
 }
 
-bool contradicts_itself(const JoinedPair& pair) { return 2 * pair.contrary >= pair.claims; }
+// Counts the claims of a pair, the first group's against all others.
+void weigh(const std::vector<JoinClaim>& claims, const std::vector<const JoinGroup*>& of, JoinedPair& pair) {
+  pair.claims = distinct(claims, *of.front());
+  pair.contrary = 0;
+  for (size_t g = 1; g < of.size(); ++g) pair.contrary += distinct(claims, *of[g]);
+  pair.evidence = claims[of.front()->claims.front()].evidence;
+  if (2 * pair.contrary >= pair.claims) pair.refusal = JoinRefusal::ambiguous;
+}
 
-// Marks the pairs whose claims contradict one another, and adds the key frames of these claims to `unsure`.
-void find_ambiguous(const std::vector<JoinClaim>& claims, const std::vector<JoinGroup>& groups,
+// Marks the pairs whose claims contradict one another, and adds the key frames of these claims to `unsure`. Returns
+// whether there are any that were not marked before.
+bool find_ambiguous(const std::vector<JoinClaim>& claims, const std::vector<JoinGroup>& groups,
                     std::vector<JoinedPair>& pairs, std::set<KeyFrameId>& unsure) {
+  bool found = false;
   for (JoinedPair& pair : pairs) {
-    std::vector<const JoinGroup*> of;  // the largest first
+    if (pair.refusal == JoinRefusal::ambiguous) continue;
+    std::vector<const JoinGroup*> of;  // the largest first, as they were before any claim was erased
     for (const JoinGroup& group : groups) {
       if (group.older == pair.older && group.younger == pair.younger) of.push_back(&group);
     }
     if (of.empty()) continue;
-    pair.claims = distinct(claims, *of.front());
-    pair.contrary = 0;
-    for (size_t g = 1; g < of.size(); ++g) pair.contrary += distinct(claims, *of[g]);
     pair.why = LoopRefusal::none;
-    pair.evidence = claims[of.front()->claims.front()].evidence;
-    if (!contradicts_itself(pair)) continue;
+    if (of.front()->claims.empty()) {  // all were erased; the figures stay those of before
+      pair.refusal = JoinRefusal::ambiguous;
+    } else {
+      weigh(claims, of, pair);
+    }
+    if (pair.refusal != JoinRefusal::ambiguous) continue;
+    found = true;
     for (const JoinGroup* group : of) {
       for (const size_t k : group->claims) unsure.insert({claims[k].current, claims[k].place});
     }
   }
+  return found;
 }
 
 }  // namespace
@@ -124,35 +137,31 @@ SideBySide::SideBySide(const Map& map, const std::vector<JoinClaim>& claims, con
 JoinPlan::JoinPlan(const Map& map, const JoinClaims& found, LoopVerifier& verifier) : pairs(all_pairs(map)) {
   note_refusals(map, found, pairs);
   const std::vector<JoinClaim>& claims = found.claims;
-  std::set<KeyFrameId> unsure;
   std::vector<JoinGroup> all = group_claims(map, claims);
-  find_ambiguous(claims, all, pairs, unsure);
+  std::set<KeyFrameId> unsure;
+  while (find_ambiguous(claims, all, pairs, unsure)) {
+    for (JoinGroup& group : all) {
+      std::erase_if(group.claims,
+                    [&](size_t k) { return unsure.contains(claims[k].current) || unsure.contains(claims[k].place); });
+    }
+  }
   for (JoinGroup& group : all) {
     JoinedPair& pair = pair_of(pairs, group.older, group.younger);
-    if (pair.refusal == JoinRefusal::none || pair.refusal == JoinRefusal::ambiguous) continue;  // a smaller group
-    if (contradicts_itself(pair)) {
-      pair.refusal = JoinRefusal::ambiguous;
-      continue;
-    }
-    std::erase_if(group.claims,
-                  [&](size_t k) { return unsure.contains(claims[k].current) || unsure.contains(claims[k].place); });
-    if (group.claims.empty()) {
-      pair.refusal = JoinRefusal::ambiguous;
-      continue;
-    }
-    if (pair.refusal == JoinRefusal::unconfirmed || pair.refusal == JoinRefusal::contradicted) continue;
-    if (distinct(claims, group) < kLeastClaims) {
+    if (pair.refusal != JoinRefusal::not_alike && pair.refusal != JoinRefusal::not_verified) continue;  // decided
+    if (pair.claims < kLeastClaims) {
       pair.refusal = JoinRefusal::unconfirmed;
       continue;
     }
     const SideBySide views(map, claims, group, verifier);
     pair.views_agree = views.agree;
     pair.views_disagree = views.disagree;
-    const bool in_doubt = 3 * views.disagree > views.agree && distinct(claims, group) < kLeastClaimsInDoubt;
+    const bool in_doubt = 3 * views.disagree > views.agree && pair.claims < kLeastClaimsInDoubt;
     pair.refusal = views.disagree > views.agree || in_doubt ? JoinRefusal::contradicted : JoinRefusal::none;
     pair.S_older_younger = JoinSides(map, claims[group.claims.front()]).S_old_young;
     if (pair.refusal == JoinRefusal::none) groups.push_back(std::move(group));
   }
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const JoinGroup& a, const JoinGroup& b) { return a.claims.size() > b.claims.size(); });
 }
 
 }  // namespace covis

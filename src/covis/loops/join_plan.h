@@ -3,10 +3,10 @@
 // together for good; with both maps whole there is more to ask than while running. A pair is joined when
 //   1. three pairs of key frames at least claim to see the same place, and agree on how both submaps lie,
 //   2. fewer than half as many claims say otherwise: else one submap has two places that look like one of the other,
-//      and nobody can tell which it is. Key frames of such claims are not believed about other submaps either,
+//      and nobody can tell which it is. Key frames of such claims are not believed about other submaps either, whose
+//      claims are counted again without them,
 //   3. where key frames of both would stand side by side, and so must see the same, they do, rather than not; where
-//   more
-//      than a quarter do not, five claims must agree.
+//      more than a quarter do not, five claims must agree.
 #pragma once
 
 #include <vector>

@@ -145,7 +145,7 @@ TEST(SubmapJoining, AnUnsurePlaceIsUnsureEverywhere) {
   for (const JoinedPair& pair : report.pairs) EXPECT_EQ(pair.refusal, JoinRefusal::ambiguous);
 }
 
-TEST(SubmapJoining, OneViewAloneIsNotBelieved) {
+TEST(SubmapJoining, TwoViewsAreNotBelieved) {
   Pieces pieces(PointScene::ring(2400, LoopScene::kSteps));
   pieces.add(0, 16);
   pieces.add(8, 24, kShift);
@@ -154,10 +154,49 @@ TEST(SubmapJoining, OneViewAloneIsNotBelieved) {
   ASSERT_GE(found.claims.size(), 8u);
   LoopVerifier verifier(Sensor::rgbd, {}, 0);
   EXPECT_EQ(JoinPlan(*map, found, verifier).groups.size(), 1u);
-  found.claims.erase(found.claims.begin() + 1, found.claims.end());
+  // Two claims, each of another pair of key frames, that agree.
+  const auto other = std::find_if(found.claims.begin() + 1, found.claims.end(), [&](const JoinClaim& claim) {
+    return claim.current != found.claims[0].current && claim.current != found.claims[0].place;
+  });
+  ASSERT_NE(other, found.claims.end());
+  found.claims = {found.claims[0], *other};
   const JoinPlan plan(*map, found, verifier);
   EXPECT_TRUE(plan.groups.empty());
+  EXPECT_EQ(plan.pairs[0].claims, 2);
+  EXPECT_EQ(plan.pairs[0].contrary, 0);
   EXPECT_EQ(plan.pairs[0].refusal, JoinRefusal::unconfirmed);
+}
+
+// Five claims outweigh two; three do not, once a third submap makes key frames of the others unsure.
+TEST(SubmapJoining, ClaimsAreCountedAgainWithoutUnsureOnes) {
+  Pieces pieces(PointScene::ring(2400, LoopScene::kSteps));
+  for (int k = 0; k < 3; ++k) pieces.add(0, 12);
+  const auto map = pieces.world.shared.read();
+  const auto& frames = pieces.world.frames;
+  JoinClaims found;
+  const auto claim = [&](size_t current, size_t place, const SE3& S_there_here) {
+    Loop loop;
+    loop.place = LoopPlace(*map, frames[place]);
+    loop.S_cw = Sim3(map->at(frames[current]).T_cw * S_there_here.inverse());
+    for (size_t k = 0; k < 20; ++k) loop.matches.emplace_back(0, loop.place.points.id[k]);
+    found.claims.emplace_back(*map, frames[current], loop, LoopEvidence());
+  };
+  const SE3 right, wrong(Eigen::Matrix3d::Identity(), Eigen::Vector3d(40, 0, 0));
+  for (size_t k = 0; k < 5; ++k) claim(12 + k, k, right);
+  for (size_t k = 5; k < 7; ++k) claim(12 + k, k, wrong);
+  LoopVerifier verifier(Sensor::rgbd, {}, 0);
+  const JoinPlan before(*map, found, verifier);
+  EXPECT_EQ(before.groups.size(), 1u);
+  EXPECT_EQ(before.pairs[0].claims, 5);
+  EXPECT_EQ(before.pairs[0].contrary, 2);
+  claim(24, 0, right);
+  claim(25, 1, wrong);
+  const JoinPlan plan(*map, found, verifier);
+  EXPECT_EQ(plan.pairs[1].refusal, JoinRefusal::ambiguous);
+  EXPECT_EQ(plan.pairs[0].claims, 3);
+  EXPECT_EQ(plan.pairs[0].contrary, 2);
+  EXPECT_EQ(plan.pairs[0].refusal, JoinRefusal::ambiguous);
+  EXPECT_TRUE(plan.groups.empty());
 }
 
 TEST(SubmapJoining, TheWayLeadsAlongTheGraph) {

@@ -16,9 +16,10 @@ struct ThinnedKeyFrame {
   FeaturesPtr features;
 };
 
-// Erases key frames until so many are left, and points that too few see then (Map::erase_key_frame). Each time that one
-// goes whose loss costs least: a point that n key frames see counts 2^-(n-1). Roots stay. Returns what was erased, in
-// that order.
+// Erases key frames until so many are left, and points that too few see then (Map::erase_key_frame). Those go first
+// whose loss costs least: a point that n key frames see counts 2^-(n-1). A key frame that others made dearer is weighed
+// again before it goes; one that became cheaper, as its points were lost, keeps its old place in the order. Roots stay.
+// Returns what was erased, in that order.
 std::vector<ThinnedKeyFrame> thin_map(Map& map, size_t key_frames);
 
 }  // namespace covis
