@@ -42,6 +42,9 @@ TEST(Memory, WhereMappingHasNoneTrackingSaysSoAndTheMapStays) {
   }
   EXPECT_TRUE(thrown) << "of the mapping thread, when its result was due";
   EXPECT_GE(system.snapshot()->trajectory.size(), poses);
+  for (int i = 40; i < 43; ++i) EXPECT_THROW(system.process(recording.frame(i)), std::bad_alloc) << "from then on";
+  EXPECT_THROW(system.finish(), std::bad_alloc);
+  EXPECT_THROW(system.set_mode(TrackingMode::localisation), std::bad_alloc);
 }
 
 TEST(Memory, TheLibraryMakesAnErrorOfIt) {

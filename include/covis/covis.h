@@ -106,8 +106,11 @@ class COVIS_API Slam {
   // ---- From the tracking thread ----
 
   // Tracks one frame; stamps must rise, for tracking predicts motion from them. Errors: a stamp that does not rise or
-  // is beyond 4e18 ns (the year 2096), an image of another size than the camera's, images that do not fit the sensor.
-  // An error changes nothing: the next frame is tracked as if there had been no call.
+  // is 2^62 ns or more from 0 (the year 2116), an image of another size than the camera's, images that do not fit the
+  // sensor. An error changes nothing: the next frame is tracked as if there had been no call. But for a lack of memory,
+  // which is an error that begins with the call's name: where it struck mapping, track(), set_mode() and finish() (in
+  // the log) go on failing. snapshot(), trajectory() and save_map() then give what there was; reset() and load_map()
+  // begin anew.
   tl::expected<FrameResult, std::string> track(const Frame& frame);
   // The keypoints of the last frame that show points of the map; none when it has no pose.
   std::vector<TrackedPoint> tracked_points();

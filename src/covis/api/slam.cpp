@@ -25,7 +25,8 @@ using Failure = tl::unexpected<std::string>;
 template <class T>
 using Expected = tl::expected<T, std::string>;
 
-// Makes an error of what is thrown, as a lack of memory in any thread; what was made before stays.
+// Makes an error of what is thrown, as a lack of memory in any thread; what was made before stays. An event's handler
+// is not called in it, for what that throws is its owner's.
 template <class Function>
 auto without_exceptions(const char* name, Function&& function) -> decltype(function()) {
   try {
@@ -52,9 +53,6 @@ Expected<SystemOptions> to_system_options(const SlamOptions& given) {
 TrackingMode to_tracking_mode(Mode mode) {
   return mode == Mode::mapping ? TrackingMode::mapping : TrackingMode::localisation;
 }
-
-// Differences of two stamps within it are far from the end of 64 bits.
-constexpr int64_t kMaxStamp = 4'000'000'000'000'000'000;  // nanoseconds, 126 years
 
 template <class Enum>
 bool is_one_of(Enum value, Enum last) {
@@ -179,8 +177,8 @@ std::optional<std::string> Slam::Impl::problem_of(const Frame& frame) const {
   if (!rgbd && frame.depth.data) return "depth: only an RGB-D camera has depth";
   if (frame.colour.data && !is_one_of(frame.colour.order, ColourOrder::bgr))
     return "colour: order must be rgb or bgr, not " + std::to_string(static_cast<int>(frame.colour.order));
-  if (frame.stamp < -kMaxStamp || frame.stamp > kMaxStamp)
-    return "stamp: it must be within 4e18 ns of 0, not " + std::to_string(frame.stamp);
+  if (!is_usable_stamp(frame.stamp))
+    return "stamp: it must be less than 2^62 ns (146 years) from 0, not " + std::to_string(frame.stamp);
   const ptrdiff_t width = camera.width;
   std::optional<std::string> problem;
   if (frame.colour.data) problem = image_problem(frame.colour, camera, "colour", 3 * width);
@@ -235,57 +233,63 @@ Expected<std::unique_ptr<Slam>> Slam::create(const SlamOptions& options) {
 }
 
 Expected<FrameResult> Slam::track(const Frame& frame) {
-  const auto input = impl_->input(frame);
-  if (!input) return Failure(input.error());
-  if (frame.stamp <= impl_->last_stamp) return Failure("stamp: stamps must rise from frame to frame");
-  if (!is_usable_stamp(frame.stamp)) return Failure("stamp: nanoseconds from -2^62 to 2^62 can be used");
-  impl_->last_stamp = frame.stamp;
-  ++impl_->next_frame;
-  const auto report = without_exceptions("track", [&]() -> Expected<FrameReport> {
-    FrameReport made = impl_->system().process(*input);
-    if (made.track.key_frame && frame.colour.data)
+  std::vector<Event> events;
+  auto result = without_exceptions("track", [&]() -> Expected<FrameResult> {
+    const auto input = impl_->input(frame);
+    if (!input) return Failure(input.error());
+    if (frame.stamp <= impl_->last_stamp) return Failure("stamp: stamps must rise from frame to frame");
+    impl_->last_stamp = frame.stamp;
+    ++impl_->next_frame;
+    const FrameReport report = impl_->system().process(*input);
+    if (report.track.key_frame && frame.colour.data)
       impl_->colours.keep(input->frame, frame.colour, impl_->rectifier ? &*impl_->rectifier : nullptr);
     impl_->colours.give(impl_->system());
-    return made;
+    events = impl_->teller.of_frame(frame.stamp, report, impl_->system().map());
+    return to_result(report);
   });
-  if (!report) return Failure(report.error());
-  impl_->tell(impl_->teller.of_frame(frame.stamp, *report, impl_->system().map()));
-  return to_result(*report);
+  impl_->tell(events);
+  return result;
 }
 
 std::vector<TrackedPoint> Slam::tracked_points() { return impl_->system().tracked_points(); }
 
 Expected<std::optional<Location>> Slam::locate(const Frame& frame) {
-  const auto input = impl_->input(frame);
-  if (!input) return Failure(input.error());
-  const auto found = impl_->system().locate(*input);
-  if (!found) return std::nullopt;
-  return to_location(*found);
+  return without_exceptions("locate", [&]() -> Expected<std::optional<Location>> {
+    const auto input = impl_->input(frame);
+    if (!input) return Failure(input.error());
+    const auto found = impl_->system().locate(*input);
+    if (!found) return std::nullopt;
+    return to_location(*found);
+  });
 }
 
 Expected<void> Slam::set_mode(Mode mode) {
   if (!is_one_of(mode, Mode::localisation))
     return Failure("mode: it must be mapping or localisation, not " + std::to_string(static_cast<int>(mode)));
   System& system = impl_->system();
-  if (mode == Mode::localisation && system.map_size().key_frames == 0)
-    return Failure("localisation needs a map, and there is none yet");
-  const auto reports = system.set_mode(to_tracking_mode(mode));
-  if (!reports) return Failure(reports.error().message);
-  impl_->mode = mode;
-  impl_->tell(EventTeller::of_mapping(*reports, system.map()));
+  const auto events = without_exceptions("set_mode", [&]() -> Expected<std::vector<Event>> {
+    if (mode == Mode::localisation && system.map_size().key_frames == 0)
+      return Failure("localisation needs a map, and there is none yet");
+    const auto reports = system.set_mode(to_tracking_mode(mode));
+    if (!reports) return Failure(reports.error().message);
+    impl_->mode = mode;
+    return EventTeller::of_mapping(*reports, system.map());
+  });
+  if (!events) return Failure(events.error());
+  impl_->tell(*events);
   return {};
 }
 
 Mode Slam::mode() const { return impl_->mode; }
 
 void Slam::finish() {
-  const auto reports = without_exceptions("finish", [&]() -> Expected<std::vector<MappingReport>> {
-    std::vector<MappingReport> made = impl_->system().finish();
+  const auto events = without_exceptions("finish", [&]() -> Expected<std::vector<Event>> {
+    const std::vector<MappingReport> reports = impl_->system().finish();
     impl_->colours.give(impl_->system());
-    return made;
+    return EventTeller::of_mapping(reports, impl_->system().map());
   });
-  if (!reports) return log(LogLevel::error, reports.error());
-  impl_->tell(EventTeller::of_mapping(*reports, impl_->system().map()));
+  if (!events) return log(LogLevel::error, events.error());
+  impl_->tell(*events);
 }
 
 void Slam::reset() {
@@ -293,11 +297,13 @@ void Slam::reset() {
 }
 
 Expected<void> Slam::load_map(const std::string& file) {
-  if (file.empty()) return Failure("load_map: the name of the file is empty");
-  auto session = impl_->make_session(file, mode());
-  if (!session) return Failure(session.error());
-  impl_->begin(std::move(*session), mode(), TrackingState::lost);
-  return {};
+  return without_exceptions("load_map", [&]() -> Expected<void> {
+    if (file.empty()) return Failure("load_map: the name of the file is empty");
+    auto session = impl_->make_session(file, mode());
+    if (!session) return Failure(session.error());
+    impl_->begin(std::move(*session), mode(), TrackingState::lost);
+    return {};
+  });
 }
 
 void Slam::on_event(std::function<void(const Event&)> handler) { impl_->handler = std::move(handler); }
@@ -309,11 +315,14 @@ std::shared_ptr<const MapSnapshot> Slam::snapshot() const {
 std::vector<TrajectoryPose> Slam::trajectory() const { return to_trajectory(impl_->current()->system.trajectory()); }
 
 Expected<void> Slam::save_map(const std::string& file) const {
-  const auto session = impl_->current();
-  const MapState state = session->system.map_state();
-  if (state.key_frames.empty()) return Failure(file + ": there is no map to save yet");
-  if (const auto saved = storage::save_map(file, state, session->header); !saved) return Failure(saved.error().message);
-  return {};
+  return without_exceptions("save_map", [&]() -> Expected<void> {
+    const auto session = impl_->current();
+    const MapState state = session->system.map_state();
+    if (state.key_frames.empty()) return Failure(file + ": there is no map to save yet");
+    if (const auto saved = storage::save_map(file, state, session->header); !saved)
+      return Failure(saved.error().message);
+    return {};
+  });
 }
 
 CameraParameters Slam::camera() const { return in_use(impl_->given, impl_->current()->system.camera()); }

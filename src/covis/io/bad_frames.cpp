@@ -30,7 +30,7 @@ void keep(std::vector<FrameFiles>& frames, const std::vector<size_t>& indices) {
 }
 
 Result<void> leave_out_missing(Recording& recording, BadFrames bad_frames) {
-  if (recording.images) return {};  // they are no files
+  if (recording.kind == SequenceKind::bag) return {};  // its images are no files
   std::vector<FrameFiles>& frames = recording.frames;
   std::vector<size_t> there;
   std::string first;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "covis/features/rectification.h"
+#include "covis/geometry/camera_check.h"
 #include "covis/io/open3d_camera.h"
 #include "covis/io/ros_camera.h"
 #include "covis/io/yaml.h"
@@ -30,21 +31,22 @@ bool is_rectified_pair(const Camera& left, const Camera& right, const SE3& T_rl)
          T_rl.t().tail<2>().norm() < -kShare * T_rl.t().x();
 }
 
-// right: its name, for messages. rate: Hz, or 0.
-void add_right_camera(const Camera& right, const SE3& T_rl, const std::string& name, double rate,
-                      ImportedCamera& imported) {
+// file: the one that tells where the right camera is, and name: the right camera's, for messages. rate: Hz, or 0.
+Result<void> add_right_camera(const fs::path& file, const Camera& right, const SE3& T_rl, const std::string& name,
+                              double rate, ImportedCamera& imported) {
   const Camera left = imported.file.camera;
   if (is_rectified_pair(left, right, T_rl)) {
     imported.file.baseline = -T_rl.t().x();
     imported.file.camera.pinhole.bf = left.pinhole.fx * imported.file.baseline;
     imported.file.camera.distortion = Distortion::none;
-    return;
+    return check_camera_bounds(file, imported.file.camera);
   }
   if (const auto made = StereoRectification::create(left, right, T_rl); !made) {
     imported.notes.push_back(name + " is left out, for the pair can't be rectified: " + made.error().message);
-    return;
+    return {};
   }
   imported.pair = SensorPair{{left, SE3(), rate}, {right, T_rl.inverse(), rate}};
+  return {};
 }
 
 // Reads one camera of a chain; errors name it.
@@ -94,7 +96,10 @@ Result<ImportedCamera> import_kalibr(const fs::path& file, const YAML::Node& roo
   const Eigen::Matrix3d R = T_rl.topLeftCorner<3, 3>();
   if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > 1e-3 || R.determinant() < 0)
     return fail(file.string() + ": T_cn_cnm1 does not hold a rotation (cam1)");
-  add_right_camera(*right, SE3(R, T_rl.topRightCorner<3, 1>()).normalized(), "cam1", 0, imported);
+  if (auto added =
+          add_right_camera(file, *right, SE3(R, T_rl.topRightCorner<3, 1>()).normalized(), "cam1", 0, imported);
+      !added)
+    return tl::unexpected(added.error());
   return imported;
 }
 
@@ -111,8 +116,10 @@ Result<ImportedCamera> import_sensor_file(const fs::path& file) {
   const auto right = read_sensor_file(right_file);
   if (!right) return tl::unexpected(right.error());
   if (auto checked = check_camera_bounds(right_file, right->camera); !checked) return tl::unexpected(checked.error());
-  add_right_camera(right->camera, right->T_bs.inverse() * left->T_bs, right_file.filename().string(), left->rate,
-                   imported);
+  if (auto added = add_right_camera(right_file, right->camera, right->T_bs.inverse() * left->T_bs,
+                                    right_file.filename().string(), left->rate, imported);
+      !added)
+    return tl::unexpected(added.error());
   return imported;
 }
 
@@ -161,20 +168,7 @@ Result<ImportedCamera> import_open3d(const fs::path& file) {
 }  // namespace
 
 Result<void> check_camera_bounds(const fs::path& file, const Camera& camera) {
-  const Pinhole& p = camera.pinhole;
-  const auto within = [](double value, double least, double most) { return value >= least && value <= most; };
-  if (!within(camera.width, 16, 20000) || !within(camera.height, 16, 20000)) {
-    return fail(file.string() + ": the image is " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
-                "; its sides must be 16 to 20000 pixels");
-  }
-  if (!within(p.fx, 1, 100000) || !within(p.fy, 1, 100000)) {
-    return fail(file.string() + ": the focal lengths are " + std::to_string(p.fx) + " and " + std::to_string(p.fy) +
-                "; they must be 1 to 100000 pixels");
-  }
-  if (!(p.cx > 0 && p.cx < camera.width && p.cy > 0 && p.cy < camera.height)) {
-    return fail(file.string() + ": the principal point (" + std::to_string(p.cx) + ", " + std::to_string(p.cy) +
-                ") must lie inside the image of " + std::to_string(camera.width) + "x" + std::to_string(camera.height));
-  }
+  if (const auto problem = problem_of(camera)) return fail(file.string() + ": " + *problem);
   return {};
 }
 

@@ -93,6 +93,8 @@ TEST_F(CameraImport, OfARectifiedPairHasABaseline) {
   const ImportedCamera stereo = imported("c.yaml", left + right);
   EXPECT_NEAR(stereo.file.baseline, 0.12, 1e-12);
   EXPECT_FALSE(stereo.pair);
+  EXPECT_THAT(import_error("c.yaml", left + replaced(right, "-0.12", "-120")),
+              AllOf(HasSubstr("c.yaml: the baseline in metres: 120"), HasSubstr("to 100")));
   const ImportedCamera exchanged = imported("c.yaml", left + replaced(right, "-0.12", "0.12"));
   EXPECT_FALSE(exchanged.pair);
   EXPECT_EQ(exchanged.file.baseline, 0);
@@ -109,7 +111,8 @@ TEST_F(CameraImport, OfKalibrNamesTheFieldThatIsWrong) {
   EXPECT_THAT(import_error("c.yaml", replaced(left, "[752, 480]", "[752]")),
               HasSubstr("resolution needs 2 numbers (cam0)"));
   EXPECT_THAT(import_error("c.yaml", replaced(left, "367", "3670")), HasSubstr("principal point"));
-  EXPECT_THAT(import_error("c.yaml", replaced(left, "458", "-458")), HasSubstr("focal lengths"));
+  EXPECT_THAT(import_error("c.yaml", replaced(left, "458", "-458")),
+              AllOf(HasSubstr("c.yaml: fx, the focal length"), HasSubstr("(cam0)")));
   EXPECT_THAT(import_error("c.yaml", left + replaced(kKalibrRight, "T_cn_cnm1", "T_cam_imu")),
               AllOf(HasSubstr("'T_cn_cnm1' is missing"), HasSubstr("cam1")));
   EXPECT_THAT(import_error("c.yaml", left + replaced(kKalibrRight, "[1.0", "[2.0")),

@@ -67,15 +67,22 @@ std::optional<std::string> problem_of_png(std::string_view bytes) {
 }
 
 // Walks through the headers, which may contain another complete JPEG (a preview), and looks for the end mark behind.
+// Fill bytes and stray ones between segments are passed over, as the decoder does.
 std::optional<std::string> problem_of_jpeg(std::string_view bytes) {
   const Numbers number(bytes);
   std::optional<std::string> size = "the image file has no size in its header";
   size_t at = 2;
-  while (at + 4 <= bytes.size() && number(at, 1) == 0xff && number(at + 1, 1) != 0xda) {
+  while (at + 4 <= bytes.size()) {
     const uint32_t marker = number(at + 1, 1);
+    if (number(at, 1) != 0xff || marker == 0 || marker == 0xff) {
+      ++at;
+      continue;
+    }
+    if (marker == 0xda) break;
+    const bool alone = marker == 0x01 || (marker >= 0xd0 && marker <= 0xd7);  // it has no length
     const bool frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
     if (frame) size = problem_of_size(number(at + 7, 2), number(at + 5, 2));
-    at += marker == 0xff ? 1 : 2 + number(at + 2, 2);  // a fill byte, or a segment with its length
+    at += alone ? 2 : 2 + number(at + 2, 2);
   }
   const size_t end = bytes.rfind("\xff\xd9");
   if (end == std::string_view::npos || end < at) return too_short(bytes);
@@ -93,7 +100,7 @@ std::optional<std::string> problem_of_tiff(std::string_view bytes) {
   struct Array {
     size_t size = 0, count = 0, at = 0;  // bytes of an item
   };
-  std::array<Array, 2> pieces;  // their places, and their lengths
+  std::array<Array, 2> pieces;  // their places, and their lengths, which the decoder can do without
   uint32_t width = 0, height = 0;
   for (size_t e = list + 2; e < list + 2 + 12 * entries; e += 12) {
     const uint32_t tag = number(e, 2), type = number(e + 2, 2);
@@ -106,7 +113,7 @@ std::optional<std::string> problem_of_tiff(std::string_view bytes) {
   if (const auto problem = problem_of_size(width, height)) return problem;
   const auto& [places, lengths] = pieces;
   for (const Array& array : pieces) {
-    if (array.size == 0 || array.at + array.size * array.count > bytes.size()) return too_short(bytes);
+    if (array.at + array.size * array.count > bytes.size()) return too_short(bytes);
   }
   for (size_t k = 0; k < std::min(places.count, lengths.count); ++k) {
     const uint64_t place = number(places.at + k * places.size, places.size),

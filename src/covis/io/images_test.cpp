@@ -221,6 +221,43 @@ TEST_F(Images, ThePartOfAJpegThatIsDamagedIsTold) {
   EXPECT_FALSE(problem_of_image(padded));
 }
 
+TEST_F(Images, BytesThatAJpegMayHoldBetweenItsPartsAreNoDamage) {
+  std::vector<uint8_t> encoded;
+  ASSERT_TRUE(cv::imencode(".jpg", noise(), encoded, {cv::IMWRITE_JPEG_RST_INTERVAL, 3}));
+  const std::string whole(encoded.begin(), encoded.end());
+  std::string filled;
+  int restarts = 0;
+  for (size_t i = 0; i < whole.size(); ++i) {
+    const bool restart =
+        i > whole.find("\xff\xda") && whole[i] == '\xff' && (static_cast<unsigned char>(whole[i + 1]) & 0xf8) == 0xd0;
+    if (restart) filled += std::string(1 + restarts++ % 3, '\xff');
+    filled += whole[i];
+  }
+  EXPECT_GT(restarts, 1);
+  EXPECT_EQ(problem_of_image(filled), std::nullopt) << "fill bytes before restarts";
+  filled.insert(filled.size() - 2, 1000, '\xff');
+  EXPECT_EQ(problem_of_image(filled), std::nullopt) << "fill bytes before the end";
+  std::string stray = whole;
+  stray.insert(whole.find("\xff\xc0"), std::string("\0\0ab\xff\0\xff", 7));
+  EXPECT_EQ(problem_of_image(stray), std::nullopt) << "bytes between segments";
+  for (const std::string& bytes : {filled, stray}) {
+    write("a.jpg", bytes);
+    const auto read = reader.grey(folder / "a.jpg", grey);
+    EXPECT_TRUE(read) << "as the decoder reads them: " << read.error().message;
+  }
+}
+
+TEST_F(Images, ATiffMayLackTheLengthsOfItsStrips) {
+  std::string tiff = saved("a.tiff", noise());
+  const size_t list = static_cast<unsigned char>(tiff[4]) | static_cast<unsigned char>(tiff[5]) << 8 |
+                      static_cast<unsigned char>(tiff[6]) << 16;
+  size_t lengths = list + 2;
+  while (lengths < tiff.size() && tiff.substr(lengths, 2) != "\x17\x01") lengths += 12;
+  ASSERT_LT(lengths, tiff.size());
+  tiff.replace(lengths, 2, "\x19\x01");
+  EXPECT_EQ(problem_of_image(tiff), std::nullopt);
+}
+
 TEST_F(Images, ATiffWhosePixelsLieBehindItsEndIsTold) {
   std::string tiff = saved("a.tiff", noise());
   EXPECT_FALSE(problem_of_image(tiff));

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "covis/io/image_bytes.h"
 
@@ -81,9 +80,10 @@ class ScanBits {
   }
   // True when more was skipped than there was.
   bool overrun() const { return count_ < 8 * behind_; }
+  // Without the fill bytes before a marker.
   size_t bytes_left() const {
     size_t left = 0;
-    for (size_t i = at_; i < bytes_.size() && !is_marker(i); ++i) ++left;
+    for (size_t i = at_; i < bytes_.size() && !is_marker(i); ++i) left += !is_fill(i);
     return left;
   }
   // Goes on behind the next marker, which must be a restart. False: there is none.
@@ -101,7 +101,10 @@ class ScanBits {
   bool is_marker(size_t i) const {
     return bytes_[i] == '\xff' && i + 1 < bytes_.size() && bytes_[i + 1] != 0 && bytes_[i + 1] != '\xff';
   }
+  // Bytes 0xff may stand before that of a marker (T.81, B.1.1.2).
+  bool is_fill(size_t i) const { return bytes_[i] == '\xff' && i + 1 < bytes_.size() && bytes_[i + 1] == '\xff'; }
   uint32_t next_byte() {
+    while (at_ < bytes_.size() && is_fill(at_)) ++at_;
     if (at_ >= bytes_.size() || is_marker(at_)) {
       ++behind_;
       return 0;
@@ -125,7 +128,8 @@ struct Component {
 // The headers of a JPEG file with one scan of all components, sequential and Huffman-coded.
 struct JpegHeaders {
   std::array<HuffmanTable, kIds> dc, ac;
-  std::vector<Component> components;
+  std::array<Component, 4> components;  // a scan has no more
+  uint32_t count = 0;                   // components
   uint32_t units = 0, restart_interval = 0;
   std::string_view data;  // from the first byte of the scan on
 };
@@ -147,16 +151,18 @@ bool read_tables(std::string_view segment, JpegHeaders& headers) {
 }
 
 bool read_frame(std::string_view segment, JpegHeaders& headers) {
-  if (segment.size() < 6 || segment.size() < 6 + 3 * byte_at(segment, 5)) return false;
+  if (headers.count > 0 || segment.size() < 6) return false;
+  headers.count = byte_at(segment, 5);
+  if (headers.count > headers.components.size() || segment.size() < 6 + 3 * headers.count) return false;
   uint32_t across = 1, down = 1;
-  for (uint32_t c = 0; c < byte_at(segment, 5); ++c) {
+  for (uint32_t c = 0; c < headers.count; ++c) {
     const uint32_t factors = byte_at(segment, 7 + 3 * c), h = factors >> 4, v = factors & 15;
     if (h < 1 || h > 4 || v < 1 || v > 4) return false;
     across = std::max(across, h);
     down = std::max(down, v);
-    headers.components.push_back({byte_at(segment, 6 + 3 * c), h * v});
+    headers.components[c] = {byte_at(segment, 6 + 3 * c), h * v};
   }
-  if (headers.components.size() == 1) {  // its blocks are not grouped then
+  if (headers.count == 1) {  // its blocks are not grouped then
     headers.components[0].blocks = 1;
     across = down = 1;
   }
@@ -166,9 +172,9 @@ bool read_frame(std::string_view segment, JpegHeaders& headers) {
 }
 
 bool read_scan(std::string_view segment, JpegHeaders& headers) {
-  const size_t count = headers.components.size();
+  const uint32_t count = headers.count;
   if (count == 0 || segment.size() < 1 + 2 * count || byte_at(segment, 0) != count) return false;
-  for (size_t c = 0; c < count; ++c) {
+  for (uint32_t c = 0; c < count; ++c) {
     Component& component = headers.components[c];
     if (byte_at(segment, 1 + 2 * c) != component.id) return false;
     const uint32_t tables = byte_at(segment, 2 + 2 * c);
@@ -230,7 +236,8 @@ bool jpeg_scan_is_whole(std::string_view bytes) {
   for (uint32_t unit = 0; unit < headers.units; ++unit) {
     if (headers.restart_interval > 0 && unit > 0 && unit % headers.restart_interval == 0 && !bits.restart())
       return false;
-    for (const Component& component : headers.components) {
+    for (uint32_t c = 0; c < headers.count; ++c) {
+      const Component& component = headers.components[c];
       for (uint32_t block = 0; block < component.blocks; ++block) {
         if (!skip_block(headers.dc[component.dc], headers.ac[component.ac], bits)) return false;
       }

@@ -2,6 +2,8 @@
 #include "covis/io/live_camera.h"
 
 #include <algorithm>
+#include <exception>
+#include <string_view>
 #include <utility>
 
 namespace covis::io {
@@ -47,7 +49,15 @@ Result<std::optional<Frame>> LiveCamera::next(Frame recycled) {
 Result<Picture> LiveCamera::picture(int64_t) { return fail(setup_.name + ": a camera's frames can't be read again"); }
 
 void LiveCamera::run(const std::stop_token& stop) {
-  while (capture(stop) && reopen(stop)) {
+  constexpr size_t kLongest = 200;  // of what is thrown
+  Error failure{"camera " + setup_.name + ": its images are given up: "};
+  failure.message.reserve(failure.message.size() + kLongest);  // so that a lack of memory can be reported
+  try {
+    while (capture(stop) && reopen(stop)) {
+    }
+  } catch (const std::exception& error) {
+    failure.message.append(std::string_view(error.what()).substr(0, kLongest));
+    newest_.report(Trouble::failed, std::move(failure));
   }
 }
 

@@ -159,6 +159,19 @@ TEST_F(LiveCameras, ReportAnImageThatCannotBeDecodedAndGoOn) {
   EXPECT_EQ((*frame)->index, 1);
 }
 
+TEST_F(LiveCameras, ThatLackMemoryEndTheRecordingAndNotTheProcess) {
+  LiveCamera& camera = open();
+  show(1);
+  ASSERT_TRUE(camera.next());
+  device.lack_memory();
+  const auto failed = camera.next();
+  ASSERT_FALSE(failed);
+  EXPECT_THAT(failed.error().message, AllOf(HasSubstr("camera 0: "), HasSubstr("bad_alloc")));
+  EXPECT_EQ(camera.live().state, State::failed);
+  const auto end = camera.next();
+  EXPECT_TRUE(end && !*end);
+}
+
 TEST_F(LiveCameras, GiveAPartOfTheirFrames) {
   LiveCamera& camera = open({.first = 2, .count = 2, .stride = 3});
   for (const int64_t wanted : {2, 5}) {

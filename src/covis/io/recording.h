@@ -16,7 +16,7 @@
 
 namespace covis::io {
 
-// Names of a frame's images, which are files unless the recording has an ImageSource of its own.
+// Names of a frame's images, which are files but for a bag.
 struct FrameFiles {
   Timestamp stamp = 0;
   std::filesystem::path image, right, depth;  // right, depth: empty when the recording has none
@@ -33,7 +33,8 @@ struct Recording {
   std::optional<Truth> truth;
   std::string name;                // "TUM RGB-D folder"
   std::vector<std::string> notes;  // items that were skipped: see Sequence::notes()
-  // Makes what reads the frames' images. Empty: they are files. What it makes may be used in several threads, one each.
+  // Makes what reads the frames' images. Empty: an ImageReader does. What it makes may be used in several threads, one
+  // each.
   std::function<std::unique_ptr<ImageSource>()> images;
 };
 
@@ -61,7 +62,8 @@ Result<Recording> read_bag(const Request& request);
 
 // True for a folder with the layout and names of TartanAir.
 bool is_tartanair(const std::filesystem::path& folder);
-// True for a folder with images in color/, rgb/ or image/ and depth images in depth/.
+// True for a folder with images in color/, rgb/ or image/ and depth images in depth/ that are those of the images, by
+// the layout of Open3D or by their names.
 bool is_open3d(const std::filesystem::path& folder);
 
 // Lists the image files of a folder in natural order (2 before 10).

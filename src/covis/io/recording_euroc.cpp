@@ -3,7 +3,6 @@
 // and sensor.yaml.
 #include <map>
 
-#include "covis/geometry/camera_check.h"
 #include "covis/io/bad_frames.h"
 #include "covis/io/files.h"
 #include "covis/io/recording.h"

@@ -85,8 +85,16 @@ Result<Camera> read_open3d_camera(const fs::path& file) {
   return camera;
 }
 
+// Folders of images may hold pictures of depth, or depth of other moments, beside the images.
 bool is_open3d(const fs::path& folder) {
-  return !colour_folder(folder).empty() && !list_images(folder / "depth").empty();
+  const fs::path colour = colour_folder(folder), depth = folder / "depth";
+  if (colour.empty() || list_images(depth).empty()) return false;
+  if (colour.filename() == "color" || fs::exists(folder / "camera_intrinsic.json")) return true;
+  const std::vector<fs::path> images = list_images(colour);
+  const auto matching = std::count_if(images.begin(), images.end(), [&](const fs::path& image) {
+    return fs::exists(depth / (image.stem().string() + ".png"));
+  });
+  return 2 * static_cast<size_t>(matching) >= images.size();
 }
 
 Result<Recording> read_open3d(const Request& request) {

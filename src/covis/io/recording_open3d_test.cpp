@@ -65,11 +65,28 @@ TEST_F(Open3d, AndPlainFoldersWithEqualNames) {
   EXPECT_THAT((*open())->notes(), ElementsAre(HasSubstr("1 of 3 images have no depth image")));
   depth("depth/other.png", 1);
   for (const char* name : {"000000", "000002"}) fs::remove(folder / "depth" / (std::string(name) + ".png"));
-  EXPECT_THAT(open_error(), AllOf(HasSubstr("depth: no depth image")));
-  EXPECT_THAT(open_error({.sensor = Sensor::stereo}), HasSubstr("--sensor must be rgbd or mono"));
+  EXPECT_THAT(open_error({.kind = SequenceKind::open3d}), HasSubstr("depth: no depth image"));
+  EXPECT_THAT(open_error({.kind = SequenceKind::open3d, .sensor = Sensor::stereo}),
+              HasSubstr("--sensor must be rgbd or mono"));
   fs::remove_all(folder / "depth");
   EXPECT_EQ((*open())->kind(), SequenceKind::images);
   EXPECT_THAT(open_error({.kind = SequenceKind::open3d, .sensor = Sensor::rgbd}), HasSubstr("--sensor mono"));
+}
+
+TEST_F(Open3d, IsNotAFolderOfImagesBesideOtherDepth) {
+  camera_yaml("fps: 15\n");
+  for (const char* name : {"1.01", "1.04", "1.07"}) image("rgb/" + std::string(name) + ".png", 10);
+  for (const char* name : {"1.02", "1.05", "1.07"}) depth("depth/" + std::string(name) + ".png", 1000);
+  const auto kind = [&] { return (*open())->kind(); };
+  EXPECT_EQ(kind(), SequenceKind::images) << "one of three names is that of depth";
+  EXPECT_EQ((*open())->sensor(), Sensor::monocular);
+  depth("depth/1.04.png", 1000);
+  EXPECT_EQ(kind(), SequenceKind::open3d);
+  fs::remove_all(folder / "depth");
+  for (const char* name : {"1.01", "1.04", "1.07"}) image("depth/" + std::string(name) + ".jpg", 10);
+  EXPECT_EQ(kind(), SequenceKind::images) << "pictures of depth";
+  fs::rename(folder / "rgb", folder / "color");
+  EXPECT_EQ(kind(), SequenceKind::open3d) << "the layout of Open3D";
 }
 
 TEST_F(Open3d, NamesTheFieldOfTheCameraThatIsWrong) {

@@ -104,10 +104,6 @@ Result<std::vector<FrameFiles>> tartan_frames(const fs::path& folder, const Tart
     if (sensor == Sensor::stereo)
       frame.right = folder / layout.right_folder / (digits + layout.right + image.extension().string());
     if (sensor == Sensor::rgbd) frame.depth = folder / layout.depth_folder / (digits + layout.depth);
-    for (const fs::path& other : {frame.right, frame.depth}) {
-      if (!other.empty() && !fs::exists(other))
-        return fail(other.string() + ": the file that belongs to " + image.string() + " is missing");
-    }
     frames.push_back(std::move(frame));
   }
   return frames;

@@ -113,6 +113,19 @@ TEST_F(TartanAir, SecondVersionHasDepthInPictures) {
               AllOf(HasSubstr("000000_lcam_front_depth.png"), HasSubstr("four channels")));
 }
 
+TEST_F(TartanAir, LeavesFramesOutThatLackAFileWhereThatIsAskedForOrTheyAreFew) {
+  tartan();
+  fs::remove(folder / "depth_left/000001_left_depth.npy");
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("000001_left_depth.npy"), HasSubstr("1 of 3"), HasSubstr("--skip-bad")));
+  const auto opened = open({.skip_bad = true});
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ((*opened)->size(), 2);
+  EXPECT_THAT((*opened)->notes(), testing::ElementsAre(HasSubstr("1 of 3 frames lack a file")));
+  EXPECT_EQ((*(*opened)->next())->stamp, 0);
+  EXPECT_EQ((*(*opened)->next())->stamp, 200'000'000) << "the stamp is that of its own pose";
+  EXPECT_EQ((*open({.sensor = Sensor::monocular}))->size(), 3);
+}
+
 TEST_F(TartanAir, NamesTheFileThatIsWrong) {
   tartan();
   const fs::path first = "depth_left/000000_left_depth.npy";

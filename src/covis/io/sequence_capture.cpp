@@ -113,20 +113,16 @@ class VideoSequence : public Sequence {
     return stamp;
   }
 
-  // The end of a video that is shorter than its container says is an error, once; a note where only a few frames lack,
-  // for containers without a list of frames tell about how many there are.
-  Result<std::optional<Frame>> end() {
-    constexpr double kFew = 0.02;
-    const auto missing = static_cast<double>(video_.promised - read_);
-    if (missing <= 0 || said_) return std::optional<Frame>();
+  // A video with fewer frames than its container says gets a note and no error, for containers without a list of frames
+  // (WebM, Matroska, a rate that varies) tell no more than a guess.
+  std::optional<Frame> end() {
+    if (read_ >= video_.promised || said_) return std::nullopt;
     said_ = true;
-    const std::string text = name_ + ": the container promises " + std::to_string(video_.promised) + " frames, and " +
-                             std::to_string(read_) + " came";
-    if (missing > kFew * static_cast<double>(video_.promised))
-      return fail(text + "; the file is damaged or cut short behind them");
     const std::lock_guard lock(notes_mutex_);
-    notes_.push_back(text);
-    return std::optional<Frame>();
+    notes_.push_back(name_ + ": the container promises " + std::to_string(video_.promised) + " frames, and " +
+                     std::to_string(read_) +
+                     " came; it may be cut short or damaged behind them, or its promise a mere estimate");
+    return std::nullopt;
   }
 
   cv::VideoCapture capture_;
@@ -138,7 +134,7 @@ class VideoSequence : public Sequence {
   int64_t read_ = 0, given_ = 0;
   int64_t last_index_ = -1;
   Timestamp last_stamp_ = 0;
-  bool said_ = false;  // the end was reported as an error
+  bool said_ = false;  // a note tells of the end
   mutable std::mutex notes_mutex_;
   std::vector<std::string> notes_;  // guarded by notes_mutex_
   cv::Mat picture_;
@@ -201,8 +197,7 @@ Result<std::unique_ptr<Sequence>> open_video(const std::string& path, const Requ
   if (const auto served = serves(path, request); !served) return tl::unexpected(served.error());
   if (!request.given && !request.uncalibrated) return tl::unexpected(no_calibration(path, "--camera"));
   const CameraFile given = request.given.value_or(CameraFile());
-  if (!is_regular(path))
-    return fail(path + ": it is no regular file; a video file is expected, or a camera's number");
+  if (!is_regular(path)) return fail(path + ": it is no regular file; a video file is expected, or a camera's number");
   cv::VideoCapture capture = capture_of(path);
   if (!capture.isOpened()) return fail(path + ": it is not a video that can be read");
   Camera camera = given.camera;

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <deque>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <utility>
 
@@ -20,6 +21,7 @@ class TestCamera {
   struct Step {
     Timestamp stamp = 0;
     ImageView<const uint8_t> image;
+    bool throws = false;  // a lack of memory, instead of giving the image
   };
 
   // A device that this camera stands behind; it must not outlive the camera.
@@ -27,7 +29,9 @@ class TestCamera {
 
   ~TestCamera() { unplug_for_good(); }
 
-  void show(Timestamp stamp, ImageView<const uint8_t> image) { add(Step{stamp, image}); }
+  void show(Timestamp stamp, ImageView<const uint8_t> image) { add(Step{.stamp = stamp, .image = image}); }
+  // Lacks memory for the next image.
+  void lack_memory() { add(Step{.stamp = 0, .image = {}, .throws = true}); }
   // Goes away, and refuses to be opened `refusals` times; -1: for good.
   void go_away(int refusals) {
     {
@@ -95,6 +99,7 @@ class TestCamera {
     const std::optional<Step> step = steps_.front();
     steps_.pop_front();
     if (!step) return fail("unplugged");
+    if (step->throws) throw std::bad_alloc();
     shown_ = step->image;
     return step->stamp;
   }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "covis/core/stamp_bounds.h"
+
 namespace covis {
 namespace {
 
@@ -13,7 +15,6 @@ constexpr float kMaxPixel = 1e6f;  // far beyond any image; the grid's arithmeti
 // Far beyond any world, and their squares are far from what a float can hold.
 constexpr double kMaxLength = 1e12, kMinDepth = 1e-12;  // metres
 constexpr float kMaxAngle = 6.2832f;                    // 2 pi, rounded up
-constexpr Timestamp kMaxStamp = Timestamp{1} << 62;     // so that the difference of two is in 64 bits
 constexpr uint32_t kMaxCount = 1u << 31;                // none overflows for as long as a run may go on
 
 std::string frame_name(size_t i) { return "key frame " + std::to_string(i); }
@@ -69,7 +70,7 @@ std::string problem_of(const MapState& state, size_t index) {
   const Eigen::Matrix3d off = k.T_cw.R().transpose() * k.T_cw.R() - Eigen::Matrix3d::Identity();
   if (!(off.cwiseAbs().maxCoeff() < 1e-3) || !(k.T_cw.R().determinant() > 0)) return "has a pose without a rotation";
   if (!is_within(k.T_cw.t(), kMaxLength)) return "has a translation beyond " + number(kMaxLength) + " m";
-  if (k.stamp > kMaxStamp || k.stamp < -kMaxStamp) return "has a stamp more than 146 years from 0";
+  if (!is_usable_stamp(k.stamp)) return "has a stamp 146 years or more from 0";
   if (k.serial >= state.next_serial) return "has a serial that is not given yet";
   if (index > 0 && k.serial <= state.key_frames[index - 1].serial) return "has a serial that does not rise";
   if (k.parent != kNone && k.parent >= frames) return "has a parent that is not there";

@@ -3,7 +3,7 @@
 // coefficient of its lens. The recording's beginning is tracked with a few guesses of the focal length. The map of each
 // is adjusted together with the lens (lens_adjustment.h); the guess whose map fits best afterwards is tracked once more
 // with what was found, until that changes no more. The principal point is taken to be the middle of the image, pixels
-// to be square. Measured: docs/notes/032-camera-from-the-recording.md.
+// to be square.
 #pragma once
 
 #include <atomic>

@@ -37,17 +37,19 @@ void MappingActor::submit(InitialMapRequest request) {
 void MappingActor::discard(uint32_t submap) {
   push(DiscardSubmap{submap});
   wait_idle();
+  rethrow_failure();
 }
 
 void MappingActor::finish() {
   push(FinishAdjustment{});
   wait_idle();
+  rethrow_failure();
 }
 
 MappingReport MappingActor::wait() {
-  --pending_;
   std::optional<MappingReport> report = outbox_.pop();
   if (!report) std::rethrow_exception(failure_);
+  --pending_;
   return std::move(*report);
 }
 
@@ -58,6 +60,10 @@ std::optional<MappingReport> MappingActor::poll() {
 
 void MappingActor::wait_idle() const {
   for (int waiting = waiting_.load(); waiting > 0; waiting = waiting_.load()) waiting_.wait(waiting);
+}
+
+void MappingActor::rethrow_failure() const {
+  if (failed_) std::rethrow_exception(failure_);
 }
 
 std::optional<MappingReport> MappingActor::work_on(const BackendRequest& request) {
@@ -71,22 +77,29 @@ std::optional<MappingReport> MappingActor::work_on(const BackendRequest& request
 
 void MappingActor::run() {
   lower_thread_priority();
-  while (std::optional<BackendRequest> request = inbox_.pop()) {
-    // Cleared before it looks: a request pushed meanwhile sets it again.
-    interrupt_ = false;
-    if (interruptible_ && waiting_ > 1) interrupt_ = true;
-    std::optional<MappingReport> report;
+  const auto attempt = [this](const auto& part) {
     try {
-      if (!failed_) report = work_on(*request);
+      part();
     } catch (...) {
       failure_ = std::current_exception();
       failed_ = true;
       outbox_.close();
     }
+  };
+  while (std::optional<BackendRequest> request = inbox_.pop()) {
+    // Cleared before it looks: a request pushed meanwhile sets it again.
+    interrupt_ = false;
+    if (interruptible_ && waiting_ > 1) interrupt_ = true;
+    std::optional<MappingReport> report;
+    attempt([&] {
+      if (!failed_) report = work_on(*request);
+    });
     request.reset();
     --waiting_;
     waiting_.notify_all();
-    if (report) outbox_.push(std::move(*report));
+    attempt([&] {
+      if (report) outbox_.push(std::move(*report));
+    });
   }
 }
 

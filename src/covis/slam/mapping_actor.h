@@ -23,7 +23,7 @@ class MappingActor {
   // Each is answered by a report. Waits when the inbox is full.
   void submit(KeyFrameRequest request);
   void submit(InitialMapRequest request);
-  // Waits until all requests are worked off, and the submap is erased.
+  // Waits until all requests are worked off, and the submap is erased. Throws as wait() does, and finish() too.
   void discard(uint32_t submap);
   // The map forgets the first `count` erased key frames. Does not wait for that, as nobody refers to them.
   void forget_erased(uint64_t count) { push(ForgetErased{count}); }
@@ -31,10 +31,12 @@ class MappingActor {
   void finish();
 
   // The next report; waits for it. Call only when pending() > 0. Throws what ended the work on a request, as a lack of
-  // memory: no request is worked on from then on.
+  // memory: no request is worked on from then on, and it throws whenever it is called again.
   MappingReport wait();
   // The next report if it is there. Throws as wait() does.
   std::optional<MappingReport> poll();
+  // Throws that too where it has happened, whatever is pending.
+  void rethrow_failure() const;
   // Requests submitted whose report was not taken yet. Only the submitting thread may ask.
   int pending() const { return pending_; }
   // No request waits or is worked on.
@@ -56,7 +58,7 @@ class MappingActor {
   std::atomic<int> waiting_{0};                      // submitted and not finished
   std::atomic<bool> interrupt_{false};               // another request waits
   std::atomic<bool> failed_{false};
-  std::exception_ptr failure_;  // written before the outbox is closed, read after
+  std::exception_ptr failure_;  // written before failed_ is set and the outbox closed, read after
   int pending_ = 0;
   std::jthread thread_;
 };

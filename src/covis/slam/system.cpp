@@ -91,6 +91,7 @@ FrameReport System::process(const Input& input) {
   monitor_.add_frame(input.frame, *features, frontend_.row_error());
   ++frames_.processed;
   apply_visible_mapping(report);
+  mapping_.rethrow_failure();
 
   const Stopwatch tracking;
   Tracker::Outcome outcome = tracker_.track(std::move(features), input.frame, input.stamp, mapping_status());
@@ -220,6 +221,7 @@ void System::apply_visible_mapping(FrameReport& report) {
 void System::apply_all_mapping(FrameReport& report) {
   const Stopwatch watch;
   while (mapping_.pending() > 0) apply(mapping_.wait(), report);
+  mapping_.rethrow_failure();
   report.timing.wait_ms += watch.ms();
 }
 
