@@ -272,7 +272,7 @@ Expected<void> Slam::set_mode(Mode mode) {
   const auto reports = system.set_mode(to_tracking_mode(mode));
   if (!reports) return Failure(reports.error().message);
   impl_->mode = mode;
-  impl_->tell(EventTeller::of_mapping(*reports, system.map()));
+  impl_->tell(impl_->teller.of_end(impl_->last_stamp, *reports, system.take_warnings(), system.map()));
   return {};
 }
 
@@ -285,7 +285,8 @@ void Slam::finish() {
     return made;
   });
   if (!reports) return log(LogLevel::error, reports.error());
-  impl_->tell(EventTeller::of_mapping(*reports, impl_->system().map()));
+  System& system = impl_->system();
+  impl_->tell(impl_->teller.of_end(impl_->last_stamp, *reports, system.take_warnings(), system.map()));
 }
 
 void Slam::reset() {
