@@ -9,6 +9,7 @@
 namespace covis::app {
 
 void SensorSample::add(const io::Frame& frame) {
+  using Pace = MotionDepthCheck::Pace;
   constexpr int64_t kCompareEvery = 2;
   if (sensor_ == Sensor::monocular) return;
   const int64_t at = count_++ % step_;
@@ -19,7 +20,8 @@ void SensorSample::add(const io::Frame& frame) {
                                                          : s.frontend.rgbd(frame.image.view(), frame.depth.view());
   s.monitor.add_frame(frame.index, *features, s.frontend.row_error());
   if (at % kCompareEvery == 0) {
-    if (const auto compared = s.check.add(features->for_key_frame(), camera_.pinhole))
+    if (const auto compared = s.check.add(features->for_key_frame(), camera_.pinhole,
+                                          s.monitor.doubts_depth() ? Pace::every_view : Pace::usual))
       s.monitor.add_comparison(frame.index, *compared);
     std::copy_if(features->depth.begin(), features->depth.end(), std::back_inserter(depths_),
                  [](float depth) { return depth > 0; });

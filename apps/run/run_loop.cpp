@@ -45,6 +45,10 @@ void add_mapping(const std::vector<MappingReport>& reports, const System& system
   if (observer) observer->loops_changed(run.loops);
 }
 
+void add_warnings(const std::vector<SensorWarning>& warnings, RunRecord& run) {
+  run.warnings.insert(run.warnings.end(), warnings.begin(), warnings.end());
+}
+
 // Partners of the loop over frames.
 struct Beside {
   view::LoopHistory& history;
@@ -91,7 +95,7 @@ void track_frames(io::Sequence& sequence, System& system, const PlayOptions& opt
     const FrameReport report = system.process(input_of(frame));
     if (run.first_pose_ms < 0 && report.track.state == TrackingState::tracking) run.first_pose_ms = since_first->ms();
     add_mapping(report.mapping, system, beside.history, options.observer, run);
-    run.warnings.insert(run.warnings.end(), report.warnings.begin(), report.warnings.end());
+    add_warnings(report.warnings, run);
     FrameStats stats = tracked_frame(frame, report, options.mode);
     stats.decode_ms = decode_ms;
     stats.cpu_ms = thread_cpu_ms() - cpu_start;
@@ -116,6 +120,7 @@ void track_all(io::Sequence& sequence, System& system, const PlayOptions& option
   try {
     track_frames(sequence, system, options, {history, colouring ? &*colouring : nullptr, at}, run);
     add_mapping(system.finish(), system, history, options.observer, run);
+    add_warnings(system.take_warnings(), run);
     if (colouring) colouring->finish();
   } catch (const std::exception& error) {  // as a lack of memory, in whichever thread
     run.failure = "frame " + std::to_string(at) + ": the run ends here: " + error.what();

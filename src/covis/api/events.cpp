@@ -49,6 +49,14 @@ std::vector<Event> EventTeller::of_mapping(const std::vector<MappingReport>& rep
   return events;
 }
 
+std::vector<Event> EventTeller::of_end(int64_t stamp, const std::vector<MappingReport>& reports,
+                                       const std::vector<SensorWarning>& warnings, const SharedMap& map) const {
+  std::vector<Event> events = of_mapping(reports, map);
+  if (!warnings.empty())
+    events.push_back({.kind = Kind::sensor_doubted, .stamp = stamp, .submap = static_cast<int>(submap_)});
+  return events;
+}
+
 std::vector<Event> EventTeller::of_frame(int64_t stamp, const FrameReport& report, const SharedMap& map) {
   const TrackResult& track = report.track;
   const bool tracked = track.state == TrackingState::tracking;

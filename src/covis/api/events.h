@@ -19,6 +19,9 @@ class EventTeller {
   std::vector<Event> of_frame(int64_t stamp, const FrameReport& report, const SharedMap& map);
   // Mapping's events.
   static std::vector<Event> of_mapping(const std::vector<MappingReport>& reports, const SharedMap& map);
+  // Those of mapping that ended after the frame of the stamp, and the warnings that came with it.
+  std::vector<Event> of_end(int64_t stamp, const std::vector<MappingReport>& reports,
+                            const std::vector<SensorWarning>& warnings, const SharedMap& map) const;
 
  private:
   TrackingState state_;

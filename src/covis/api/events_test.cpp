@@ -140,5 +140,13 @@ TEST_F(EventsTest, DepthThatIsNonsenseIsTold) {
   EXPECT_EQ(events[0].stamp, 70);
 }
 
+TEST_F(EventsTest, DepthThatIsNonsenseIsToldAtTheEndToo) {
+  EventTeller teller(TrackingState::tracking);
+  EXPECT_TRUE(teller.of_end(80, {}, {}, shared).empty());
+  const auto events = teller.of_end(80, {}, {{SensorDoubt::depth_against_motion, 1.2, 7}}, shared);
+  EXPECT_EQ(kinds(events), (std::vector{Kind::sensor_doubted}));
+  EXPECT_EQ(events[0].stamp, 80);
+}
+
 }  // namespace
 }  // namespace covis

@@ -273,7 +273,7 @@ Expected<void> Slam::set_mode(Mode mode) {
     const auto reports = system.set_mode(to_tracking_mode(mode));
     if (!reports) return Failure(reports.error().message);
     impl_->mode = mode;
-    return EventTeller::of_mapping(*reports, system.map());
+    return impl_->teller.of_end(impl_->last_stamp, *reports, system.take_warnings(), system.map());
   });
   if (!events) return Failure(events.error());
   impl_->tell(*events);
@@ -286,7 +286,8 @@ void Slam::finish() {
   const auto events = without_exceptions("finish", [&]() -> Expected<std::vector<Event>> {
     const std::vector<MappingReport> reports = impl_->system().finish();
     impl_->colours.give(impl_->system());
-    return EventTeller::of_mapping(reports, impl_->system().map());
+    System& system = impl_->system();
+    return impl_->teller.of_end(impl_->last_stamp, reports, system.take_warnings(), system.map());
   });
   if (!events) return log(LogLevel::error, events.error());
   impl_->tell(*events);

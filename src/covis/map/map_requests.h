@@ -39,7 +39,7 @@ struct KeyFrameRequest {
   std::vector<uint32_t> new_points;  // features whose depth makes a new point
   std::vector<PointCount> counts;
   std::vector<UnlocatedFrame> unlocated;  // earlier frames, newest first
-  bool doubted_depth = false;             // true: nothing is to be estimated from depth
+  bool doubted_depth = false;             // true: neither noise nor focal length is to be estimated
 };
 
 // Make the first two key frames and points of a monocular submap, beside what is there. World = camera of the first.

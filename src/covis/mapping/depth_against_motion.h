@@ -2,7 +2,8 @@
 // Measured depth against what images alone tell of it. The motion between two views follows from their keypoints
 // (geometry/two_view.h), and the points are triangulated; the ratio of measured to triangulated depth is the same for
 // all points where depth is right. No map is needed, which nonsense depth would have spoilt. A wrong scale of all
-// depths does not show: the images know no scale.
+// depths does not show: the images know no scale. Depths whose own sigma is more than 5 % are left out: noise is no
+// contradiction.
 #pragma once
 
 #include <cstdint>
@@ -33,16 +34,21 @@ std::optional<DepthAgainstMotion> compare_depth_with_motion(const Features& a, c
 // Compares views as they come, each with the last that was compared, until the camera has moved enough.
 class MotionDepthCheck {
  public:
-  // `view` is kept. Once enough views have answered, only one pair of a few is looked at: it takes 10 to 20 ms.
-  std::optional<DepthAgainstMotion> add(std::shared_ptr<const Features> view, const Pinhole& camera);
-  // The next view does not follow the last.
-  void restart() { last_.reset(); }
+  enum class Pace {
+    usual,      // once enough views were compared, only one pair of a few: it takes 10 to 20 ms
+    every_view  // while depth is doubted, so that the doubt can end
+  };
+  // `view` is kept.
+  std::optional<DepthAgainstMotion> add(std::shared_ptr<const Features> view, const Pinhole& camera,
+                                        Pace pace = Pace::usual);
 
  private:
+  bool passes_over() const;
+
   std::shared_ptr<const Features> last_;
   int waited_ = 0;  // views compared with the last in vain
-  int answers_ = 0;
-  int passed_over_ = 0;  // views since the last answer that were not looked at
+  int attempts_ = 0, answers_ = 0;
+  int passed_over_ = 0;  // views since the last attempt that were not looked at
 };
 
 }  // namespace covis

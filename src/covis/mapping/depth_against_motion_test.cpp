@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 
 #include "covis/core/random.h"
@@ -88,6 +89,23 @@ TEST(DepthAgainstMotion, AConstantErrorOfDisparityDisagrees) {
   EXPECT_GT(found->error(), 0.6);
 }
 
+// A narrow baseline in a wide scene: half a pixel is a tenth of a far point's disparity.
+TEST(DepthAgainstMotion, NoiseOfFarDepthsIsNoContradiction) {
+  Pinhole camera = kCamera;
+  camera.bf = 24;
+  const auto measured = [&](double depth, Random& random) {
+    return camera.bf / std::max(0.01, camera.bf / depth + (depth > 3 ? 4 : 0.5) * random.normal());
+  };
+  const Views views(0.3, measured);
+  const auto found = compare_depth_with_motion(*views.a, *views.b, camera, 1);
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->error(), 0.4);
+  camera.bf = 4;
+  EXPECT_FALSE(compare_depth_with_motion(*views.a, *views.b, camera, 1)) << "no disparity is known to 5 %";
+  camera.depth_noise = {0.01, 0.2};
+  EXPECT_FALSE(compare_depth_with_motion(*views.a, *views.b, camera, 1)) << "no depth of a depth camera is";
+}
+
 TEST(DepthAgainstMotion, ACameraThatStandsTellsNothing) { EXPECT_FALSE(Views(0, noisy).compare()); }
 
 TEST(MotionDepthCheck, AsksEveryPairOnlyAtFirst) {
@@ -99,6 +117,18 @@ TEST(MotionDepthCheck, AsksEveryPairOnlyAtFirst) {
   EXPECT_EQ(answers, 10);
   for (int k = 0; k < 10; ++k) answers += check.add(k % 2 ? views.a : views.b, kCamera).has_value();
   EXPECT_EQ(answers, 12);
+  for (int k = 0; k < 10; ++k)
+    answers += check.add(k % 2 ? views.a : views.b, kCamera, MotionDepthCheck::Pace::every_view).has_value();
+  EXPECT_EQ(answers, 22) << "while depth is doubted";
+}
+
+TEST(MotionDepthCheck, AsksSeldomOfACameraThatStands) {
+  const Views still(0, noisy), views(0.3, noisy);
+  MotionDepthCheck check;
+  for (int k = 0; k < 21; ++k) EXPECT_FALSE(check.add(k % 2 ? still.a : still.b, kCamera));
+  int answers = 0;
+  for (int k = 0; k < 20; ++k) answers += check.add(k % 2 ? views.a : views.b, kCamera).has_value();
+  EXPECT_EQ(answers, 4) << "one view in five";
 }
 
 }  // namespace

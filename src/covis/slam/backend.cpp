@@ -24,7 +24,7 @@ Backend::Backend(SharedMap& map, const BackendOptions& options, std::shared_ptr<
       options_(options),
       mapper_(map, options.sensor, options.mapper, options.tracker.key_frame.close_depth, std::move(vocabulary)),
       closer_(map, options.sensor, options.loop, options.seed),
-      given_fx_(map.read()->camera().fx) {}
+      given_(map.read()->camera()) {}
 
 MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic<bool>* interrupt) {
   const Stopwatch total;
@@ -34,9 +34,11 @@ MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic
   apply_adjustment(report);
   close_loop(report);
   if (!request.doubted_depth) refine_focal(report.key_frame);
-  report.depth_check = check_depth(report.key_frame);
   forget_replaced_points(report.key_frame);
   report.loop_ms = watch.ms();
+  using Pace = MotionDepthCheck::Pace;
+  if (!interrupt || !*interrupt)
+    report.depth_check = check_depth(report.key_frame, request.doubted_depth ? Pace::every_view : Pace::usual);
   report.located = backtrack(map_, {options_.sensor, options_.tracker, options_.seed}, request.unlocated);
   report.total_ms = total.ms();
   return report;
@@ -73,17 +75,18 @@ void Backend::refine_focal(KeyFrameId current) {
   if (options_.sensor == Sensor::stereo || !options_.mapper.refine_focal || background_.running()) return;
   const std::optional<int> key_frames = focal_.ask(*map_.read());
   if (!key_frames) return;
-  auto job = FocalRefinement::of(*map_.read(), current, given_fx_);
+  auto job = FocalRefinement::of(*map_.read(), current, given_.fx);
   background_.start(std::move(job), *key_frames);
 }
 
-std::optional<DepthAgainstMotion> Backend::check_depth(KeyFrameId current) {
+std::optional<DepthAgainstMotion> Backend::check_depth(KeyFrameId current, MotionDepthCheck::Pace pace) {
   if (options_.sensor == Sensor::monocular) return std::nullopt;
-  const auto [features, camera] = [&] {
+  auto [features, camera] = [&] {
     const auto map = map_.read();
     return std::pair(map->at(current).features, map->camera());
   }();
-  return depth_check_.add(features, camera);
+  camera.depth_noise = given_.depth_noise;  // what the map learned may have been learned from nonsense
+  return depth_check_.add(features, camera, pace);
 }
 
 // Handles are held by the tracker (points of the last frame and counts, reported with the next key frame), by requests

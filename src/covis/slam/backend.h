@@ -51,7 +51,7 @@ class Backend {
   void apply_adjustment(MappingReport& report);
   void close_loop(MappingReport& report);
   void refine_focal(KeyFrameId current);
-  std::optional<DepthAgainstMotion> check_depth(KeyFrameId current);
+  std::optional<DepthAgainstMotion> check_depth(KeyFrameId current, MotionDepthCheck::Pace pace);
   void forget_replaced_points(KeyFrameId current);
 
   SharedMap& map_;
@@ -61,7 +61,7 @@ class Backend {
   BackgroundAdjustment background_;
   FocalSchedule focal_;
   MotionDepthCheck depth_check_;
-  const double given_fx_;  // the focal length the camera came with, pixels
+  const Pinhole given_;  // the camera as it came
 };
 
 }  // namespace covis

@@ -117,6 +117,20 @@ TEST_F(BackendTest, TheFocalLengthIsAppliedSoManyKeyFramesAfterItWasAskedFor) {
   EXPECT_EQ(changed, 19u + 2u);
 }
 
+TEST_F(BackendTest, DepthIsNotComparedWhileAnotherKeyFrameWaits) {
+  Pinhole camera = scene.camera;
+  camera.depth_noise = DepthNoise::kinect();
+  for (const bool waits : {false, true}) {
+    SharedMap map(camera);
+    Backend asked(map, rgbd());
+    const std::atomic<bool> interrupt = waits;
+    const KeyFrameId first = asked.process(scene_request(scene, map, Sensor::rgbd, 0), &interrupt).key_frame;
+    const MappingReport report = asked.process(scene_request(scene, map, Sensor::rgbd, 3, first), &interrupt);
+    ASSERT_TRUE(report.key_frame.valid());
+    EXPECT_EQ(report.depth_check.has_value(), !waits);
+  }
+}
+
 TEST_F(BackendTest, FinishingTwiceIsNoHarm) {
   process(request(0));
   backend.finish();

@@ -11,6 +11,8 @@ namespace {
 // The bounds lie between what good recordings and faulty ones show (docs/notes/033-depth-to-be-believed.md).
 constexpr double kLeastShareStereo = 0.15, kLeastShareRgbd = 0.05;
 constexpr double kMostZero = 0.7;       // share of matches
+constexpr float kNoDisparity = 0.1f;    // pixels
+constexpr double kSameRow = 0.05;       // sigmas of a keypoint: no two cameras give it
 constexpr double kMostRowError = 0.85;  // sigmas of a keypoint
 constexpr double kLeastNear = 0.2;      // metres: no depth camera sees nearer
 constexpr double kMostError = 0.85;     // DepthAgainstMotion::error()
@@ -59,7 +61,7 @@ std::string describe(const SensorWarning& warning, Sensor sensor) {
           "depth registered to the image?",
           100 * warning.figure);
     case SensorDoubt::no_disparity:
-      return text("%.0f %% of the matches between left and right image have no disparity: are both the same image?",
+      return text("%.0f %% of the matches between left and right image are at the same place: are both the same image?",
                   100 * warning.figure);
     case SensorDoubt::rows_differ:
       return text(
@@ -82,28 +84,47 @@ std::string describe(const SensorWarning& warning, Sensor sensor) {
   return {};
 }
 
-void SensorMonitor::add_frame(int64_t frame, const Features& f, double row_error) {
-  if (sensor_ == Sensor::monocular || f.size() < kLeastFeatures) return;
+void SensorMonitor::add_frame(int64_t frame, const Features& f, double row_error, Budget budget) {
+  if (sensor_ == Sensor::monocular) return;
   depths_.clear();
-  int zero = 0;
-  for (size_t i = 0; i < f.depth.size(); ++i) {
-    if (!(f.depth[i] > 0)) continue;
-    depths_.push_back(static_cast<double>(f.depth[i]));
-    zero += f.x[i] - f.u_right[i] < 1;
+  if (f.size() >= kLeastFeatures) {
+    for (const float depth : f.depth) {
+      if (depth > 0) depths_.push_back(static_cast<double>(depth));
+    }
   }
-  const auto known = static_cast<double>(depths_.size());
-  share_.add(known / f.size());
-  const bool stereo = sensor_ == Sensor::stereo;
-  const double share = share_.median(kFrames);
-  if (share_.full())
-    judge(SensorDoubt::few_depths, share < (stereo ? kLeastShareStereo : kLeastShareRgbd), share, frame);
-  if (depths_.empty()) return;
-  if (stereo) {
-    zero_.add(zero / known);
+  // A doubt of frames that say nothing any more ends.
+  if (f.size() >= kLeastFeatures && (sensor_ == Sensor::rgbd || budget == Budget::usual)) {
+    add_share(frame, static_cast<double>(depths_.size()) / f.size());
+  } else if (++silence_.share >= kFrames) {
+    forget_share();
+  }
+  if (!depths_.empty()) {
+    add_depths(frame, f, row_error);
+  } else if (++silence_.depths >= kFrames) {
+    forget_depths();
+  }
+}
+
+void SensorMonitor::add_share(int64_t frame, double share) {
+  silence_.share = 0;
+  share_.add(share);
+  if (!share_.full()) return;
+  const double median = share_.median(kFrames);
+  judge(SensorDoubt::few_depths, median < (sensor_ == Sensor::stereo ? kLeastShareStereo : kLeastShareRgbd), median,
+        frame);
+}
+
+void SensorMonitor::add_depths(int64_t frame, const Features& f, double row_error) {
+  silence_.depths = 0;
+  if (sensor_ == Sensor::stereo) {
+    int zero = 0;
+    for (size_t i = 0; i < f.depth.size(); ++i) zero += f.depth[i] > 0 && f.x[i] - f.u_right[i] < kNoDisparity;
+    zero_.add(zero / static_cast<double>(depths_.size()));
     rows_.add(row_error);
-    if (zero_.full()) judge(SensorDoubt::no_disparity, zero_.median(kFrames) > kMostZero, zero_.median(kFrames), frame);
-    if (rows_.full())
-      judge(SensorDoubt::rows_differ, rows_.median(kFrames) > kMostRowError, rows_.median(kFrames), frame);
+    if (!rows_.full()) return;
+    const double share = zero_.median(kFrames), rows = rows_.median(kFrames);
+    judge(SensorDoubt::no_disparity, share > kMostZero && rows < kSameRow, share, frame);
+    judge(SensorDoubt::rows_differ, rows > kMostRowError, rows, frame);
     return;
   }
   const auto tenth = depths_.begin() + static_cast<ptrdiff_t>(depths_.size() / 10);
@@ -113,24 +134,44 @@ void SensorMonitor::add_frame(int64_t frame, const Features& f, double row_error
     judge(SensorDoubt::depth_too_near, near_.median(kFrames) < kLeastNear, near_.median(kFrames), frame);
 }
 
+// The rule for few holds as long as there are few: later, two wrong motions of three are too likely.
 void SensorMonitor::add_comparison(int64_t frame, const DepthAgainstMotion& comparison) {
   error_.add(comparison.explained < kMostExplained ? comparison.error() : 0);
   spread_.add(comparison.spread);
-  const auto exceeded = [&](size_t last, double most) {
-    return error_.count >= last && error_.median(last) > most && spread_.median(last) > kLeastSpread;
+  const auto exceeds = [&](size_t last, double most) {
+    return error_.median(last) > most && spread_.median(last) > kLeastSpread;
   };
-  const bool doubted = wrong_[static_cast<size_t>(SensorDoubt::depth_against_motion)];
-  const bool is_wrong = exceeded(kFew, kMostErrorOfFew) || exceeded(kComparisons, kMostError) ||
-                        (doubted && error_.median(kComparisons) > kEndsBelow);
-  judge(SensorDoubt::depth_against_motion, is_wrong, error_.median(std::min(error_.count, kComparisons)), frame);
+  const size_t count = std::min(error_.count, kComparisons);
+  const bool are_few = error_.count < kComparisons;
+  const bool exceeded = are_few ? count >= kFew && exceeds(kFew, kMostErrorOfFew) : exceeds(kComparisons, kMostError);
+  const bool goes_on = doubts_depth() && error_.median(count) > kEndsBelow;
+  judge(SensorDoubt::depth_against_motion, exceeded || goes_on, error_.median(are_few ? std::min(count, kFew) : count),
+        frame);
 }
 
-// A wrong scale alone leaves poses right up to it.
+// A wrong scale alone leaves poses right up to it, and few depths those that the images tell.
 bool SensorMonitor::doubts() const {
-  for (size_t k = 0; k < kSensorDoubts; ++k) {
-    if (wrong_[k] && static_cast<SensorDoubt>(k) != SensorDoubt::depth_too_near) return true;
-  }
-  return false;
+  return doubts_depth() || holds(SensorDoubt::no_disparity) || holds(SensorDoubt::rows_differ) ||
+         (sensor_ == Sensor::stereo && holds(SensorDoubt::few_depths));
+}
+
+void SensorMonitor::restart() {
+  forget_share();
+  forget_depths();
+  error_ = {};
+  spread_ = {};
+  wrong_ = {};
+}
+
+void SensorMonitor::forget_share() {
+  share_ = {};
+  wrong_[static_cast<size_t>(SensorDoubt::few_depths)] = false;
+}
+
+void SensorMonitor::forget_depths() {
+  zero_ = rows_ = near_ = {};
+  for (const SensorDoubt doubt : {SensorDoubt::no_disparity, SensorDoubt::rows_differ, SensorDoubt::depth_too_near})
+    wrong_[static_cast<size_t>(doubt)] = false;
 }
 
 void SensorMonitor::judge(SensorDoubt doubt, bool is_wrong, double figure, int64_t frame) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Watches whether the depth of a stereo pair or a depth camera can be believed, by figures that are at hand: what the
 // features of each frame have, and what comparisons with the motion of the images say (mapping/depth_against_motion.h).
-// It changes nothing; while it doubts, nothing is estimated from depth, and poses count as tentative.
+// It changes nothing. While doubts() holds, poses count as tentative; while doubts_depth() holds, neither the noise of
+// depth nor the focal length is estimated, and every key frame is compared.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +22,7 @@ namespace covis {
 
 enum class SensorDoubt {
   few_depths,            // figure: share of the keypoints with a depth, of a pair those with a match
-  no_disparity,          // stereo; share of the matches nearer together than a pixel
+  no_disparity,          // stereo; share of the matches at the same place of both images, in the same row
   rows_differ,           // stereo; median distance of the rows of matched keypoints, sigmas of a keypoint
   depth_too_near,        // RGB-D; metres, the depth that a tenth of the keypoints are nearer than
   depth_against_motion,  // DepthAgainstMotion::error()
@@ -41,11 +42,18 @@ class SensorMonitor {
  public:
   explicit SensorMonitor(Sensor sensor) : sensor_(sensor) {}
 
+  // The keypoints wanted of a frame. Many more than usual are worse ones, of which fewer have a match.
+  enum class Budget { usual, doubled };
+
   // `row_error`: Frontend::row_error() of a stereo pair.
-  void add_frame(int64_t frame, const Features& features, double row_error);
+  void add_frame(int64_t frame, const Features& features, double row_error, Budget budget = Budget::usual);
   void add_comparison(int64_t frame, const DepthAgainstMotion& comparison);
-  // True while poses are not to be relied on.
+  // True while poses are not to be relied on: any doubt but a wrong scale, and few depths of a depth camera.
   bool doubts() const;
+  // True while depth contradicts the motion of the images.
+  bool doubts_depth() const { return holds(SensorDoubt::depth_against_motion); }
+  // Ends all doubts; what was seen counts no more. Warnings are not repeated.
+  void restart();
   // The warnings since the last call: one of each kind, the first time.
   std::vector<SensorWarning> take_warnings() { return std::exchange(fresh_, {}); }
 
@@ -69,11 +77,20 @@ class SensorMonitor {
   };
   static constexpr size_t kFrames = 20, kComparisons = 5;
 
+  bool holds(SensorDoubt doubt) const { return wrong_[static_cast<size_t>(doubt)]; }
+  void add_share(int64_t frame, double share);
+  void add_depths(int64_t frame, const Features& features, double row_error);
+  void forget_share();
+  void forget_depths();
   void judge(SensorDoubt doubt, bool is_wrong, double figure, int64_t frame);
 
   const Sensor sensor_;
   Window<kFrames> share_, zero_, rows_, near_;
   Window<kComparisons> error_, spread_;
+  struct Silence {
+    size_t share = 0, depths = 0;
+  };
+  Silence silence_;             // frames in a row that say nothing of it
   std::vector<double> depths_;  // work space
   std::array<bool, kSensorDoubts> wrong_{}, told_{};
   std::vector<SensorWarning> fresh_;

@@ -44,11 +44,37 @@ TEST(SensorMonitor, FewMatches) {
   EXPECT_TRUE(warnings_of(Sensor::stereo, features(0.1, 10), 0.4, 10).empty());
 }
 
+// Keypoints beyond the usual number are worse ones.
+TEST(SensorMonitor, FewMatchesOfTwiceTheKeypointsAreNoFault) {
+  SensorMonitor monitor(Sensor::stereo);
+  const Features few = features(0.1, 10);
+  for (int i = 0; i < 40; ++i) monitor.add_frame(i, few, 0.4, SensorMonitor::Budget::doubled);
+  EXPECT_TRUE(monitor.take_warnings().empty());
+  for (int i = 40; i < 60; ++i) monitor.add_frame(i, few, 0.4);
+  EXPECT_TRUE(monitor.doubts());
+}
+
+// The images still show where the camera is.
+TEST(SensorMonitor, FewDepthsOfADepthCameraAreToldAndLeavePosesSure) {
+  SensorMonitor monitor(Sensor::rgbd);
+  for (int i = 0; i < 20; ++i) monitor.add_frame(i, features(0.02, 10), 0);
+  const auto warnings = monitor.take_warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].doubt, SensorDoubt::few_depths);
+  EXPECT_FALSE(monitor.doubts());
+  EXPECT_FALSE(monitor.doubts_depth());
+}
+
 TEST(SensorMonitor, OneImageTwice) {
-  const auto warnings = warnings_of(Sensor::stereo, features(0.5, 0.2), 0);
+  const auto warnings = warnings_of(Sensor::stereo, features(0.5, 0.05), 0);
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0].doubt, SensorDoubt::no_disparity);
   EXPECT_THAT(describe(warnings[0], Sensor::stereo), HasSubstr("100 %"));
+}
+
+TEST(SensorMonitor, AFarSceneIsNotOneImage) {
+  EXPECT_TRUE(warnings_of(Sensor::stereo, features(0.5, 0.5), 0.3).empty());
+  EXPECT_TRUE(warnings_of(Sensor::stereo, features(0.5, 0.05), 0.3).empty()) << "rows of two cameras differ";
 }
 
 TEST(SensorMonitor, RowsThatDiffer) {
@@ -63,6 +89,34 @@ TEST(SensorMonitor, DepthsNearerThanCamerasSee) {
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0].doubt, SensorDoubt::depth_too_near);
   EXPECT_THAT(describe(warnings[0], Sensor::rgbd), HasSubstr("depth_scale"));
+}
+
+TEST(SensorMonitor, DoubtsOfFramesEndWhereFramesSayNothing) {
+  for (const Features& silent : {no_features(), features(0, 10)}) {
+    SensorMonitor monitor(Sensor::stereo);
+    for (int i = 0; i < 20; ++i) monitor.add_frame(i, features(0.4, 10), 1.0);
+    EXPECT_TRUE(monitor.doubts());
+    for (int i = 20; i < 39; ++i) monitor.add_frame(i, silent, 0);
+    EXPECT_TRUE(monitor.doubts()) << "a few frames without are no answer";
+    monitor.add_frame(39, silent, 0);
+    EXPECT_EQ(monitor.doubts(), silent.size() > 0) << "without matches another doubt follows";
+    monitor.take_warnings();
+    for (int i = 40; i < 60; ++i) monitor.add_frame(i, features(0.4, 10), 0.4);
+    EXPECT_FALSE(monitor.doubts());
+  }
+}
+
+TEST(SensorMonitor, ARestartEndsAllDoubts) {
+  SensorMonitor monitor(Sensor::stereo);
+  for (int i = 0; i < 20; ++i) monitor.add_frame(i, features(0.1, 10), 1.0);
+  for (int k = 0; k < 5; ++k) monitor.add_comparison(k, {100, 0.4, 0.3});
+  EXPECT_TRUE(monitor.doubts_depth());
+  EXPECT_EQ(monitor.take_warnings().size(), 3u);
+  monitor.restart();
+  EXPECT_FALSE(monitor.doubts());
+  EXPECT_FALSE(monitor.doubts_depth());
+  monitor.add_comparison(5, {100, 0.4, 0.3});
+  EXPECT_FALSE(monitor.doubts_depth()) << "what was seen counts no more";
 }
 
 TEST(SensorMonitor, ContradictionsAreDoubtedUntilTheyEnd) {
@@ -81,6 +135,28 @@ TEST(SensorMonitor, ContradictionsAreDoubtedUntilTheyEnd) {
   for (int k = 0; k < 5; ++k) monitor.add_comparison(8 + k, wrong);
   EXPECT_TRUE(monitor.doubts());
   EXPECT_TRUE(monitor.take_warnings().empty()) << "reported once";
+}
+
+// Two motions in a row that are wrong, in a long recording whose depth is right.
+TEST(SensorMonitor, FewContradictionsAmongManyAgreementsAreNoFault) {
+  SensorMonitor monitor(Sensor::rgbd);
+  int k = 0;
+  for (; k < 5; ++k) monitor.add_comparison(k, {100, 0.03, 0.3});
+  for (; k < 7; ++k) monitor.add_comparison(k, {100, 0.6, 0.3});
+  monitor.add_comparison(k++, {100, 0.03, 0.3});
+  monitor.add_comparison(k++, {100, 0.03, 0.3});
+  EXPECT_FALSE(monitor.doubts());
+  for (; k < 12; ++k) monitor.add_comparison(k, {100, 0.6, 0.3});
+  ASSERT_TRUE(monitor.doubts());
+  EXPECT_NEAR(monitor.take_warnings().at(0).figure, 2, 1e-9) << "the figure of the rule that doubts";
+}
+
+TEST(SensorMonitor, TheFigureIsOfTheFewThatWereCompared) {
+  SensorMonitor monitor(Sensor::rgbd);
+  monitor.add_comparison(0, {100, 0.03, 0.3});
+  for (int k = 1; k < 4; ++k) monitor.add_comparison(k, {100, 0.3 + 0.15 * k, 0.3});
+  ASSERT_TRUE(monitor.doubts());
+  EXPECT_NEAR(monitor.take_warnings().at(0).figure, 1.5, 1e-9) << "of 0.1, 1.5 and 2";
 }
 
 TEST(SensorMonitor, LittleBetterThanAConstantTakesMoreComparisons) {

@@ -84,11 +84,13 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
 FrameReport System::process(const Input& input) {
   FrameReport report;
   const Stopwatch total;
-  FeaturesPtr features = extract(input, (tracker_.wants_more_features() ? 2 : 1) * options_.orb.features);
+  const bool more_features = tracker_.wants_more_features();
+  FeaturesPtr features = extract(input, (more_features ? 2 : 1) * options_.orb.features);
   report.timing.extract_ms = frontend_.timing().extract_ms;
   report.timing.depth_ms = frontend_.timing().depth_ms;
 
-  monitor_.add_frame(input.frame, *features, frontend_.row_error());
+  using Budget = SensorMonitor::Budget;
+  monitor_.add_frame(input.frame, *features, frontend_.row_error(), more_features ? Budget::doubled : Budget::usual);
   ++frames_.processed;
   apply_visible_mapping(report);
   mapping_.rethrow_failure();
@@ -141,9 +143,18 @@ Result<std::vector<MappingReport>> System::set_mode(TrackingMode mode) {
   if (mode == TrackingMode::mapping && tracker_.search().own_camera)
     return fail("the map was made by another camera: it can't be continued, for a map has one camera");
   std::vector<MappingReport> reports = finish();
+  // Without key frames no comparison would end a doubt.
+  monitor_.restart();
   options_.localize = mode == TrackingMode::localisation;
   tracker_.set_mode(mode);
   return reports;
+}
+
+std::vector<SensorWarning> System::take_warnings() {
+  std::vector<SensorWarning> warnings = monitor_.take_warnings();
+  for (const SensorWarning& warning : warnings)
+    log(LogLevel::warning, "frame " + std::to_string(warning.frame) + ": " + describe(warning, options_.sensor));
+  return warnings;
 }
 
 std::vector<TrackedPoint> System::tracked_points() const {
@@ -268,7 +279,7 @@ MappingStatus System::mapping_status() const {
 
 void System::submit(MapRequest request) {
   if (auto* const key_frame = std::get_if<KeyFrameRequest>(&request)) {
-    key_frame->doubted_depth = monitor_.doubts();
+    key_frame->doubted_depth = monitor_.doubts_depth();
     log_.make_room();  // here, so that frames that make no key frame never allocate
     frames_.visible_at = frames_.processed + options_.mapping_delay;
     mapping_.submit(std::move(*key_frame));
@@ -296,9 +307,7 @@ void System::discard(uint32_t submap) {
 
 // Poses that follow from depth which is not to be believed are tentative at best.
 void System::watch_sensor(FrameReport& report) {
-  report.warnings = monitor_.take_warnings();
-  for (const SensorWarning& warning : report.warnings)
-    log(LogLevel::warning, "frame " + std::to_string(warning.frame) + ": " + describe(warning, options_.sensor));
+  report.warnings = take_warnings();
   if (report.track.state == TrackingState::tracking) report.track.tentative |= monitor_.doubts();
 }
 

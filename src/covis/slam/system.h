@@ -98,6 +98,9 @@ class System {
   // Waits for mapping to end, and locates frames that got no pose where the map reaches them now (backtrack.h).
   // process() may be called again afterwards.
   std::vector<MappingReport> finish();
+  // The warnings of the sensor that came with what finish() or set_mode() returned; process() reports its own. They are
+  // logged.
+  std::vector<SensorWarning> take_warnings();
 
   // Gives key frames without colours those of their frames' images (KeyFrameColours::fill()); of rectified pairs the
   // rectified left image. Poses and the rest of the map stay as they are.
