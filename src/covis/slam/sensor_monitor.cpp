@@ -11,7 +11,7 @@ namespace {
 // The bounds lie between what good recordings and faulty ones show (docs/notes/033-depth-to-be-believed.md).
 constexpr double kLeastShareStereo = 0.15, kLeastShareRgbd = 0.05;
 constexpr double kMostZero = 0.7;       // share of matches
-constexpr float kNoDisparity = 0.1f;    // pixels
+constexpr float kNoDisparity = 1;       // pixels: the fractions of equal patches are not 0
 constexpr double kSameRow = 0.05;       // sigmas of a keypoint: no two cameras give it
 constexpr double kMostRowError = 0.85;  // sigmas of a keypoint
 constexpr double kLeastNear = 0.2;      // metres: no depth camera sees nearer
