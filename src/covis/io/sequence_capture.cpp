@@ -201,8 +201,7 @@ Result<std::unique_ptr<Sequence>> open_video(const std::string& path, const Requ
   if (const auto served = serves(path, request); !served) return tl::unexpected(served.error());
   if (!request.given && !request.uncalibrated) return tl::unexpected(no_calibration(path, "--camera"));
   const CameraFile given = request.given.value_or(CameraFile());
-  if (!is_regular(path))
-    return fail(path + ": it is no regular file; a video file is expected, or a camera's number");
+  if (!is_regular(path)) return fail(path + ": it is no regular file; a video file is expected, or a camera's number");
   cv::VideoCapture capture = capture_of(path);
   if (!capture.isOpened()) return fail(path + ": it is not a video that can be read");
   Camera camera = given.camera;
