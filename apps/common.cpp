@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <csignal>
+#include <filesystem>
 #include <iostream>
 
 #include "apps/run/run_json.h"
@@ -21,7 +22,11 @@ void on_signal(int signal) {
 // From 1 on, or -1, which is all.
 CLI::Validator count_or_all() {
   return CLI::Validator(
-      [](std::string& text) { return text == "-1" ? std::string() : whole_number_from(1)(text) + ", or -1 for all"; },
+      [](std::string& text) {
+        if (text == "-1") return std::string();
+        const std::string problem = whole_number_from(1)(text);
+        return problem.empty() ? problem : problem + ", or -1 for all";
+      },
       "FROM 1");
 }
 
@@ -81,6 +86,15 @@ nlohmann::json camera_json(const Camera& camera) {
   if (camera.pinhole.bf > 0) json["baseline"] = camera.pinhole.baseline();
   if (camera.distortion != Distortion::none) json["distortion"] = camera.coefficients;
   return json;
+}
+
+Result<void> check_other_file(const std::string& out, const std::vector<std::string>& inputs) {
+  std::error_code none;
+  for (const std::string& input : inputs) {
+    if (std::filesystem::equivalent(input, out, none))
+      return fail(out + ": it is one of the maps given, which are left as they are; give --out another name");
+  }
+  return {};
 }
 
 void print_json(const nlohmann::json& json) {

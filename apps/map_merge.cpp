@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "common.h"
+#include "covis/core/log.h"
 #include "covis/loops/map_merging.h"
 #include "covis/storage/compatibility.h"
 #include "covis/storage/map_file.h"
@@ -27,17 +27,16 @@ struct MergeArguments {
   bool json = false;
 };
 
-// The inputs must be left as they are, and none may count twice.
+// The inputs must be left as they are, and none may count twice. The result must have a place before it is made.
 Result<void> check_files(const MergeArguments& a) {
   std::error_code ignored;
+  if (auto other = check_other_file(a.out, a.files); !other) return other;
   for (size_t i = 0; i < a.files.size(); ++i) {
-    if (std::filesystem::equivalent(a.files[i], a.out, ignored))
-      return fail(a.out + ": it is one of the maps to merge, which are left as they are; give --out another name");
     for (size_t j = 0; j < i; ++j) {
       if (std::filesystem::equivalent(a.files[i], a.files[j], ignored)) return fail(a.files[i] + ": given twice");
     }
   }
-  return {};
+  return storage::check_save_target(a.out);
 }
 
 struct Inputs {
@@ -219,6 +218,7 @@ int run_merge(const MergeArguments& a) {
   auto inputs = load(a.files);
   if (!inputs) return fail_with(inputs.error());
   settings.sensor = inputs->header.sensor;
+  log(LogLevel::info, std::to_string(a.files.size()) + " maps are loaded; places that they share are looked for");
   SharedMap merged;
   const auto report = merge_maps(std::move(inputs->maps), **vocabulary, settings, merged);
   if (!report) return fail_with(report.error());
@@ -230,7 +230,7 @@ int run_merge(const MergeArguments& a) {
   if (const auto saved = storage::save_map(a.out, map->state(), header); !saved) return fail_with(saved.error());
   const Names names{a, *report};
   if (a.json) {
-    std::cout << to_json(names, *map).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    print_json(to_json(names, *map));
   } else {
     print(names, *map);
   }

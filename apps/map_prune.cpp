@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -49,6 +48,8 @@ PruningCost cost_of(const SharedMap& map, const std::vector<ThinnedKeyFrame>& er
 }
 
 int run_prune(const PruneArguments& a) {
+  if (const auto other = check_other_file(a.out, {a.file}); !other) return fail_with(other.error());
+  if (const auto fits = storage::check_save_target(a.out); !fits) return fail_with(fits.error());
   const auto vocabulary = open_vocabulary(a.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
   auto loaded = storage::load_map(a.file);
@@ -78,7 +79,7 @@ int run_prune(const PruneArguments& a) {
                               {"views_taken_out", cost.asked},
                               {"found_again", cost.found},
                               {"median_distance", cost.median}};
-    std::cout << json.dump(2) << "\n";
+    print_json(json);
     return 0;
   }
   std::printf("key frames      %zu of %zu\npoints          %zu of %zu\nsize            %.2f of %.2f MB\n",

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "places.h"
 
-
 namespace covis::app {
 namespace {
 

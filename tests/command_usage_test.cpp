@@ -141,6 +141,7 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
   } cases[] = {
       {{"run"}, "PATH is missing"},
       {{"run", gone}, gone + ": it does not exist"},
+      {{"run", gone, "--count", "-1"}, gone + ": it does not exist"},
       {{"run", gone, "--set", "orb.featurs=3"}, "nearest known one is 'orb.features'"},
       {{"run", gone, "--set", "orb.features=x"}, "whole number from 50"},
       {{"run", gone, "--set", "orb.features"}, "NAME=VALUE"},

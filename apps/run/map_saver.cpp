@@ -59,8 +59,9 @@ Result<void> check_map_target(const std::filesystem::path& file, const SaveInter
   if (!std::filesystem::exists(aside, none)) return {};
   const std::filesystem::path older = older_unfinished_map(file);
   if (auto fits = storage::check_save_target(older); !fits) return fits;
-  log(LogLevel::warning, aside.string() + ": it is the map of a run that did not end well. Before this run saves there, "
-                                          "it is renamed to " +
+  log(LogLevel::warning, aside.string() +
+                             ": it is the map of a run that did not end well. Before this run saves there, "
+                             "it is renamed to " +
                              older.filename().string());
   return {};
 }

@@ -64,8 +64,8 @@ class MapSaver {
   int64_t frames_ = 0;  // number of frames since the last saving
   Stopwatch since_;
   bool warned_ = false;
-  bool owned_ = false, wrote_ = false;   // the file aside is this run's to write; this run wrote it
-  std::future<Result<void>> saving_;     // the last, as it is waited for before all else goes
+  bool owned_ = false, wrote_ = false;  // the file aside is this run's to write; this run wrote it
+  std::future<Result<void>> saving_;    // the last, as it is waited for before all else goes
 };
 
 }  // namespace covis::app

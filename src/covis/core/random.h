@@ -20,7 +20,8 @@ constexpr uint64_t hash_seed(uint64_t seed, uint64_t stage, uint64_t frame = 0) 
   return mix64(mix64(mix64(seed) ^ stage) ^ frame);
 }
 
-// The stages of the library that draw numbers. The tools that train vocabularies and render recordings number their own.
+// The stages of the library that draw numbers. The tools that train vocabularies and render recordings number their
+// own.
 enum class RandomStage : uint64_t { mono_initializer = 1, relocalisation = 2, loops = 3 };
 
 constexpr uint64_t hash_seed(uint64_t seed, RandomStage stage, uint64_t frame) {

@@ -52,7 +52,7 @@ struct SequenceOptions {
   int64_t count = -1;                           // greatest number of frames; -1: all
   int stride = 1;                               // only every n-th frame is read
   bool skip_bad = false;  // true: frames that can't be used are left out, however many they are (bad_frames.h)
-  const std::atomic<int>* stop = nullptr;       // not zero: next() of a camera no longer waits; may be null
+  const std::atomic<int>* stop = nullptr;  // not zero: next() of a camera no longer waits; may be null
 };
 
 // State of a live camera after the last call of next(); recordings have that of a camera that is there.
