@@ -92,7 +92,7 @@ TEST_F(MapFile, EmptyMapAndSmallMaps) {
   bytes_of(map);
   EXPECT_EQ(load_map(file())->map.next_serial(), 1u);
   const KeyFrameId k =
-      map.add_key_frame(std::numeric_limits<int64_t>::min(), -(int64_t{1} << 62), SE3(), random_features(random, 0));
+      map.add_key_frame(std::numeric_limits<int64_t>::min(), 1 - (int64_t{1} << 62), SE3(), random_features(random, 0));
   const std::string one = bytes_of(map);
   const auto loaded = load_map(file());
   ASSERT_TRUE(loaded) << loaded.error().message;
