@@ -38,6 +38,7 @@ class Director : public app::RunObserver {
 
  private:
   void go_on() {
+    if (stop != 0) return;
     const auto step = static_cast<int>(shown.size());
     if (step == 15) {  // two at once, of which the first is dropped
       show(15);
@@ -56,7 +57,6 @@ class Director : public app::RunObserver {
     camera.show(1 + static_cast<int64_t>(shown.size()) * 66'000'000, recording_.frame(frame).image);
   }
   void go_away(int refusals) {
-    if (stop != 0) return;
     shown.push_back(-1);
     camera.go_away(refusals);
   }

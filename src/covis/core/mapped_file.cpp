@@ -27,7 +27,8 @@ struct FileHandle {  // closes the file descriptor on destruction
 }  // namespace
 
 Result<std::unique_ptr<MappedFile>> MappedFile::open(const std::filesystem::path& file) {
-  const FileHandle handle{::open(file.c_str(), O_RDONLY | O_CLOEXEC)};
+  // Without waiting: a pipe that nobody writes to would be waited for, and is no file anyway.
+  const FileHandle handle{::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
   if (handle.fd < 0) return fail_errno(file, "can't be opened");
   struct stat status {};
   if (::fstat(handle.fd, &status) != 0) return fail_errno(file, "can't be read");
