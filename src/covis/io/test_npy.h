@@ -2,7 +2,6 @@
 // For tests: array files as NumPy writes them.
 #pragma once
 
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -20,9 +19,7 @@ inline std::string npy_bytes(const std::vector<float>& values, const std::string
   bytes += '\0';
   for (size_t i = 0; i < before - 8; ++i) bytes += static_cast<char>(header.size() >> (8 * i) & 0xff);
   bytes += header;
-  const size_t begin = bytes.size();
-  bytes.resize(begin + values.size() * sizeof(float));
-  std::memcpy(bytes.data() + begin, values.data(), values.size() * sizeof(float));
+  for (const float value : values) bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
   return bytes;
 }
 
