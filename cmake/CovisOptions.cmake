@@ -83,6 +83,11 @@ endif()
 target_compile_definitions(covis_flags INTERFACE $<$<NOT:$<CONFIG:Release>>:EIGEN_INITIALIZE_MATRICES_BY_NAN>)
 if(COVIS_SANITIZE)
   target_compile_options(covis_flags INTERFACE -fsanitize=${COVIS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  if(COVIS_SANITIZE MATCHES address)
+    # A fifth of the time to compile, for what the address sanitizer finds too, or (vptr) code without casts between classes
+    # has not.
+    target_compile_options(covis_flags INTERFACE -fno-sanitize=null,object-size,vptr)
+  endif()
   target_link_options(covis_flags INTERFACE -fsanitize=${COVIS_SANITIZE})
 endif()
 if(COVIS_FUZZ)

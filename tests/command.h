@@ -5,13 +5,14 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sched.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -19,6 +20,8 @@
 #include <system_error>
 #include <thread>
 #include <vector>
+
+#include "apps/command.h"
 
 namespace covis {
 
@@ -31,26 +34,26 @@ inline std::string text_of(const fs::path& file) {
   return text.str();
 }
 
-// A child process. It ends with its owner.
+// A child process: the covis command, or another program. It ends with its owner.
 class Process {
  public:
   // one_core: run it on the first core that this process may use, like `taskset`.
   Process(const std::vector<std::string>& command, const fs::path& standard_out, const fs::path& standard_error,
           bool one_core = false) {
+    std::fflush(nullptr);  // else the child would write it too
+    id_ = fork();
+    if (id_ < 0) throw std::system_error(errno, std::generic_category(), "fork");
+    if (id_ > 0) return;
+    redirect(standard_out, STDOUT_FILENO);
+    redirect(standard_error, STDERR_FILENO);
+    if (one_core) keep_one_core();
     std::vector<char*> arguments;
     for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
-    // fork() would copy this process, which is large under a sanitizer.
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
-    redirect(files, standard_out, STDOUT_FILENO);
-    redirect(files, standard_error, STDERR_FILENO);
-    cpu_set_t allowed;
-    if (one_core) keep_one_core(allowed);
-    const int problem = posix_spawn(&id_, arguments[0], &files, nullptr, arguments.data(), environ);
-    if (one_core) sched_setaffinity(0, sizeof allowed, &allowed);
-    posix_spawn_file_actions_destroy(&files);
-    if (problem != 0) throw std::system_error(problem, std::generic_category(), command.front());
+    // Called instead of executed: to load the libraries of OpenCV takes longer than most cases.
+    if (command.front() == COVIS_COMMAND) std::exit(covis_command(static_cast<int>(command.size()), arguments.data()));
+    execv(arguments[0], arguments.data());
+    std::_Exit(127);
   }
   ~Process() {
     if (id_ <= 0) return;
@@ -80,20 +83,20 @@ class Process {
   }
 
  private:
-  static void redirect(posix_spawn_file_actions_t& files, const fs::path& file, int descriptor) {
-    posix_spawn_file_actions_addopen(&files, descriptor, file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  static void redirect(const fs::path& file, int descriptor) {
+    const int opened = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    if (opened < 0 || dup2(opened, descriptor) < 0) std::_Exit(127);
+    close(opened);
   }
-  // Restricts this thread, whose core mask a child inherits. allowed: the previous mask.
-  static void keep_one_core(cpu_set_t& allowed) {
+  static void keep_one_core() {
+    cpu_set_t allowed, one;
     CPU_ZERO(&allowed);
     sched_getaffinity(0, sizeof allowed, &allowed);
     int core = 0;
     while (core < CPU_SETSIZE - 1 && !CPU_ISSET(core, &allowed)) ++core;
-    cpu_set_t one;
     CPU_ZERO(&one);
     CPU_SET(core, &one);
-    if (sched_setaffinity(0, sizeof one, &one) != 0)
-      throw std::system_error(errno, std::generic_category(), "sched_setaffinity");
+    if (sched_setaffinity(0, sizeof one, &one) != 0) std::_Exit(127);
   }
 
   pid_t id_ = -1;
