@@ -34,6 +34,7 @@ class Job:
         self.jobs = site / 'jobs'
         self.key = key
         self.folder = self.jobs / f'{key}{UNFINISHED}{os.uname().nodename}-{os.getpid()}'
+        self.warnings: list[str] = []
 
     def make(self, work: Callable[[Job], Json], last_attempt: bool) -> Json:
         """Does the work, unless it is done. What fails on the last attempt is recorded as failed, so that others go on."""
@@ -67,6 +68,7 @@ class Job:
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors='replace', check=False)
         with open(self.folder / 'log.txt', 'a', encoding='utf-8') as log:
             log.write('$ ' + ' '.join(command) + '\n' + done.stderr)
+        self.warnings += [line.removeprefix('warning: ') for line in done.stderr.splitlines() if line.startswith('warning: ')]
         if done.returncode != 0:
             if done.returncode < 0:
                 raise JobError(f'covis {words[0]} was ended by signal {-done.returncode}')
@@ -84,7 +86,7 @@ def map_recording(job: Job, recording: Recording, options: list[str]) -> Json:
     out, file = job.folder / 'run', job.folder / 'map.m'
     job.call('run', recording.path, '--out', str(out), '--save-map', str(file), '--quiet', *options, *recording.options)
     summary = json.loads((out / 'summary.json').read_text())
-    result: Json = {'recording': recording.name, 'maps': [], 'bytes_in': recording.bytes, 'warnings': summary['warnings'],
+    result: Json = {'recording': recording.name, 'maps': [], 'bytes_in': recording.bytes, 'warnings': job.warnings,
                     'frames': summary['frames'], 'frames_tracked': summary['frames_tracked'],
                     'ate_m': summary.get('ate_m'), 'sensor': summary['sensor']}
     if not file.exists():
@@ -170,8 +172,14 @@ def evaluate(job: Job, site: pathlib.Path, root: str, recordings: list[Recording
     for one in load_result(site, root)['maps']:
         poses = job.folder / 'poses.txt'
         job.call('map', 'export', str(site / 'jobs' / root / one['file']), '--to', 'tum', '--out', str(poses))
+        # Exports begin with the submap of the most key frames, files of maps with the oldest.
+        by_size = sorted(range(len(one['submaps'])), key=lambda i: -sum(one['submaps'][i].values()))
         errors: list[Json | None] = []
         for i, submap in enumerate(one['submaps']):
+            rank = by_size.index(i)
+            of_submap = poses.with_stem(f'poses_map{rank}') if rank else poses
+            if len(of_submap.read_text().splitlines()) != sum(submap.values()):
+                raise JobError(f'{of_submap}: {sum(submap.values())} key frames are expected')
             rows: dict[str, str] = {}
             for name in submap:
                 truth = paths[name] / 'groundtruth.txt'
@@ -184,7 +192,7 @@ def evaluate(job: Job, site: pathlib.Path, root: str, recordings: list[Recording
             truths.write_text('\n'.join(rows[stamp] for stamp in sorted(rows, key=float)) + '\n')
             align = 'sim3' if one['sensor'] == 'mono' else 'se3'
             try:
-                errors.append(job.call('eval', str(poses.with_stem(f'poses_map{i}') if i else poses), str(truths), '--align', align, '--json'))
+                errors.append(job.call('eval', str(of_submap), str(truths), '--align', align, '--json'))
             except JobError as error:  # too few poses have a truth
                 errors.append({'failed': str(error)})
         result['maps'].append(errors)
