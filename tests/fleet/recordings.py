@@ -7,7 +7,7 @@ import pathlib
 import shutil
 import subprocess
 
-FRAMES, FPS, PIECE = 200, 10, 75
+FRAMES, FPS, PIECE = 160, 8, 60
 
 
 def lines_of(file: pathlib.Path) -> list[str]:
