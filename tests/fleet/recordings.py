@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rendered recordings for a test of the fleet: overlapping pieces of walks through two rooms, as folders of their own."""
+from __future__ import annotations
+
+import os
+import pathlib
+import shutil
+import subprocess
+
+FRAMES, FPS, PIECE = 160, 8, 60
+
+
+def lines_of(file: pathlib.Path) -> list[str]:
+    return [line for line in file.read_text().splitlines() if not line.startswith('#')]
+
+
+def render(covis: pathlib.Path, folder: pathlib.Path, sensor: str, seed: int) -> None:
+    if not (folder / 'groundtruth.txt').exists():
+        subprocess.run([covis, 'synth', 'room', '--sensor', sensor, '--seed', str(seed), '--frames', str(FRAMES), '--fps',
+                        str(FPS), '--width', '320', '--height', '240', '--quiet', '--overwrite', '--out', folder], check=True)
+
+
+def piece(walk: pathlib.Path, first: int, count: int, out: pathlib.Path) -> None:
+    """Some frames of a rendered walk as a recording of their own, with the stamps they had."""
+    shutil.rmtree(out, ignore_errors=True)
+    out.mkdir(parents=True)
+    for name in ('camera.yaml', 'calib.txt'):
+        if (walk / name).exists():
+            shutil.copy(walk / name, out)
+    for name in ('rgb.txt', 'depth.txt', 'associations.txt', 'times.txt', 'poses.txt', 'groundtruth.txt'):
+        if (walk / name).exists():
+            (out / name).write_text('\n'.join(lines_of(walk / name)[first:first + count]) + '\n')
+    for folder in ('rgb', 'depth', 'images', 'image_0', 'image_1'):
+        if (walk / folder).exists():
+            (out / folder).mkdir()
+            files = sorted((walk / folder).iterdir(), key=lambda p: float(p.stem))[first:first + count]
+            for i, file in enumerate(files):
+                os.link(file, out / folder / (file.name if folder in ('rgb', 'depth') else f'{i:06d}.png'))
+
+
+def cut_off(recording: pathlib.Path, after: int) -> None:
+    """Leaves what a copy that broke off leaves: no image after one that is cut short."""
+    folder = next(recording / name for name in ('rgb', 'images', 'image_0') if (recording / name).exists())
+    files = sorted(folder.iterdir(), key=lambda p: float(p.stem))
+    start = files[after].read_bytes()[:2000]
+    files[after].unlink()  # it is a link to the walk's own
+    files[after].write_bytes(start)
+    for file in files[after + 1:]:
+        file.unlink()
+
+
+def make(covis: pathlib.Path, work: pathlib.Path, sensors: list[str], each: int = 6) -> list[tuple[str, str]]:
+    """`each` recordings of each of two rooms, the sensors in turns: (folder's name, what it should be joined with)."""
+    made: list[tuple[str, str]] = []
+    for i in range(each):
+        for seed, site in ((1, 'north'), (2, 'south')):
+            sensor = sensors[i % len(sensors)]
+            render(covis, work / f'walk-{sensor}-{seed}', sensor, seed)
+            turn, turns = i // len(sensors), each // len(sensors)
+            first = round(turn * (FRAMES - PIECE) / max(turns - 1, 1) / (3 if turns == 2 else 1))
+            name = f'{site}-{sensor}-{turn}'
+            piece(work / f'walk-{sensor}-{seed}', first, PIECE, work / 'recordings' / name)
+            made.append((name, f'{site}-{sensor}'))
+    return made
