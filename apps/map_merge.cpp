@@ -112,7 +112,8 @@ nlohmann::json to_json(const Names& names, const JoinedPair& pair) {
       {"claims", pair.claims},
       {"contrary", pair.contrary},
       {"views_agree", pair.views_agree},
-      {"views_disagree", pair.views_disagree}};
+      {"views_disagree", pair.views_disagree},
+      {"views_contradict", pair.views_contradict}};
   if (pair.refusal == JoinRefusal::none) {
     const Eigen::Vector3d& t = pair.S_older_younger.t();
     json["fused"] = pair.fused;
@@ -177,7 +178,8 @@ void print(const Names& names, const JoinedPair& pair) {
       std::printf(" (%d views for one relation, %d for others)", pair.claims, pair.contrary);
       break;
     case JoinRefusal::contradicted:
-      std::printf(" (%d of %d)", pair.views_disagree, pair.views_agree + pair.views_disagree);
+      std::printf(" (%d of %d, %d of them next to nothing)", pair.views_disagree,
+                  pair.views_agree + pair.views_disagree, pair.views_contradict);
       break;
     default:
       break;

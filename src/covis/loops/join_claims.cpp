@@ -73,7 +73,7 @@ JoinSides::JoinSides(const Map& map, const JoinClaim& claim) {
 
 JoinClaims JoinClaims::collect(const Map& map, Sensor sensor, const LoopOptions& options, int seed) {
   JoinClaims found;
-  LoopVerifier verifier(sensor, options, seed);
+  LoopVerifier verifier(map, sensor, options, seed);
   for (const KeyFrameId& current : map.key_frames()) {
     for (const KeyFrameId& place : LoopDetector::candidates_elsewhere(map, current)) {
       const LoopVerdict verdict = verifier.verify(LoopCandidate(map, current, place));

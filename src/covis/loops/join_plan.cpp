@@ -14,6 +14,7 @@ namespace {
 // Distinct pairs of key frames that must agree; and where more than a quarter of the views that would stand side by
 // side do not see the same.
 constexpr int kLeastClaims = 3, kLeastClaimsInDoubt = 5;
+constexpr int kContradictory = 20;  // of so many views that would stand side by side one may contradict
 
 std::pair<uint32_t, uint32_t> ordered(uint32_t a, uint32_t b) { return std::minmax({a, b}); }
 
@@ -97,40 +98,52 @@ bool find_ambiguous(const std::vector<JoinClaim>& claims, const std::vector<Join
 
 SideBySide::SideBySide(const Map& map, const std::vector<JoinClaim>& claims, const JoinGroup& group,
                        LoopVerifier& verifier) {
+  std::vector<Link> in_younger, in_older;
+  for (const size_t k : group.claims) {
+    const JoinSides side(map, claims[k]);
+    const Sim3 S_young_old = side.S_old_young.inverse();
+    in_younger.push_back({side.in_younger, side.S_old_young, side.depth});
+    in_older.push_back({side.in_older, S_young_old, side.depth * S_young_old.scale()});
+  }
+  look(map, group.younger, group.older, in_younger, verifier);
+  look(map, group.older, group.younger, in_older, verifier);
+}
+
+void SideBySide::look(const Map& map, uint32_t from, uint32_t to, const std::vector<Link>& links,
+                      LoopVerifier& verifier) {
   constexpr double kWay = 1, kApart = 0.3, kTurned = std::numbers::pi / 9;  // shares of the depth; radians
   struct Nearest {
     double way = std::numeric_limits<double>::infinity();
-    double depth = 0;
-    Sim3 S_old_young;
+    const Link* link = nullptr;
   };
-  std::vector<Nearest> nearest;  // by slot: the claim that says where a key frame of the younger submap is
-  for (const size_t k : group.claims) {
-    const JoinSides side(map, claims[k]);
-    const std::vector<double> ways = ways_from(map, side.in_younger);
+  std::vector<Nearest> nearest;  // by slot: the link that says where a key frame is
+  for (const Link& link : links) {
+    const std::vector<double> ways = ways_from(map, link.here);
     nearest.resize(ways.size());
     for (size_t slot = 0; slot < ways.size(); ++slot) {
-      if (ways[slot] < nearest[slot].way) nearest[slot] = {ways[slot], side.depth, side.S_old_young};
+      if (ways[slot] < nearest[slot].way) nearest[slot] = {ways[slot], &link};
     }
   }
-  const std::vector<KeyFrameId> old_frames = map.key_frames(group.older);
-  for (const KeyFrameId& id : map.key_frames(group.younger)) {
-    const Nearest& at = nearest[id.slot];
-    if (at.way * at.S_old_young.scale() > kWay * at.depth) continue;
-    const SE3 T_cw = (Sim3(map.at(id).T_cw) * at.S_old_young.inverse()).as_pose();
+  const std::vector<KeyFrameId> there = map.key_frames(to);
+  for (const KeyFrameId& id : map.key_frames(from)) {
+    const auto& [way, link] = nearest[id.slot];
+    if (!link || way * link->S_there_here.scale() > kWay * link->depth) continue;
+    const SE3 T_cw = (Sim3(map.at(id).T_cw) * link->S_there_here.inverse()).as_pose();
     KeyFrameId beside;
-    double least = kApart * at.depth;
-    for (const KeyFrameId& other : old_frames) {
-      const SE3& there = map.at(other).T_cw;
-      const double apart = (there.centre() - T_cw.centre()).norm();
-      if (apart > least || so3_log(there.R() * T_cw.R().transpose()).norm() > kTurned) continue;
+    double least = kApart * link->depth;
+    for (const KeyFrameId& other : there) {
+      const SE3& pose = map.at(other).T_cw;
+      const double apart = (pose.centre() - T_cw.centre()).norm();
+      if (apart > least || so3_log(pose.R() * T_cw.R().transpose()).norm() > kTurned) continue;
       least = apart;
       beside = other;
     }
     if (!beside.valid()) continue;
-    const LoopVerifier::View view =
-        verifier.look_for(LoopPlace(map, beside), map.camera(), KeyFrameView(map, id), T_cw);
-    agree += view == LoopVerifier::View::agrees;
-    disagree += view == LoopVerifier::View::disagrees;
+    using View = LoopVerifier::View;
+    const View view = verifier.look_for(LoopPlace(map, beside), map.camera(), KeyFrameView(map, id), T_cw);
+    agree += view == View::agrees;
+    disagree += view == View::disagrees || view == View::contradicts;
+    contradict += view == View::contradicts;
   }
 }
 
@@ -155,8 +168,11 @@ JoinPlan::JoinPlan(const Map& map, const JoinClaims& found, LoopVerifier& verifi
     const SideBySide views(map, claims, group, verifier);
     pair.views_agree = views.agree;
     pair.views_disagree = views.disagree;
+    pair.views_contradict = views.contradict;
     const bool in_doubt = 3 * views.disagree > views.agree && pair.claims < kLeastClaimsInDoubt;
-    pair.refusal = views.disagree > views.agree || in_doubt ? JoinRefusal::contradicted : JoinRefusal::none;
+    const bool elsewhere = kContradictory * views.contradict > views.agree + views.disagree;
+    pair.refusal =
+        views.disagree > views.agree || in_doubt || elsewhere ? JoinRefusal::contradicted : JoinRefusal::none;
     pair.S_older_younger = JoinSides(map, claims[group.claims.front()]).S_old_young;
     if (pair.refusal == JoinRefusal::none) groups.push_back(std::move(group));
   }

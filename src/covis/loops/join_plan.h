@@ -6,7 +6,8 @@
 //      and nobody can tell which it is. Key frames of such claims are not believed about other submaps either, whose
 //      claims are counted again without them,
 //   3. where key frames of both would stand side by side, and so must see the same, they do, rather than not; where
-//      more than a quarter do not, five claims must agree.
+//      more than a quarter do not, five claims must agree; and at most one in twenty sees next to nothing of what the
+//      other submap saw from there. Two rooms that are equal in everything differ behind their doors.
 #pragma once
 
 #include <vector>
@@ -24,12 +25,21 @@ struct JoinPlan {
   JoinPlan(const Map& map, const JoinClaims& found, LoopVerifier& verifier);
 };
 
-// Counts pairs of key frames of two submaps that would stand side by side, near the group's claims: those that see the
-// same and those that do not.
+// Counts key frames of either submap that would stand beside one of the other, near the group's claims: those that see
+// the same, those that do not, and of these the ones that see next to nothing of it.
 struct SideBySide {
-  int agree = 0, disagree = 0;
+  int agree = 0, disagree = 0, contradict = 0;
 
   SideBySide(const Map& map, const std::vector<JoinClaim>& claims, const JoinGroup& group, LoopVerifier& verifier);
+
+ private:
+  // A claim as one side has it.
+  struct Link {
+    KeyFrameId here;
+    Sim3 S_there_here;  // from the world of its submap to that of the other
+    double depth = 0;   // median depth of the points, in the other one's unit
+  };
+  void look(const Map& map, uint32_t from, uint32_t to, const std::vector<Link>& links, LoopVerifier& verifier);
 };
 
 }  // namespace covis

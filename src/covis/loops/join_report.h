@@ -28,7 +28,8 @@ struct JoinedPair {
   LoopRefusal why = LoopRefusal::none;      // not_verified: of the candidate that came furthest
   LoopEvidence evidence = {};               // that of the strongest claim, or of the candidate
   int claims = 0, contrary = 0;             // key frames that claim to see the other; claims on another relation
-  int views_agree = 0, views_disagree = 0;  // pairs of views that would stand side by side, once both are joined
+  int views_agree = 0, views_disagree = 0;  // views that would stand beside one of the other, once both are joined
+  int views_contradict = 0;                 // those of the latter that see next to nothing of it
   Sim3 S_older_younger = {};                // from the younger one's world to the older one's, as first joined
   int fused = 0;                            // observations and points
 };

@@ -74,7 +74,7 @@ LoopVerdict LoopVerifier::verify(const LoopCandidate& candidate) {
   const std::optional<Projection> again = find_again(candidate, S_cw, verdict.evidence);
   if (!again || again->count() < (elsewhere ? options_.merge_min_found : options_.min_found))
     return refused(LoopRefusal::not_found_again);
-  if (again->share() < (elsewhere ? options_.merge_min_found_share : options_.min_found_share))
+  if (!shows_enough(candidate.place, *again, elsewhere ? options_.merge_min_found_share : options_.min_found_share))
     return refused(LoopRefusal::small_share);
   if (tied_already(candidate, again->matches)) return refused(LoopRefusal::tied_already);
   if (monocular()) refine_on_views(candidate, S_cw);
@@ -119,7 +119,7 @@ std::optional<Sim3> LoopVerifier::similarity(const std::vector<Sim3Match>& match
 LoopVerifier::Projection LoopVerifier::project(const LoopPlace& place, const Pinhole& camera, const KeyFrameView& view,
                                                const SE3& T_cw, double window) {
   const int in_view = matcher_.match(place.points, {camera, *view.features, T_cw}, MatchGate::loop(window));
-  return {in_view, matcher_.matches()};
+  return {in_view, matcher_.matches(), T_cw, map_ ? matcher_.in_view() : std::vector<uint8_t>()};
 }
 
 // Twice, the second time from a better pose and so in narrower windows. Each time the similarity, whose scale the few
@@ -138,6 +138,7 @@ std::optional<LoopVerifier::Projection> LoopVerifier::find_again(const LoopCandi
     SE3 T_cw = S_cw.as_pose();
     if (!refine(candidate.place, candidate.camera, *candidate.current.features, T_cw, projection.matches))
       return std::nullopt;
+    projection.T_cw = T_cw;
     S_cw = Sim3(T_cw.R(), S_cw.scale() * T_cw.t(), S_cw.scale());
     evidence.found_again = projection.count();
   }
@@ -183,9 +184,30 @@ void LoopVerifier::refine_on_views(const LoopCandidate& candidate, Sim3& S_cw) {
   if (fine.ok && 2 * static_cast<size_t>(fine.agreeing) > points.size()) S_cw = fine.S;
 }
 
+ExpectedMatches LoopVerifier::expected(const LoopPlace& place, const Projection& projection) const {
+  ExpectedMatches expected;
+  std::vector<uint8_t> matched(place.points.size());
+  for (const PointMatch& match : projection.matches) matched[match.point] = 1;
+  const Eigen::Vector3d centre_w = projection.T_cw.centre();
+  for (size_t p = 0; p < projection.visible.size(); ++p) {
+    if (projection.visible[p]) expected.add(map_->at(place.points.id[p]), *map_, centre_w, matched[p]);
+  }
+  return expected;
+}
+
+// Measured in docs/notes/032-merging-maps.md.
+bool LoopVerifier::shows_enough(const LoopPlace& place, const Projection& projection, double share) const {
+  constexpr double kHere = 0.3, kNear = 0.15, kYoung = 0.1;  // shares of what is expected
+  if (projection.share() >= share) return true;
+  if (!map_) return false;
+  const ExpectedMatches found = expected(place, projection);
+  if (found.from_here.enough()) return found.from_here.reaches(kHere);
+  return found.from_near.enough() && found.from_near.reaches(kNear) && found.young_too.reaches(kYoung);
+}
+
 // A key frame beside one that is tied may see less of the other place: half as many points will do.
-bool LoopVerifier::enough_for_neighbour(const Projection& projection) const {
-  return projection.count() >= options_.min_found / 2 && projection.share() >= options_.min_found_share;
+bool LoopVerifier::enough_for_neighbour(const LoopPlace& place, const Projection& projection) const {
+  return projection.count() >= options_.min_found / 2 && shows_enough(place, projection, options_.min_found_share);
 }
 
 // The best covisible key frames, moved along with the current one, must find the place's points too: two of the first
@@ -195,7 +217,7 @@ bool LoopVerifier::neighbours_agree(const LoopCandidate& candidate, const Sim3& 
   int agree = 0;
   for (const KeyFrameView& view : candidate.neighbours) {
     const Sim3 S_nw = Sim3(view.T_cw * candidate.current.T_cw.inverse()) * S_cw;
-    agree += enough_for_neighbour(project(candidate.place, candidate.camera, view, S_nw.as_pose(), 8));
+    agree += enough_for_neighbour(candidate.place, project(candidate.place, candidate.camera, view, S_nw.as_pose(), 8));
   }
   const int least = candidate.relation == LoopRelation::other_submap ? 1 : 0;
   return agree >= std::max(std::min(static_cast<int>(candidate.neighbours.size()), kWanted), least);
@@ -208,16 +230,24 @@ bool LoopVerifier::seen_from_there(const LoopCandidate& candidate, const Sim3& S
   for (size_t k = 0; k < views && k < candidate.members.size(); ++k) {
     const KeyFrameView& view = candidate.members[k];
     const SE3 T_cw = (Sim3(view.T_cw) * S_wc).as_pose();
-    if (!enough_for_neighbour(project(candidate.here, candidate.camera, view, T_cw, 8))) return false;
+    if (!enough_for_neighbour(candidate.here, project(candidate.here, candidate.camera, view, T_cw, 8))) return false;
   }
   return true;
 }
 
 LoopVerifier::View LoopVerifier::look_for(const LoopPlace& place, const Pinhole& camera, const KeyFrameView& view,
                                           const SE3& T_cw) {
+  constexpr double kHere = 0.2, kNear = 0.1;  // shares of what is expected below which a view contradicts
+  constexpr double kSaysMuch = 200;           // matches expected from near there, where few are from there itself
   const Projection seen = project(place, camera, view, T_cw, 8);
   if (seen.in_view < 2 * options_.min_found) return View::says_nothing;
-  return enough_for_neighbour(seen) ? View::agrees : View::disagrees;
+  if (map_) {
+    const ExpectedMatches found = expected(place, seen);
+    const MatchTally &here = found.from_here, &near = found.from_near;
+    if (here.enough() && !here.reaches(kHere)) return View::contradicts;
+    if (near.expected >= kSaysMuch && !near.reaches(kNear)) return View::contradicts;
+  }
+  return enough_for_neighbour(place, seen) ? View::agrees : View::disagrees;
 }
 
 bool LoopVerifier::drift_explains(const LoopDrift& drift) const {

@@ -12,7 +12,9 @@
 //      LoopConsensus to judge, if it passes the tests of places in another submap; so is what fails test 4 alone, if
 //      the old place's views find the new one's points.
 // A place in another submap joins the two submaps. Their relation is unknown, so that no drift could explain it: tests
-// 3 and 4 ask for more instead, and the old place's views must find the new one's points as well.
+// 3 and 4 ask for more instead, and the old place's views must find the new one's points as well. When saved maps are
+// merged, a view passes tests 3 and 4 also with a smaller share, where it shows as much as was seen from about there
+// before (expected_matches.h): in a crowded place most of what lies in the view's cone is covered from there.
 //
 // Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section VII-B; verification at once by several covisible
 // key frames: Campos et al., "ORB-SLAM3", T-RO 2021, section VI (merging of maps, too).
@@ -24,6 +26,7 @@
 #include "covis/loops/loop_candidate.h"
 #include "covis/loops/loop_options.h"
 #include "covis/loops/loop_report.h"
+#include "covis/matching/expected_matches.h"
 #include "covis/matching/projection_match.h"
 #include "covis/optimization/sim3_optimization.h"
 
@@ -40,12 +43,16 @@ struct LoopVerdict {
 class LoopVerifier {
  public:
   LoopVerifier(Sensor sensor, const LoopOptions& options, int seed) : sensor_(sensor), options_(options), seed_(seed) {}
+  // To merge saved maps. The map must not change while this lives.
+  LoopVerifier(const Map& map, Sensor sensor, const LoopOptions& options, int seed)
+      : sensor_(sensor), options_(options), seed_(seed), map_(&map) {}
 
   LoopVerdict verify(const LoopCandidate& candidate);
 
-  enum class View { agrees, disagrees, says_nothing };
+  enum class View { agrees, disagrees, contradicts, says_nothing };
   // A view at a pose in the place's world is asked whether it sees the place: it finds as much of it as a neighbour of
-  // the key frame must (test 4), or does not, or has too little of it in view to tell.
+  // the key frame must (test 4), or does not, or next to nothing of what was seen from there before (only when maps are
+  // merged), or has too little of it in view to tell.
   View look_for(const LoopPlace& place, const Pinhole& camera, const KeyFrameView& view, const SE3& T_cw);
 
  private:
@@ -53,6 +60,8 @@ class LoopVerifier {
   struct Projection {
     int in_view = 0;
     std::vector<PointMatch> matches;
+    SE3 T_cw;
+    std::vector<uint8_t> visible = {};  // a flag for each point of the place; when maps are merged
 
     int count() const { return static_cast<int>(matches.size()); }
     double share() const { return in_view > 0 ? static_cast<double>(count()) / in_view : 0; }
@@ -69,7 +78,10 @@ class LoopVerifier {
   void refine_on_views(const LoopCandidate& candidate, Sim3& S_cw);
   Projection project(const LoopPlace& place, const Pinhole& camera, const KeyFrameView& view, const SE3& T_cw,
                      double window);
-  bool enough_for_neighbour(const Projection& projection) const;
+  ExpectedMatches expected(const LoopPlace& place, const Projection& projection) const;
+  // The projection finds such a share of the place's points in view, or what is expected.
+  bool shows_enough(const LoopPlace& place, const Projection& projection, double share) const;
+  bool enough_for_neighbour(const LoopPlace& place, const Projection& projection) const;
   bool neighbours_agree(const LoopCandidate& candidate, const Sim3& S_cw);
   // The first `views` views of the place find the points around the current key frame.
   bool seen_from_there(const LoopCandidate& candidate, const Sim3& S_cw, size_t views);
@@ -80,6 +92,7 @@ class LoopVerifier {
   const Sensor sensor_;
   const LoopOptions options_;
   const int seed_;
+  const Map* map_ = nullptr;  // only to merge maps: knows from where each point was seen
   ProjectionMatcher matcher_;
 };
 

@@ -194,8 +194,11 @@ JoinReport join_submaps(SharedMap& map, const JoinSettings& settings) {
   JoinReport report;
   Stopwatch watch;
   const JoinClaims found = JoinClaims::collect(*map.read(), settings.sensor, settings.loop, settings.seed);
-  LoopVerifier verifier(settings.sensor, settings.loop, settings.seed);
-  JoinPlan plan(*map.read(), found, verifier);
+  JoinPlan plan = [&] {
+    const auto now = map.read();
+    LoopVerifier verifier(*now, settings.sensor, settings.loop, settings.seed);
+    return JoinPlan(*now, found, verifier);
+  }();
   report.search_ms = watch.lap();
   Joining joining(map, settings, found.claims, plan);
   joining.join();

@@ -145,6 +145,34 @@ TEST(SubmapJoining, AnUnsurePlaceIsUnsureEverywhere) {
   for (const JoinedPair& pair : report.pairs) EXPECT_EQ(pair.refusal, JoinRefusal::ambiguous);
 }
 
+// Two places that are equal over a stretch of the way, and go on as others: each submap has one of them.
+TEST(SubmapJoining, WhatDiffersBehindTheDoorsIsNotJoined) {
+  PointScene scene = PointScene::twin_halves(2400, LoopScene::kSteps);
+  Random random(7);
+  for (PointScene::Point& point : scene.points) {
+    if (!point.twin_of || point.position_w.z() > 1) continue;
+    point.descriptor = random_descriptor(random);
+    point.twin_of.reset();
+  }
+  Pieces pieces(std::move(scene));
+  pieces.add(0, 20);
+  pieces.add(24, 44, kShift);
+  {
+    const auto map = pieces.world.shared.write();
+    for (const MapPointId& id : map->points()) {
+      map->count_visible(id, 9);
+      map->count_found(id, 9);
+    }
+  }
+  const JoinReport report = pieces.join();
+  EXPECT_EQ(pieces.submaps(), 2u);
+  const JoinedPair& pair = report.pairs[0];
+  EXPECT_EQ(pair.refusal, JoinRefusal::contradicted);
+  EXPECT_GE(pair.claims, 5);
+  EXPECT_GE(pair.views_agree, pair.views_disagree) << "most of what stands side by side sees the same";
+  EXPECT_GT(pair.views_contradict, 0);
+}
+
 TEST(SubmapJoining, TwoViewsAreNotBelieved) {
   Pieces pieces(PointScene::ring(2400, LoopScene::kSteps));
   pieces.add(0, 16);

@@ -19,6 +19,33 @@ double cost_of(const Map& map, KeyFrameId id) {
 
 }  // namespace
 
+void thin_points(Map& map, size_t points) {
+  std::vector<int> seen;  // by slot of the key frame: the points it sees
+  map.for_each_key_frame([&](KeyFrameId id, const KeyFrame& key_frame) {
+    seen.resize(id.slot + size_t{1});
+    for (const MapPointId& point : key_frame.points) seen[id.slot] += point.valid();
+  });
+  const auto cost = [&](const MapPoint& point) {
+    double sum = 0;
+    for (const Observation& o : point.observations) sum += 1.0 / seen[o.key_frame.slot];
+    return sum * point.found / point.visible;
+  };
+  using Entry = std::pair<double, MapPointId>;  // equal ones by handle
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  map.for_each_point([&](MapPointId id, const MapPoint& point) { open.emplace(cost(point), id); });
+  while (map.point_count() > points) {
+    const MapPointId id = open.top().second;
+    open.pop();
+    const double now = cost(map.at(id));  // the others that went can but have made it dearer
+    if (!open.empty() && now > open.top().first) {
+      open.emplace(now, id);
+      continue;
+    }
+    for (const Observation& o : map.at(id).observations) --seen[o.key_frame.slot];
+    map.erase_point(id);
+  }
+}
+
 std::vector<ThinnedKeyFrame> thin_map(Map& map, size_t key_frames) {
   using Entry = std::pair<double, uint32_t>;  // cost, slot: equal ones by slot
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;

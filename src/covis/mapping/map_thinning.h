@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thins a saved map to a number of key frames: those go first whose points the others see anyway.
+// Thins a saved map to a number of key frames, or of points: those go first whose loss costs least.
 #pragma once
 
 #include <cstddef>
@@ -21,5 +21,10 @@ struct ThinnedKeyFrame {
 // again before it goes; one that became cheaper, as its points were lost, keeps its old place in the order. Roots stay.
 // Returns what was erased, in that order.
 std::vector<ThinnedKeyFrame> thin_map(Map& map, size_t key_frames);
+
+// Erases points until so many are left. Those go first that are matched seldom, that few key frames see, and these with
+// many others: a point that is matched in a share of the frames that should see it costs that share of 1/n for each key
+// frame that sees n points still. So every place keeps some.
+void thin_points(Map& map, size_t points);
 
 }  // namespace covis

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "covis/map/test_point_scene.h"
+#include "covis/matching/point_set.h"
 
 namespace covis {
 namespace {
@@ -42,6 +44,31 @@ TEST(MapThinning, ABudgetThatIsKeptChangesNothing) {
   EXPECT_TRUE(thin_map(*world.shared.write(), 4).empty());
   EXPECT_EQ(thin_map(*world.shared.write(), 0).size(), 3u) << "the root stays";
   EXPECT_EQ(world.shared.read()->check(), "");
+}
+
+TEST(MapThinning, PointsGoWhereThereAreMany) {
+  const PointScene scene = PointScene::wall();
+  SceneMap world(scene);
+  world.add_key_frames(6, 0, 0);
+  world.add_key_frames(2, 3, 3);
+  const auto map = world.shared.write();
+  const size_t before = map->point_count();
+  thin_points(*map, before);
+  EXPECT_EQ(map->point_count(), before);
+  const auto seen = [&] {
+    std::vector<int> counts;
+    for (const KeyFrameId& id : map->key_frames())
+      counts.push_back(static_cast<int>(points_of(*map, std::array{id}).size()));
+    return *std::min_element(counts.begin(), counts.end());
+  };
+  thin_points(*map, before / 4);
+  EXPECT_EQ(map->check(), "");
+  EXPECT_EQ(map->point_count(), before / 4);
+  EXPECT_EQ(map->key_frame_count(), 8u);
+  EXPECT_GT(seen(), static_cast<int>(before) / 16) << "in every key frame";
+  thin_points(*map, 0);
+  EXPECT_EQ(map->point_count(), 0u);
+  EXPECT_EQ(map->check(), "");
 }
 
 }  // namespace

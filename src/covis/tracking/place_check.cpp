@@ -7,45 +7,12 @@
 #include <numbers>
 #include <utility>
 
+#include "covis/matching/expected_matches.h"
+
 namespace covis {
 namespace {
 
 constexpr double kTentativeTime = 1.0;  // seconds
-constexpr double kEnoughExpected = 60;  // expected matches from which on the share that is found says something
-
-// The nearest view in which a point was seen before, compared with the present one.
-enum class Seen { elsewhere, near, here };
-
-Seen seen_before(const MapPoint& point, const Map& map, const Eigen::Vector3d& centre_w) {
-  constexpr double kNearCosine = 0.866, kNearFactor = 2.1;    // 30 degrees; ratio of distances
-  constexpr double kHereCosine = 0.9962, kHereFactor = 1.44;  // 5 degrees
-  const Eigen::Vector3d ray = point.position_w - centre_w;
-  const double distance = ray.norm();
-  Seen seen = Seen::elsewhere;
-  for (const Observation& observation : point.observations) {
-    const Eigen::Vector3d before = point.position_w - map.at(observation.key_frame).T_cw.centre();
-    const double distance_before = before.norm();
-    const double cosine = ray.dot(before) / (distance * distance_before);
-    const double factor = std::max(distance, distance_before) / std::min(distance, distance_before);
-    if (cosine > kNearCosine && factor < kNearFactor) seen = Seen::near;
-    if (cosine > kHereCosine && factor < kHereFactor) return Seen::here;
-  }
-  return seen;
-}
-
-// The number of points expected to match, and the number that do.
-struct Tally {
-  double share;  // share of the expected matches that is asked for
-  double expected = 0;
-  int found = 0;
-
-  void add(double match_ratio, int matched) {
-    expected += match_ratio;
-    found += matched;
-  }
-  bool enough() const { return expected >= kEnoughExpected; }
-  bool passes() const { return found >= share * expected; }
-};
 
 }  // namespace
 
@@ -123,34 +90,25 @@ bool PlaceCheck::jumped(const Found& found, Arrival arrival) const {
 // too few, those seen from the same side say less, and must not speak against the place. More is asked of a single
 // image, which no later ones confirm.
 bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand demand) {
-  constexpr uint32_t kKnown = 5;  // frames that had a point in view, for its match ratio to be known
   const bool strict = demand == Demand::strict;
   constexpr double kUsualFactor = 0.5;                              // on the share asked for where there was no jump
   constexpr double kNearFactor = 0.25, kNearFactorSingle = 0.5;     // on it for points seen from the same side
   constexpr double kYoungFactor = 0.17, kYoungFactorSingle = 0.25;  // the same with points not known well yet
   const double share = (strict ? 1 : kUsualFactor) * options_.min_expected_match_ratio;
   const bool single = subject_ == Subject::single_image;
-  Tally from_here{share}, from_near{(single ? kNearFactorSingle : kNearFactor) * share},
-      young_too{(single ? kYoungFactorSingle : kYoungFactor) * share};
   const Eigen::Vector3d centre_w = found.frame.T_cw.centre();
   found.frame.map_points(matched_);
   std::sort(matched_.begin(), matched_.end());
+  ExpectedMatches expected;
   const std::vector<MapPointId>& points = found.local_map.points.id;
   for (size_t k = 0; k < points.size(); ++k) {
-    if (!found.in_view[k]) continue;
-    const MapPoint* point = map.find(points[k]);
-    if (!point) continue;
-    const Seen seen = seen_before(*point, map, centre_w);
-    if (seen == Seen::elsewhere) continue;
-    const double match_ratio = static_cast<double>(point->found) / point->visible;
-    const int is_matched = std::binary_search(matched_.begin(), matched_.end(), points[k]);
-    if (seen == Seen::here && point->visible >= kKnown) from_here.add(match_ratio, is_matched);
-    if (point->visible >= kKnown) from_near.add(match_ratio, is_matched);
-    young_too.add(match_ratio, is_matched);
+    const MapPoint* point = found.in_view[k] ? map.find(points[k]) : nullptr;
+    if (point) expected.add(*point, map, centre_w, std::binary_search(matched_.begin(), matched_.end(), points[k]));
   }
-  if (from_here.enough()) return from_here.passes();
-  if (from_near.enough() && !from_near.passes()) return false;
-  if (young_too.enough()) return young_too.passes();
+  const MatchTally &near = expected.from_near, &young_too = expected.young_too;
+  if (expected.from_here.enough()) return expected.from_here.reaches(share);
+  if (near.enough() && !near.reaches((single ? kNearFactorSingle : kNearFactor) * share)) return false;
+  if (young_too.enough()) return young_too.reaches((single ? kYoungFactorSingle : kYoungFactor) * share);
   return !strict || share == 0;  // no point was seen from here before
 }
 

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/matching/expected_matches.h"
+
+#include <algorithm>
+
+namespace covis {
+namespace {
+
+// The nearest view in which a point was seen before, compared with the present one.
+enum class Seen { elsewhere, near, here };
+
+Seen seen_before(const MapPoint& point, const Map& map, const Eigen::Vector3d& centre_w) {
+  constexpr double kNearCosine = 0.866, kNearFactor = 2.1;    // 30 degrees; ratio of distances
+  constexpr double kHereCosine = 0.9962, kHereFactor = 1.44;  // 5 degrees
+  const Eigen::Vector3d ray = point.position_w - centre_w;
+  const double distance = ray.norm();
+  Seen seen = Seen::elsewhere;
+  for (const Observation& observation : point.observations) {
+    const Eigen::Vector3d before = point.position_w - map.at(observation.key_frame).T_cw.centre();
+    const double distance_before = before.norm();
+    const double cosine = ray.dot(before) / (distance * distance_before);
+    const double factor = std::max(distance, distance_before) / std::min(distance, distance_before);
+    if (cosine > kNearCosine && factor < kNearFactor) seen = Seen::near;
+    if (cosine > kHereCosine && factor < kHereFactor) return Seen::here;
+  }
+  return seen;
+}
+
+}  // namespace
+
+void ExpectedMatches::add(const MapPoint& point, const Map& map, const Eigen::Vector3d& centre_w, bool matched) {
+  constexpr uint32_t kKnown = 5;  // frames that had a point in view, for its match ratio to be known
+  const Seen seen = seen_before(point, map, centre_w);
+  if (seen == Seen::elsewhere) return;
+  const double match_ratio = static_cast<double>(point.found) / point.visible;
+  const auto count = [&](MatchTally& tally) {
+    tally.expected += match_ratio;
+    tally.found += matched;
+  };
+  if (seen == Seen::here && point.visible >= kKnown) count(from_here);
+  if (point.visible >= kKnown) count(from_near);
+  count(young_too);
+}
+
+}  // namespace covis
