@@ -58,6 +58,8 @@ Result<void> apply_settings(const RunArguments& arguments, const Fields& known, 
   }
   if (auto set = set_all(arguments.settings, known); !set) return set;
   if (arguments.features > 0) options.orb.features = arguments.features;
+  if (options.trajectory_frames > 0)
+    return fail("system.trajectory_frames: it is for programs; the results of covis run hold every frame");
   options.realtime = options.realtime || arguments.realtime;
   options.localize = options.localize || arguments.localize;
   return {};

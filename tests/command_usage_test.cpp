@@ -145,6 +145,7 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
       {{"run", gone, "--set", "orb.featurs=3"}, "nearest known one is 'orb.features'"},
       {{"run", gone, "--set", "orb.features=x"}, "whole number from 50"},
       {{"run", gone, "--set", "orb.features"}, "NAME=VALUE"},
+      {{"run", gone, "--set", "system.trajectory_frames=9"}, "it is for programs"},
       {{"run", gone, "--config", gone}, gone},
       {{"run", gone, "--simd", "abacus"}, "no such instruction set here; there are best, "},
       {{"localize", gone, "--map", gone}, gone + ": it does not exist"},

@@ -16,6 +16,8 @@ Fields fields(SystemOptions& o) {
        100});
   all.push_back({"system.realtime", &o.realtime, "frames at their own times, mapping visible when ready"});
   all.push_back({"system.localize", &o.localize, "localisation only: no key frames, no points; needs a map"});
+  all.push_back({"system.trajectory_frames", &o.trajectory_frames,
+                 "newest frames whose poses are kept, for programs that run on and on; 0: all", 0, 100'000'000});
   all.push_back({"system.seed", &o.seed, "seed of the random choices", 0, 2147483647.0});
   return all;
 }

@@ -22,7 +22,9 @@ struct SystemOptions {
   int mapping_delay = 2;
   bool realtime = false;  // instead: as soon as it is ready; mapping is interrupted by new key frames
   bool localize = false;  // localisation only: the map is not touched (algorithms.md §3.7)
-  int seed = 0;           // seed of the random choices
+  // Newest frames whose poses are kept, at least; at most twice as many are. 0: all, some 200 bytes each.
+  int trajectory_frames = 0;
+  int seed = 0;  // seed of the random choices
 
   Schedule schedule() const { return realtime ? Schedule::realtime : Schedule::deterministic; }
 };

@@ -45,6 +45,7 @@ System::System(const Camera& camera, const SystemOptions& options, std::shared_p
       options_(options),
       vocabulary_(std::move(vocabulary)),
       map_(with_depth_noise(camera.pinhole, options.sensor)),
+      log_(static_cast<size_t>(options.trajectory_frames)),
       frontend_(camera, options.orb, options.sensor),
       tracker_(map_, tracking_settings(options), vocabulary_),
       mapping_(map_, backend_options(options, camera.pinhole), vocabulary_) {

@@ -2,6 +2,7 @@
 #include "covis/slam/trajectory_log.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 
 namespace covis {
@@ -16,17 +17,19 @@ void take_back(FrameRecord& record) {
 
 }  // namespace
 
-TrajectoryLog::TrajectoryLog() { records_.reserve(kFrames); }
+TrajectoryLog::TrajectoryLog(size_t most) : most_(most) { records_.reserve(most > 0 ? 2 * most : kFrames); }
 
 void TrajectoryLog::append(const FrameRecord& record) {
   const std::lock_guard lock(mutex_);
   ++revision_;
+  if (most_ > 0 && records_.size() == 2 * most_)
+    records_.erase(records_.begin(), records_.end() - static_cast<std::ptrdiff_t>(most_));
   records_.push_back(record);
 }
 
 void TrajectoryLog::make_room() {
   const std::lock_guard lock(mutex_);
-  if (2 * records_.size() > records_.capacity()) records_.reserve(2 * records_.capacity());
+  if (most_ == 0 && 2 * records_.size() > records_.capacity()) records_.reserve(2 * records_.capacity());
 }
 
 FrameRecord* TrajectoryLog::find(int64_t frame) {

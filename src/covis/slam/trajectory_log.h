@@ -33,7 +33,8 @@ struct FrameRecord {
 
 class TrajectoryLog {
  public:
-  TrajectoryLog();
+  // `most`: so many of the newest frames are kept at least, and at most twice as many; 0: all.
+  explicit TrajectoryLog(size_t most = 0);
 
   // Frames rise.
   void append(const FrameRecord& record);
@@ -64,6 +65,7 @@ class TrajectoryLog {
  private:
   FrameRecord* find(int64_t frame);
 
+  const size_t most_;
   mutable std::mutex mutex_;  // guards what follows
   std::vector<FrameRecord> records_;
   uint64_t revision_ = 0;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <thread>
 
@@ -43,6 +44,19 @@ TEST_F(TrajectoryLogTest, KeepsFramesInTheirOrderWithAndWithoutAPose) {
   EXPECT_EQ(record(1).stamp, 30);
   EXPECT_NEAR(x_of(record(1)), 1.5, 1e-12);
   EXPECT_EQ(log.last()->frame, 3);
+}
+
+TEST_F(TrajectoryLogTest, KeepsAsManyOfTheNewestFramesAsItIsAskedTo) {
+  TrajectoryLog bounded(3);
+  for (int i = 0; i < 20; ++i) {
+    bounded.append({.frame = i, .stamp = 10 * i, .pose = {}, .online = {}});
+    bounded.make_room();
+    const std::vector<FrameRecord> kept = bounded.records();
+    EXPECT_GE(kept.size(), static_cast<size_t>(std::min(i + 1, 3)));
+    EXPECT_LE(kept.size(), 6u);
+    EXPECT_EQ(kept.back().frame, i);
+    EXPECT_EQ(kept.front().frame, i + 1 - static_cast<int>(kept.size())) << "none is missing between";
+  }
 }
 
 TEST_F(TrajectoryLogTest, ACorrectionMovesThePoseNotTheOneItWasTrackedWith) {
