@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <opencv2/core/utility.hpp>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -51,7 +52,10 @@ class Process {
     for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
     // Called instead of executed: to load the libraries of OpenCV takes longer than most cases.
-    if (command.front() == COVIS_COMMAND) std::exit(covis_command(static_cast<int>(command.size()), arguments.data()));
+    if (command.front() == COVIS_COMMAND) {
+      cv::setNumThreads(-1);
+      std::exit(covis_command(static_cast<int>(command.size()), arguments.data()));
+    }
     execv(arguments[0], arguments.data());
     std::_Exit(127);
   }
@@ -120,6 +124,7 @@ class CommandTest : public testing::Test {
              ("covis_" + std::string(test.test_suite_name()) + "_" + test.name() + "_" + std::to_string(getpid()));
     fs::remove_all(folder);
     fs::create_directories(folder);
+    cv::setNumThreads(0);  // a forked child would miss OpenCV's threads
   }
   void TearDown() override { fs::remove_all(folder); }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // covis map merge, as people run it: its report, what loads the file it writes, and what it refuses.
+#include <cstdlib>
+
 #include "command_results.h"
+#include "covis/core/random.h"
 
 namespace covis {
 namespace {
@@ -10,22 +13,32 @@ using testing::HasSubstr;
 
 class CommandMerge : public CommandTest {
  protected:
-  // Two maps of one walk through a room, which share some of it.
+  // Two maps of one walk through a room, which share some of it. Made once; each case gets copies.
   void SetUp() override {
     CommandTest::SetUp();
-    recording = folder / "room";
-    const Outcome made = covis({"synth", "room", "--sensor", "rgbd", "--frames", "90", "--fps", "8", "--width", "320",
-                                "--height", "240", "--quiet", "--out", recording});
-    ASSERT_EQ(made.code, 0) << made.error;
     one = folder / "one.m";
     two = folder / "two.m";
-    map("0", "60", one);
-    map("30", "60", two);
+    recording = folder / "room";
+    if (maps_.first.empty()) {
+      const Outcome made = covis({"synth", "room", "--sensor", "rgbd", "--frames", "90", "--fps", "8", "--width", "320",
+                                  "--height", "240", "--quiet", "--out", recording});
+      ASSERT_EQ(made.code, 0) << made.error;
+      maps_ = {map_of("0", "60"), map_of("30", "60")};
+      fs::rename(recording, kept());
+    }
+    fs::copy(kept(), recording, fs::copy_options::recursive);
+    std::ofstream(one, std::ios::binary) << maps_.first;
+    std::ofstream(two, std::ios::binary) << maps_.second;
   }
-  void map(const std::string& first, const std::string& count, const fs::path& file) const {
+  static void TearDownTestSuite() { fs::remove_all(kept()); }
+  std::string map_of(const std::string& first, const std::string& count) const {
+    const fs::path file = folder / "made.m";
     const Outcome run = covis(
         {"run", recording, "--first", first, "--count", count, "--quiet", "--out", folder / "out", "--save-map", file});
-    ASSERT_EQ(run.code, 0) << run.error;
+    EXPECT_EQ(run.code, 0) << run.error;
+    const std::string map = text_of(file);
+    fs::remove(file);
+    return map;
   }
   Outcome merge(std::vector<std::string> more) const {
     std::vector<std::string> words{"map", "merge"};
@@ -34,6 +47,13 @@ class CommandMerge : public CommandTest {
   }
 
   fs::path recording, one, two;
+
+ private:
+  static fs::path kept() {
+    return fs::path(testing::TempDir()) / ("covis_CommandMerge_kept_" + std::to_string(getpid()));
+  }
+
+  inline static std::pair<std::string, std::string> maps_;
 };
 
 TEST_F(CommandMerge, WritesAMapThatAllElseLoads) {
@@ -90,7 +110,7 @@ TEST_F(CommandMerge, RefusesWhatItCanNotDoAndWritesNothing) {
   std::string longer = camera;
   longer.replace(longer.find("fx:"), longer.find('\n', longer.find("fx:")) - longer.find("fx:"), "fx: 260");
   std::ofstream(recording / "camera.yaml") << longer;
-  map("0", "20", other);
+  std::ofstream(other, std::ios::binary) << map_of("0", "20");
   const Outcome cameras = merge({one, other, "--out", site});
   EXPECT_EQ(cameras.code, 1);
   EXPECT_THAT(cameras.error, AllOf(HasSubstr(other.string() + ": it can't be merged with " + one.string()),
@@ -120,6 +140,62 @@ TEST_F(CommandMerge, EndsAtOnceByCtrlC) {
   EXPECT_FALSE(fs::exists(site));
   EXPECT_EQ(files(), count) << "nothing is left behind";
   EXPECT_EQ(text_of(one) + text_of(two), before) << "the inputs stay as they are";
+}
+
+// Over a map that is there: it stays, or the merged one is there in its place.
+TEST_F(CommandMerge, KilledWhileMerging) {
+  const fs::path site = folder / "site.m";
+  const std::string before = text_of(one) + text_of(two), old = text_of(one);
+  const auto start = std::chrono::steady_clock::now();
+  ASSERT_EQ(merge({one, two, "--out", site}).code, 0);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const std::string merged = text_of(site);
+  Random random(13);
+  const char* const wanted = std::getenv("COVIS_KILLS");  // 200 for a thorough look
+  const int rounds = wanted ? std::atoi(wanted) : 3;
+  for (int round = 0; round < rounds; ++round) {
+    std::ofstream(site, std::ios::binary) << old;
+    Process process(command({"map", "merge", one, two, "--out", site}), folder / "stdout", folder / "stderr");
+    const double share = round % 2 ? random.uniform(0, 0.8) : random.uniform(0.8, 1.1);  // saving is at the end
+    std::this_thread::sleep_for(std::chrono::duration<double>(share * seconds));
+    process.send(SIGKILL);
+    process.wait(kPatience);
+    const std::string left = text_of(site);
+    ASSERT_TRUE(left == old || left == merged) << "round " << round;
+    ASSERT_EQ(text_of(one) + text_of(two), before) << "round " << round;
+  }
+  ASSERT_EQ(merge({one, two, "--out", site}).code, 0);
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    EXPECT_THAT(entry.path().filename().string(), testing::Not(HasSubstr("tmp"))) << "the next saving removes it";
+  }
+}
+
+TEST_F(CommandMerge, PartsOfAMapAreMaps) {
+  const fs::path few = folder / "few.m", parts = folder / "parts";
+  const Outcome pruned = covis({"map", "prune", one, "--points", "300", "--out", few, "--json"});
+  ASSERT_EQ(pruned.code, 0) << pruned.error;
+  const json cost = json::parse(pruned.out, nullptr, false);
+  EXPECT_EQ(cost["points"][1], 300) << pruned.out;
+  EXPECT_EQ(cost["views_taken_out"], 0);
+  EXPECT_GE(cost["left_found_again"], 1);
+  EXPECT_EQ(covis({"map", "check", few}).code, 0);
+  EXPECT_EQ(covis({"map", "prune", one, "--out", few}).code, 2) << "a budget is needed";
+
+  const auto split = [&](std::vector<std::string> areas) {
+    std::vector<std::string> words{"map", "split", one, "--out", parts};
+    words.insert(words.end(), areas.begin(), areas.end());
+    return covis(words);
+  };
+  const Outcome made = split({"--around", "-0.1,0,0,0.5", "--box", "-100,-100,-100,100,100,100"});
+  ASSERT_EQ(made.code, 0) << made.error;
+  const auto key_frames = [&](const fs::path& file) {
+    return json::parse(covis({"map", "info", file, "--json"}).out, nullptr, false)["key_frames"].get<int>();
+  };
+  EXPECT_LT(key_frames(parts / "area0.m"), key_frames(one));
+  EXPECT_EQ(key_frames(parts / "area1.m"), key_frames(one)) << "all of it";
+  EXPECT_EQ(covis({"map", "check", parts / "area0.m"}).code, 0);
+  EXPECT_THAT(split({"--around", "1,2,x,4"}).error, HasSubstr("--around 1,2,x,4: it must be 4 numbers"));
+  EXPECT_THAT(split({"--around", "1000,0,0,1"}).error, HasSubstr("area 0: no key frame lies there"));
 }
 
 }  // namespace
