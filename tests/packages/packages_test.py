@@ -49,6 +49,15 @@ def installed(*command):
 
 
 class Packages(unittest.TestCase):
+    def test_what_is_run_is_hardened(self):
+        library = next((ROOT / 'usr/lib').glob('libcovis.so.*.*.*'))
+        for file in (ROOT / 'usr/bin/covis', library):
+            read = run('readelf', '--wide', '--dynamic', '--program-headers', '--symbols', file)
+            for wanted in ('BIND_NOW', 'GNU_RELRO', '__stack_chk_fail', '_chk@'):
+                self.assertIn(wanted, read, file)
+            self.assertRegex(read, r'GNU_STACK .* RW +0x', file)
+        self.assertRegex(run('readelf', '--wide', '--dynamic', ROOT / 'usr/bin/covis'), 'FLAGS_1.*PIE')
+
     def test_each_has_its_name_and_what_it_needs(self):
         version = field(PACKAGES['covis'], 'Version')
         library = f'libcovis{".".join(version.split(".")[:2])}'

@@ -55,6 +55,18 @@ LoopDrift drift_of(const LoopCandidate& candidate, const Sim3& S_cw) {
   return drift;
 }
 
+// Shares of what is expected, measured in docs/notes/032-merging-maps.md.
+bool shows_as_expected(const ExpectedMatches& found) {
+  if (found.from_here.enough()) return found.from_here.reaches(0.3);
+  return found.from_near.enough() && found.from_near.reaches(0.15) && found.young_too.reaches(0.1);
+}
+
+bool shows_next_to_nothing(const ExpectedMatches& found) {
+  constexpr double kSaysMuch = 200;  // matches expected from near there, where few are from there itself
+  if (found.from_here.enough() && !found.from_here.reaches(0.2)) return true;
+  return found.from_near.expected >= kSaysMuch && !found.from_near.reaches(0.1);
+}
+
 }  // namespace
 
 LoopVerdict LoopVerifier::verify(const LoopCandidate& candidate) {
@@ -195,14 +207,8 @@ ExpectedMatches LoopVerifier::expected(const LoopPlace& place, const Projection&
   return expected;
 }
 
-// Measured in docs/notes/032-merging-maps.md.
 bool LoopVerifier::shows_enough(const LoopPlace& place, const Projection& projection, double share) const {
-  constexpr double kHere = 0.3, kNear = 0.15, kYoung = 0.1;  // shares of what is expected
-  if (projection.share() >= share) return true;
-  if (!map_) return false;
-  const ExpectedMatches found = expected(place, projection);
-  if (found.from_here.enough()) return found.from_here.reaches(kHere);
-  return found.from_near.enough() && found.from_near.reaches(kNear) && found.young_too.reaches(kYoung);
+  return projection.share() >= share || (map_ && shows_as_expected(expected(place, projection)));
 }
 
 // A key frame beside one that is tied may see less of the other place: half as many points will do.
@@ -237,16 +243,9 @@ bool LoopVerifier::seen_from_there(const LoopCandidate& candidate, const Sim3& S
 
 LoopVerifier::View LoopVerifier::look_for(const LoopPlace& place, const Pinhole& camera, const KeyFrameView& view,
                                           const SE3& T_cw) {
-  constexpr double kHere = 0.2, kNear = 0.1;  // shares of what is expected below which a view contradicts
-  constexpr double kSaysMuch = 200;           // matches expected from near there, where few are from there itself
   const Projection seen = project(place, camera, view, T_cw, 8);
   if (seen.in_view < 2 * options_.min_found) return View::says_nothing;
-  if (map_) {
-    const ExpectedMatches found = expected(place, seen);
-    const MatchTally &here = found.from_here, &near = found.from_near;
-    if (here.enough() && !here.reaches(kHere)) return View::contradicts;
-    if (near.expected >= kSaysMuch && !near.reaches(kNear)) return View::contradicts;
-  }
+  if (map_ && shows_next_to_nothing(expected(place, seen))) return View::contradicts;
   return enough_for_neighbour(place, seen) ? View::agrees : View::disagrees;
 }
 

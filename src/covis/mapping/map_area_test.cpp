@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
-
 #include "covis/map/test_point_scene.h"
 
 namespace covis {

@@ -17,7 +17,9 @@ void take_back(FrameRecord& record) {
 
 }  // namespace
 
-TrajectoryLog::TrajectoryLog(size_t most) : most_(most) { records_.reserve(most > 0 ? 2 * most : kFrames); }
+TrajectoryLog::TrajectoryLog(size_t most) : most_(most) {
+  records_.reserve(most > 0 ? std::min(2 * most, kFrames) : kFrames);
+}
 
 void TrajectoryLog::append(const FrameRecord& record) {
   const std::lock_guard lock(mutex_);
@@ -29,7 +31,9 @@ void TrajectoryLog::append(const FrameRecord& record) {
 
 void TrajectoryLog::make_room() {
   const std::lock_guard lock(mutex_);
-  if (most_ == 0 && 2 * records_.size() > records_.capacity()) records_.reserve(2 * records_.capacity());
+  const size_t room = records_.capacity();
+  if (2 * records_.size() <= room) return;
+  records_.reserve(most_ > 0 ? std::max(room, std::min(2 * room, 2 * most_)) : 2 * room);
 }
 
 FrameRecord* TrajectoryLog::find(int64_t frame) {

@@ -59,6 +59,15 @@ TEST_F(TrajectoryLogTest, KeepsAsManyOfTheNewestFramesAsItIsAskedTo) {
   }
 }
 
+TEST_F(TrajectoryLogTest, AGreatBoundAsksForNoMemoryBeforeItIsUsed) {
+  TrajectoryLog bounded(size_t{1} << 50);
+  for (int i = 0; i < 20'000; ++i) {
+    bounded.make_room();
+    bounded.append({.frame = i, .stamp = 10 * i, .pose = {}, .online = {}});
+  }
+  EXPECT_EQ(bounded.records().size(), 20'000u);
+}
+
 TEST_F(TrajectoryLogTest, ACorrectionMovesThePoseNotTheOneItWasTrackedWith) {
   append_tracked(1, b);
   map.set_pose(b, pose_at(2));
