@@ -96,7 +96,8 @@ if(COVIS_HARDEN AND CMAKE_BUILD_TYPE MATCHES "^Rel" AND NOT COVIS_SANITIZE AND N
   include(CheckCXXCompilerFlag)
   include(CheckPIESupported)
   check_pie_supported(LANGUAGES CXX)
-  foreach(flag -fstack-protector-strong -fstack-clash-protection -fcf-protection -mbranch-protection=standard)
+  # -fstack-protector-strong would guard each small matrix as well.
+  foreach(flag -fstack-protector -fstack-clash-protection -fcf-protection -mbranch-protection=standard)
     string(MAKE_C_IDENTIFIER "COVIS_HAS${flag}" known)
     check_cxx_compiler_flag(${flag} ${known})
     if(${known})

@@ -53,7 +53,7 @@ def make(covis: pathlib.Path, work: pathlib.Path, sensors: list[str], each: int 
     """`each` recordings of each of two rooms, the sensors in turns: (folder's name, what it should be joined with)."""
     made: list[tuple[str, str]] = []
     for i in range(each):
-        for seed, site in ((1, 'north'), (2, 'south')):
+        for seed, site in ((1, 'north'), (4, 'south')):
             sensor = sensors[i % len(sensors)]
             render(covis, work / f'walk-{sensor}-{seed}', sensor, seed)
             turn, turns = i // len(sensors), each // len(sensors)

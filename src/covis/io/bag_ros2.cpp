@@ -23,9 +23,9 @@ struct CloseBlob {
 };
 
 // "sensor_msgs/Image" of "sensor_msgs/msg/Image".
-std::string type_of_ros1(std::string type) {
+std::string type_of_ros1(const std::string& type) {
   const size_t at = type.find("/msg/");
-  return at == std::string::npos ? type : type.replace(at, 5, "/");
+  return at == std::string::npos ? type : type.substr(0, at) + type.substr(at + 4);
 }
 
 std::string text_at(sqlite3_stmt* row, int column) {
