@@ -31,7 +31,13 @@ int write_all(int handle, std::string_view bytes) {
   return 0;
 }
 
-int write_device(const std::filesystem::path& file, std::string_view bytes) {
+// Makes a file's bytes, and returns 0 or errno as the functions here do.
+using Contents = std::function<int(FileSink&)>;
+
+int write_device(const std::filesystem::path& file, const Contents& contents) {
+  std::string bytes;
+  FileSink sink(bytes);
+  if (const int problem = contents(sink); problem != 0) return problem;
   const int handle = ::open(file.c_str(), O_WRONLY | O_CLOEXEC);
   if (handle < 0) return errno;
   int problem = write_all(handle, bytes);
@@ -94,8 +100,9 @@ bool is_left_behind(const std::filesystem::path& file) {
   return left;
 }
 
-int write_contents(int handle, std::string_view bytes, Durability durability, const mode_t* mode) {
-  int problem = write_all(handle, bytes);
+int write_contents(int handle, const Contents& contents, Durability durability, const mode_t* mode) {
+  FileSink sink(handle);
+  int problem = contents(sink);
   if (problem == 0 && mode != nullptr && ::fchmod(handle, *mode) != 0) problem = errno;
   if (problem == 0 && durability == Durability::durable && ::fsync(handle) != 0) problem = errno;
   return problem;
@@ -111,13 +118,13 @@ int rename_to(const std::filesystem::path& temporary, const std::filesystem::pat
 // A file without a name until it is complete, so that a killed process leaves nothing. It can be given a name that is
 // free, but not one that exists: then it gets a temporary one for the moment of a rename. Returns nullopt when the file
 // system has no such files.
-std::optional<int> write_unnamed(const std::filesystem::path& target, std::string_view bytes, Durability durability,
+std::optional<int> write_unnamed(const std::filesystem::path& target, const Contents& contents, Durability durability,
                                  const mode_t* mode) {
   const std::filesystem::path folder = target.parent_path();
   const int handle = ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
   if (handle < 0) return std::nullopt;
   ::flock(handle, LOCK_EX | LOCK_NB);
-  std::optional<int> problem = write_contents(handle, bytes, durability, mode);
+  std::optional<int> problem = write_contents(handle, contents, durability, mode);
   if (problem == 0) {
     const std::string own = "/proc/self/fd/" + std::to_string(handle);
     const auto link = [&](const std::filesystem::path& name) {
@@ -136,7 +143,7 @@ std::optional<int> write_unnamed(const std::filesystem::path& target, std::strin
   return problem;
 }
 
-int write_named(const std::filesystem::path& target, std::string_view bytes, Durability durability,
+int write_named(const std::filesystem::path& target, const Contents& contents, Durability durability,
                 const mode_t* mode) {
   std::filesystem::path temporary;
   int handle = -1;
@@ -146,7 +153,7 @@ int write_named(const std::filesystem::path& target, std::string_view bytes, Dur
   });
   if (problem != 0) return problem;
   ::flock(handle, LOCK_EX | LOCK_NB);
-  problem = write_contents(handle, bytes, durability, mode);
+  problem = write_contents(handle, contents, durability, mode);
   if (problem == 0) {
     problem = rename_to(temporary, target);
   } else {
@@ -158,11 +165,11 @@ int write_named(const std::filesystem::path& target, std::string_view bytes, Dur
 }
 
 // mode: the permissions of the file that is replaced; nullptr when there is no such file.
-int write_and_rename(const std::filesystem::path& target, std::string_view bytes, Durability durability,
+int write_and_rename(const std::filesystem::path& target, const Contents& contents, Durability durability,
                      TemporaryFile temporary, const mode_t* mode) {
   std::optional<int> problem;
-  if (temporary == TemporaryFile::unnamed) problem = write_unnamed(target, bytes, durability, mode);
-  if (!problem) problem = write_named(target, bytes, durability, mode);
+  if (temporary == TemporaryFile::unnamed) problem = write_unnamed(target, contents, durability, mode);
+  if (!problem) problem = write_named(target, contents, durability, mode);
   if (problem == 0 && durability == Durability::durable) sync_folder(target.parent_path());
   return *problem;
 }
@@ -173,34 +180,76 @@ std::filesystem::path followed(const std::filesystem::path& file, std::error_cod
   return std::filesystem::canonical(file, error);
 }
 
-int write_file(const std::filesystem::path& file, std::string_view bytes, Durability durability,
+int write_file(const std::filesystem::path& file, const Contents& contents, Durability durability,
                TemporaryFile temporary) {
   struct stat status {};
   const bool exists = ::stat(file.c_str(), &status) == 0;
   if (exists && S_ISDIR(status.st_mode)) return EISDIR;
   // Renaming over a device would replace it by a regular file.
-  if (exists && !S_ISREG(status.st_mode)) return write_device(file, bytes);
+  if (exists && !S_ISREG(status.st_mode)) return write_device(file, contents);
   std::error_code error;
   const std::filesystem::path target = followed(file, error);
   if (target.empty()) return error.value();
   if (durability == Durability::durable) remove_left_behind(target);
   const mode_t mode = status.st_mode & 0777;
-  return write_and_rename(target, bytes, durability, temporary, exists ? &mode : nullptr);
+  return write_and_rename(target, contents, durability, temporary, exists ? &mode : nullptr);
+}
+
+Result<void> cannot_be_written(const std::filesystem::path& file, int problem) {
+  return fail(file.string() + ": it can't be written: " + std::generic_category().message(problem));
 }
 
 }  // namespace
 
+void FileSink::append(std::string_view bytes) {
+  if (memory_) {
+    memory_->append(bytes);
+  } else if (problem_ == 0) {
+    problem_ = write_all(handle_, bytes);
+  }
+}
+
+void FileSink::rewrite(uint64_t at, std::string_view bytes) {
+  if (memory_) {
+    memory_->replace(at, bytes.size(), bytes);
+    return;
+  }
+  while (problem_ == 0 && !bytes.empty()) {
+    const ssize_t n = ::pwrite(handle_, bytes.data(), bytes.size(), static_cast<off_t>(at));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) {
+      problem_ = n == 0 ? ENOSPC : errno;
+      return;
+    }
+    bytes.remove_prefix(static_cast<size_t>(n));
+    at += static_cast<uint64_t>(n);
+  }
+}
+
 Result<void> write_atomically(const std::filesystem::path& file, std::string_view bytes, Durability durability,
                               TemporaryFile temporary) {
-  const int problem = write_file(file, bytes, durability, temporary);
+  const auto contents = [&](FileSink& sink) {
+    sink.append(bytes);
+    return sink.problem();
+  };
+  const int problem = write_file(file, contents, durability, temporary);
+  return problem == 0 ? Result<void>() : cannot_be_written(file, problem);
+}
+
+Result<void> write_atomically(const std::filesystem::path& file, const std::function<Result<void>(FileSink&)>& write,
+                              Durability durability, TemporaryFile temporary) {
+  Result<void> refused;
+  const auto contents = [&](FileSink& sink) {
+    refused = write(sink);
+    return refused ? sink.problem() : ECANCELED;
+  };
+  const int problem = write_file(file, contents, durability, temporary);
   if (problem == 0) return {};
-  return fail(file.string() + ": it can't be written: " + std::generic_category().message(problem));
+  return refused ? cannot_be_written(file, problem) : refused;
 }
 
 Result<void> check_writable(const std::filesystem::path& file) {
-  const auto refused = [&](int problem) {
-    return fail(file.string() + ": it can't be written: " + std::generic_category().message(problem));
-  };
+  const auto refused = [&](int problem) { return cannot_be_written(file, problem); };
   struct stat status {};
   const bool exists = ::stat(file.c_str(), &status) == 0;
   if (exists && S_ISDIR(status.st_mode)) return refused(EISDIR);

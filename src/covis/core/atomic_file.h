@@ -2,7 +2,10 @@
 // Files that are written completely or not at all.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <string>
 #include <string_view>
 
 #include "covis/core/error.h"
@@ -24,6 +27,29 @@ enum class TemporaryFile { unnamed, named };
 // kept and its target replaced; a link without a target is an error. A replaced file keeps its permissions. A pipe or a
 // device is written to directly. Threads and processes may write the same file at once: one of them wins.
 Result<void> write_atomically(const std::filesystem::path& file, std::string_view bytes,
+                              Durability durability = Durability::fast,
+                              TemporaryFile temporary = TemporaryFile::unnamed);
+
+// Where the bytes of a file go, piece by piece: to an open file, or to memory. After an error nothing more is written.
+class FileSink {
+ public:
+  explicit FileSink(int handle) : handle_(handle) {}
+  explicit FileSink(std::string& memory) : memory_(&memory) {}
+  void append(std::string_view bytes);
+  // Writes over bytes that were appended.
+  void rewrite(uint64_t at, std::string_view bytes);
+  int problem() const { return problem_; }  // errno; 0: none so far
+
+ private:
+  int handle_ = -1;
+  std::string* memory_ = nullptr;
+  int problem_ = 0;
+};
+
+// The same for a file too large to be held in memory: `write` makes its bytes. It may be called again, on file systems
+// without unnamed files. When it returns an error, that is returned, and the old file is unchanged. (What goes to a
+// pipe or a device is held in memory all the same.)
+Result<void> write_atomically(const std::filesystem::path& file, const std::function<Result<void>(FileSink&)>& write,
                               Durability durability = Durability::fast,
                               TemporaryFile temporary = TemporaryFile::unnamed);
 

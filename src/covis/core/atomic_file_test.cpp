@@ -42,6 +42,38 @@ TEST_F(AtomicFile, HoldsTheBytesAndNothingIsLeftBeside) {
   }
 }
 
+TEST_F(AtomicFile, IsMadeOfPieces) {
+  const auto write = [](FileSink& sink) -> Result<void> {
+    for (const char* piece : {"....", "cd", "efgh"}) sink.append(piece);
+    sink.rewrite(1, "ab");
+    return {};
+  };
+  for (const TemporaryFile temporary : {TemporaryFile::unnamed, TemporaryFile::named}) {
+    ASSERT_TRUE(write_atomically(folder / "out", write, Durability::durable, temporary));
+    EXPECT_EQ(read_file(folder / "out"), ".ab.cdefgh");
+  }
+  EXPECT_EQ(files(), 1);
+  std::string memory;
+  FileSink sink(memory);
+  ASSERT_TRUE(write(sink));
+  EXPECT_EQ(memory, ".ab.cdefgh");
+}
+
+TEST_F(AtomicFile, PiecesThatCannotBeMadeLeaveTheOldFile) {
+  ASSERT_TRUE(write_atomically(folder / "out", "old"));
+  const auto write = [](FileSink& sink) -> Result<void> {
+    sink.append("new");
+    return fail("there is no more");
+  };
+  for (const TemporaryFile temporary : {TemporaryFile::unnamed, TemporaryFile::named}) {
+    const auto written = write_atomically(folder / "out", write, Durability::fast, temporary);
+    ASSERT_FALSE(written);
+    EXPECT_EQ(written.error().message, "there is no more");
+    EXPECT_EQ(read_file(folder / "out"), "old");
+    EXPECT_EQ(files(), 1);
+  }
+}
+
 TEST_F(AtomicFile, FullDiskLeavesTheOldFile) {
   ASSERT_TRUE(write_atomically(folder / "out", "old"));
   rlimit before{};

@@ -12,154 +12,12 @@
 #include "covis/storage/load_cost.h"
 #include "covis/storage/map_colours.h"
 #include "covis/storage/map_file_format.h"
+#include "covis/storage/map_file_layout.h"
 #include "covis/storage/map_header_check.h"
+#include "covis/storage/map_writing.h"
 
 namespace covis::storage {
 namespace {
-
-// Identifiers of the sections.
-constexpr uint32_t kAbout = 1, kKeyFrames = 2, kFeatures = 3, kObservations = 4, kPoints = 5, kDepthNoise = 6;
-
-struct Counts {
-  uint32_t key_frames = 0, points = 0, root = MapState::kNone, next_serial = 0;
-  uint64_t features = 0, observations = 0;
-  friend bool operator==(const Counts&, const Counts&) = default;
-};
-
-Counts counts_of(const MapState& map) {
-  Counts c{static_cast<uint32_t>(map.key_frames.size()), static_cast<uint32_t>(map.points.size()), map.root,
-           map.next_serial};
-  for (const KeyFrameState& k : map.key_frames) {
-    c.features += k.points.size();
-    c.observations += k.points.size();
-    c.observations -= static_cast<uint64_t>(std::count(k.points.begin(), k.points.end(), MapState::kNone));
-  }
-  return c;
-}
-
-// ---- The layout: each function serves both directions, with FieldWriter or FieldReader as Fields ----
-
-template <class Fields, class P>
-void pinhole_fields(Fields& fields, P& p) {
-  for (auto* value : {&p.fx, &p.fy, &p.cx, &p.cy, &p.bf}) fields(*value);
-}
-
-template <class Fields, class H, class C>
-void about_fields(Fields& fields, H& h, C& c) {
-  fields(h.camera.width);
-  fields(h.camera.height);
-  pinhole_fields(fields, h.camera.pinhole);
-  fields(h.camera.distortion);
-  fields.array(h.camera.coefficients.data(), h.camera.coefficients.size());
-  fields(h.sensor);
-  fields(h.levels);
-  fields(h.factor);
-  fields.list(h.vocabulary);
-  fields(c.key_frames);
-  fields(c.points);
-  fields(c.root);
-  fields(c.next_serial);
-  fields(c.features);
-  fields(c.observations);
-}
-
-// The fixed-size fields of a key frame, independent of its number of features.
-struct FrameRecord {
-  std::array<double, 9> R{};  // row-major
-  std::array<double, 3> t{};
-  Pinhole camera;
-  ImageBounds bounds;
-  uint32_t features = 0;
-  int32_t levels = 0;
-  float factor = 0;
-};
-
-template <class Fields, class K, class R>
-void key_frame_fields(Fields& fields, K& k, R& record) {
-  fields(k.serial);
-  fields(k.frame);
-  fields(k.stamp);
-  fields.array(record.R.data(), record.R.size());
-  fields.array(record.t.data(), record.t.size());
-  fields(k.parent);
-  fields(record.features);
-  pinhole_fields(fields, record.camera);
-  for (auto* value : {&record.bounds.min_x, &record.bounds.min_y, &record.bounds.max_x, &record.bounds.max_y}) {
-    fields(*value);
-  }
-  fields(record.levels);
-  fields(record.factor);
-  fields.list(k.loop_edges);
-}
-
-// Calls visit(array) for each array of the features, in the order of the file. `image_x` and `image_y` are the raw
-// pixels, which the file always contains.
-template <class F, class Pixels, class Visit>
-void for_each_array(F& f, Pixels& image_x, Pixels& image_y, Visit&& visit) {
-  for (auto* array : {&f.x, &f.y}) visit(*array);
-  for (auto* array : {&image_x, &image_y}) visit(*array);
-  for (auto* array : {&f.angle, &f.u_right, &f.depth}) visit(*array);
-  visit(f.level);
-  visit(f.descriptor);
-}
-
-template <class Fields, class P>
-void point_fields(Fields& fields, P& p) {
-  fields.array(p.position_w.data(), 3);
-  fields.array(p.normal_w.data(), 3);
-  fields.array(p.descriptor.bits.data(), p.descriptor.bits.size());
-  fields(p.d_min);
-  fields(p.d_max);
-  fields(p.reference);
-  uint32_t reserved = 0;  // written as 0, which earlier readers accept; what a file has here is not looked at
-  fields(reserved);
-  fields(p.visible);
-  fields(p.found);
-}
-
-// ---- Writing ----
-
-FrameRecord record_of(const KeyFrameState& k, const Pinhole& camera) {
-  const Features& f = *k.features;
-  FrameRecord r;
-  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r.R.data()) = k.T_cw.R();
-  Eigen::Map<Eigen::Vector3d>(r.t.data()) = k.T_cw.t();
-  r.camera = camera;
-  r.bounds = f.grid.bounds;
-  r.features = static_cast<uint32_t>(f.size());
-  r.levels = f.pyramid->levels;
-  r.factor = f.pyramid->factor;
-  return r;
-}
-
-std::vector<Section> sections_of(const MapState& map, const MapHeader& header) {
-  const Counts counts = counts_of(map);
-  FieldWriter about, key_frames, features, observations, points;
-  for (const KeyFrameState& k : map.key_frames) {
-    const FrameRecord record = record_of(k, map.camera);
-    key_frame_fields(key_frames, k, record);
-    observations.array(k.points.data(), k.points.size());
-  }
-  for (const KeyFrameState& k : map.key_frames) {
-    for_each_array(*k.features, k.features->image_x(), k.features->image_y(),
-                   [&](const auto& array) { features.array(array.data(), array.size()); });
-  }
-  for (const MapPointState& p : map.points) point_fields(points, p);
-  about_fields(about, header, counts);
-  std::vector<Section> sections{{kAbout, about.take()},
-                                {kKeyFrames, key_frames.take()},
-                                {kFeatures, features.take()},
-                                {kObservations, observations.take()},
-                                {kPoints, points.take()}};
-  if (map.camera.depth_noise.known()) {
-    FieldWriter noise;
-    noise(map.camera.depth_noise.a);
-    noise(map.camera.depth_noise.b);
-    sections.push_back({kDepthNoise, noise.take()});
-  }
-  if (has_colours(map)) sections.push_back({kColours, colour_bytes(map)});
-  return sections;
-}
 
 // A camera's file, say, must not be lost because its name was given for the map's.
 Result<void> check_replaceable(const std::filesystem::path& file) {
@@ -340,13 +198,11 @@ Result<void> save_map(const std::filesystem::path& file, const MapState& map, co
   std::string problem = problem_of(header);
   if (problem.empty()) problem = covis::problem_of(map);
   if (!problem.empty()) return fail(file.string() + ": the map is not sound and was not saved: " + problem);
-  const auto bytes = pack_sections(sections_of(map, header), kMapFileMajor,
-                                   has_colours(map) ? kMapFileMinor : kMapFileMinorWithoutColours);
-  if (!bytes) return fail(file.string() + ": " + bytes.error().message);
-  // A file that a reader would refuse is no map.
-  problem = problem_of_meetings(meetings_of(map), map, bytes->size());
-  if (!problem.empty()) return fail(file.string() + ": the map is not sound and was not saved: " + problem);
-  return write_atomically(file, *bytes, Durability::durable);
+  const auto write = [&](FileSink& sink) -> Result<void> {
+    auto written = write_map(sink, map, header);
+    return written ? written : fail(file.string() + ": " + written.error().message);
+  };
+  return write_atomically(file, write, Durability::durable);
 }
 
 Result<SavedMap> load_map(const std::filesystem::path& path) {

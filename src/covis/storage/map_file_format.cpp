@@ -38,14 +38,6 @@ constexpr CrcTables make_crc_tables() {
 
 constexpr CrcTables kCrc = make_crc_tables();
 
-Result<std::string> compress(std::string_view bytes) {
-  std::string packed(ZSTD_compressBound(bytes.size()), '\0');
-  const size_t size = ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), kLevel);
-  if (ZSTD_isError(size)) return fail(std::string("zstd: ") + ZSTD_getErrorName(size));
-  packed.resize(size);
-  return packed;
-}
-
 }  // namespace
 
 uint32_t crc32(std::string_view bytes, uint32_t crc) {
@@ -61,35 +53,82 @@ uint32_t crc32(std::string_view bytes, uint32_t crc) {
   return ~crc;
 }
 
-Result<std::string> pack_sections(std::vector<Section> sections, uint16_t major, uint16_t minor) {
-  FieldWriter table;
-  uint64_t size = kHeaderSize + kEntrySize * sections.size();
-  for (Section& section : sections) {
-    const uint64_t raw = section.bytes.size();
-    auto packed = compress(section.bytes);
-    if (!packed) return packed;
-    section.bytes = std::move(*packed);  // frees most of a map's memory, section by section
-    table(section.id);
-    table(crc32(section.bytes));
-    table(uint64_t{section.bytes.size()});
-    table(raw);
-    size += section.bytes.size();
+SectionWriter::SectionWriter(FileSink& sink, size_t sections, uint16_t major, uint16_t minor)
+    : sink_(sink),
+      sections_(sections),
+      major_(major),
+      minor_(minor),
+      zstd_(ZSTD_createCCtx()),
+      packed_(ZSTD_CStreamOutSize(), '\0'),
+      size_(kHeaderSize + kEntrySize * sections) {
+  sink_.append(std::string(size_, '\0'));
+  ZSTD_CCtx_setParameter(zstd_, ZSTD_c_compressionLevel, kLevel);
+}
+
+SectionWriter::~SectionWriter() { ZSTD_freeCCtx(zstd_); }
+
+void SectionWriter::begin(uint32_t id, uint64_t size) {
+  id_ = id;
+  crc_ = 0;
+  raw_ = size;
+  stored_ = 0;
+  ZSTD_CCtx_setPledgedSrcSize(zstd_, size);
+}
+
+void SectionWriter::compress(std::string_view piece, bool last) {
+  ZSTD_inBuffer in{piece.data(), piece.size(), 0};
+  bool more = true;
+  while (more && problem_.empty()) {
+    ZSTD_outBuffer out{packed_.data(), packed_.size(), 0};
+    const size_t left = ZSTD_compressStream2(zstd_, &out, &in, last ? ZSTD_e_end : ZSTD_e_continue);
+    if (ZSTD_isError(left)) problem_ = std::string("zstd: ") + ZSTD_getErrorName(left);
+    const std::string_view made = std::string_view(packed_).substr(0, out.pos);
+    sink_.append(made);
+    crc_ = crc32(made, crc_);
+    stored_ += made.size();
+    more = last ? left != 0 : in.pos < in.size;
   }
+}
+
+void SectionWriter::add(std::string_view piece) { compress(piece, false); }
+
+void SectionWriter::end() {
+  compress({}, true);
+  table_(id_);
+  table_(crc_);
+  table_(stored_);
+  table_(raw_);
+  size_ += stored_;
+}
+
+void SectionWriter::write(uint32_t id, std::string_view bytes) {
+  begin(id, bytes.size());
+  add(bytes);
+  end();
+}
+
+Result<uint64_t> SectionWriter::finish() {
+  if (!problem_.empty()) return fail(problem_);
   FieldWriter header;
   header.array(kMagic.data(), kMagic.size());
-  header(major);
-  header(minor);
-  header(static_cast<uint32_t>(sections.size()));
-  header(size);
+  header(major_);
+  header(minor_);
+  header(static_cast<uint32_t>(sections_));
+  header(size_);
   header(uint32_t{0});  // reserved field
-  std::string file = header.take();
-  const std::string entries = table.take();
+  const std::string head = header.take(), table = table_.take();
   FieldWriter crc;
-  crc(crc32(entries, crc32(file)));
-  file.reserve(size);
-  file += crc.take();
-  file += entries;
-  for (const Section& section : sections) file += section.bytes;
+  crc(crc32(table, crc32(head)));
+  sink_.rewrite(0, head + crc.take() + table);
+  return size_;
+}
+
+Result<std::string> pack_sections(const std::vector<Section>& sections, uint16_t major, uint16_t minor) {
+  std::string file;
+  FileSink sink(file);
+  SectionWriter writer(sink, sections.size(), major, minor);
+  for (const Section& section : sections) writer.write(section.id, section.bytes);
+  if (const auto size = writer.finish(); !size) return tl::unexpected(size.error());
   return file;
 }
 

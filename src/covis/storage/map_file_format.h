@@ -15,7 +15,10 @@
 #include <utility>
 #include <vector>
 
+#include "covis/core/atomic_file.h"
 #include "covis/core/error.h"
+
+struct ZSTD_CCtx_s;  // zstd's ZSTD_CCtx
 
 namespace covis::storage {
 
@@ -100,13 +103,47 @@ class FieldReader {
   bool ok_ = true;
 };
 
+// Writes a map file section by section, each in pieces of any size, so that little of it is held in memory. Equal
+// sections give equal bytes, whatever their pieces.
+class SectionWriter {
+ public:
+  // Leaves room for the header and the table of so many sections.
+  SectionWriter(FileSink& sink, size_t sections, uint16_t major, uint16_t minor);
+  ~SectionWriter();
+  SectionWriter(const SectionWriter&) = delete;
+  SectionWriter& operator=(const SectionWriter&) = delete;
+
+  // A section whose pieces have `size` bytes together.
+  void begin(uint32_t id, uint64_t size);
+  void add(std::string_view piece);
+  void end();
+  // A section of one piece.
+  void write(uint32_t id, std::string_view bytes);
+  // Fills in header and table. Returns the size of the file.
+  Result<uint64_t> finish();
+
+ private:
+  void compress(std::string_view piece, bool last);
+
+  FileSink& sink_;
+  const size_t sections_;
+  const uint16_t major_, minor_;
+  ZSTD_CCtx_s* const zstd_;
+  std::string packed_;  // a piece, compressed
+  FieldWriter table_;
+  uint64_t size_;                  // of the file
+  uint32_t id_ = 0, crc_ = 0;      // of the section
+  uint64_t raw_ = 0, stored_ = 0;  // its bytes
+  std::string problem_;
+};
+
 struct Section {
   uint32_t id = 0;
   std::string bytes;
 };
 
-// Returns the bytes of a file with these compressed sections; equal sections give equal bytes.
-Result<std::string> pack_sections(std::vector<Section> sections, uint16_t major = kMapFileMajor,
+// Returns the bytes of a file with these sections.
+Result<std::string> pack_sections(const std::vector<Section>& sections, uint16_t major = kMapFileMajor,
                                   uint16_t minor = kMapFileMinor);
 
 // True for a file that begins like a map, whatever follows.

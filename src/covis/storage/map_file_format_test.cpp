@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "covis/core/random.h"
 #include "covis/core/test_folder.h"
 
 namespace covis::storage {
@@ -89,6 +90,36 @@ TEST_F(MapFileFormatFile, SectionsComeBackInAnyOrder) {
   EXPECT_TRUE(file->verify_others());
   EXPECT_EQ(*file->read(9, "nine"), "");
   EXPECT_THAT(file->read(3, "three").error().message, HasSubstr("no section 'three'"));
+}
+
+TEST_F(MapFileFormatFile, PiecesOfASectionMakeTheSameBytes) {
+  Random random(3);
+  std::string bytes(6'000'000, '\0');  // more than the compressor looks back
+  for (char& byte : bytes) byte = static_cast<char>(random.below(20));
+  std::string file;
+  FileSink sink(file);
+  SectionWriter writer(sink, 2, kMapFileMajor, kMapFileMinor);
+  writer.begin(4, bytes.size());
+  for (size_t at = 0, size = 1; at < bytes.size(); at += size, size = 3 * size % 200'003)
+    writer.add(std::string_view(bytes).substr(at, size));
+  writer.end();
+  writer.write(5, "");
+  ASSERT_EQ(writer.finish().value_or(0), file.size());
+  EXPECT_TRUE(file == *pack_sections({{4, bytes}, {5, ""}}));
+  write_file(folder / "file", file);
+  auto opened = SectionFile::open(folder / "file");
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_TRUE(*opened->read(4, "four") == bytes);
+}
+
+TEST_F(MapFileFormatFile, ASectionOfAnotherLengthThanToldIsAnError) {
+  std::string file;
+  FileSink sink(file);
+  SectionWriter writer(sink, 1, kMapFileMajor, kMapFileMinor);
+  writer.begin(4, 5);
+  writer.add("four");
+  writer.end();
+  EXPECT_FALSE(writer.finish());
 }
 
 TEST_F(MapFileFormatFile, WhatWasNotReadIsVerifiedToo) {
