@@ -35,7 +35,8 @@ TEST_F(CameraImports, OfAnUnknownModelOrKindAreOneMessage) {
               AllOf(HasSubstr("cameras.txt:1: camera model 'FULL_OPENCV'"), HasSubstr("OPENCV_FISHEYE")));
   EXPECT_THAT(imported("cameras.txt", "1 PINHOLE 640 480 5 5 320 240\n2 PINHOLE 640 480 5 5 320 240\n").error().message,
               HasSubstr("second camera"));
-  EXPECT_THAT(imported("cameras.txt", "1 PINHOLE 640 480 0.5 0.5 320 240\n").error().message, HasSubstr("positive focal lengths"));
+  EXPECT_THAT(imported("cameras.txt", "1 PINHOLE 640 480 0.5 0.5 320 240\n").error().message,
+              HasSubstr("positive focal lengths"));
   EXPECT_THAT(imported("cameras.bin", "x").error().message, HasSubstr("model_converter"));
   for (const char* name : {"notes.txt", "camera.xml", "a.yaml"}) {
     EXPECT_THAT(

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <queue>
+#include <span>
 #include <tuple>
 
 #include "covis/loops/loop_consensus.h"
@@ -22,6 +23,36 @@ bool agree(const Map& map, const JoinSides& a, const JoinSides& b, double old_wa
   const double scale = b.S_old_young.scale();
   return opinions_agree(difference, young_way + old_way / scale, b.depth / scale);
 }
+
+// Claims between the same surroundings repeat one another: what more than so many would say is known.
+constexpr int kClaimsOfAPlace = 20;
+
+// The claims that have been made, by the key frames at both of their ends.
+class ClaimsAround {
+ public:
+  void add(const JoinClaim& claim) {
+    for (const auto& [end, other] : {std::pair(claim.current, claim.place), std::pair(claim.place, claim.current)}) {
+      if (others_.size() <= end.slot) others_.resize(end.slot + size_t{1});
+      others_[end.slot].push_back(other);
+    }
+  }
+  // Whether one more claim between two key frames would say nothing new: enough are made between one of them or a
+  // neighbour of it and the other or a neighbour of that.
+  bool told(const Map& map, KeyFrameId a, KeyFrameId b) const {
+    const auto near_b = [&](KeyFrameId id) { return id == b || map.weight(id, b) >= kCovisibilityThreshold; };
+    const auto count = [&](KeyFrameId id) { return std::count_if(others_of(id).begin(), others_of(id).end(), near_b); };
+    auto found = count(a);
+    for (const Neighbour& n : map.neighbours(a)) found += count(n.key_frame);
+    return found >= kClaimsOfAPlace;
+  }
+
+ private:
+  std::span<const KeyFrameId> others_of(KeyFrameId id) const {
+    return id.slot < others_.size() ? std::span<const KeyFrameId>(others_[id.slot]) : std::span<const KeyFrameId>();
+  }
+
+  std::vector<std::vector<KeyFrameId>> others_;  // by slot: the other ends of its claims
+};
 
 // Merges groups of claims that a claim links.
 class Links {
@@ -74,11 +105,14 @@ JoinSides::JoinSides(const Map& map, const JoinClaim& claim) {
 JoinClaims JoinClaims::collect(const Map& map, Sensor sensor, const LoopOptions& options, int seed) {
   JoinClaims found;
   LoopVerifier verifier(map, sensor, options, seed);
+  ClaimsAround around;
   for (const KeyFrameId& current : map.key_frames()) {
     for (const KeyFrameId& place : LoopDetector::candidates_elsewhere(map, current)) {
+      if (around.told(map, current, place)) continue;
       const LoopVerdict verdict = verifier.verify(LoopCandidate(map, current, place));
       if (verdict.loop) {
         found.claims.emplace_back(map, current, *verdict.loop, verdict.evidence);
+        around.add(found.claims.back());
       } else {
         found.refused.push_back({place, map.at(place).frame, verdict.refusal, verdict.evidence, {}, {}});
         found.refused_of.push_back(current);
@@ -88,7 +122,7 @@ JoinClaims JoinClaims::collect(const Map& map, Sensor sensor, const LoopOptions&
   return found;
 }
 
-std::vector<double> ways_from(const Map& map, KeyFrameId from) {
+std::vector<double> ways_from(const Map& map, KeyFrameId from, double longest) {
   std::vector<double> way;
   map.for_each_key_frame([&](KeyFrameId id, const KeyFrame&) {
     way.resize(id.slot + size_t{1}, std::numeric_limits<double>::infinity());
@@ -96,7 +130,7 @@ std::vector<double> ways_from(const Map& map, KeyFrameId from) {
   using Step = std::pair<double, KeyFrameId>;
   std::priority_queue<Step, std::vector<Step>, std::greater<>> open;
   const auto reach = [&](KeyFrameId id, double length) {
-    if (length >= way[id.slot]) return;
+    if (length >= way[id.slot] || length > longest) return;
     way[id.slot] = length;
     open.emplace(length, id);
   };

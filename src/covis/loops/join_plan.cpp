@@ -118,7 +118,7 @@ void SideBySide::look(const Map& map, uint32_t from, uint32_t to, const std::vec
   };
   std::vector<Nearest> nearest;  // by slot: the link that says where a key frame is
   for (const Link& link : links) {
-    const std::vector<double> ways = ways_from(map, link.here);
+    const std::vector<double> ways = ways_from(map, link.here, kWay * link.depth / link.S_there_here.scale());
     nearest.resize(ways.size());
     for (size_t slot = 0; slot < ways.size(); ++slot) {
       if (ways[slot] < nearest[slot].way) nearest[slot] = {ways[slot], &link};
@@ -127,7 +127,7 @@ void SideBySide::look(const Map& map, uint32_t from, uint32_t to, const std::vec
   const std::vector<KeyFrameId> there = map.key_frames(to);
   for (const KeyFrameId& id : map.key_frames(from)) {
     const auto& [way, link] = nearest[id.slot];
-    if (!link || way * link->S_there_here.scale() > kWay * link->depth) continue;
+    if (!link) continue;  // none reaches that far
     const SE3 T_cw = (Sim3(map.at(id).T_cw) * link->S_there_here.inverse()).as_pose();
     KeyFrameId beside;
     double least = kApart * link->depth;

@@ -183,33 +183,44 @@ std::optional<JoinedSubmap> join_at_loop(SharedMap& shared, KeyFrameId current, 
   return joined ? std::optional(JoinedSubmap{moved, key_frames}) : std::nullopt;
 }
 
-int fuse_loop(SharedMap& shared, KeyFrameId current, const Loop& loop, PointFuser& fuser) {
+int fuse_matches(SharedMap& shared, KeyFrameId current, const Loop& loop) {
   int fused = 0;
-  {
-    MapEdit map(shared);
-    for (const auto& [feature, held] : loop.matches) {
-      const MapPointId point = map->forwarded(held);
-      if (!map->find(point)) continue;
-      const MapPointId present = map->at(current).points[feature];
-      if (present == point) continue;
-      fused += present.valid() ? map.replace_point(present, point) : map.add_observation(point, current, feature);
-    }
+  MapEdit map(shared);
+  for (const auto& [feature, held] : loop.matches) {
+    const MapPointId point = map->forwarded(held);
+    if (!map->find(point)) continue;
+    const MapPointId present = map->at(current).points[feature];
+    if (present == point) continue;
+    fused += present.valid() ? map.replace_point(present, point) : map.add_observation(point, current, feature);
   }
-  // The old place's points in the key frames around the current one.
+  return fused;
+}
+
+int fuse_around(SharedMap& shared, KeyFrameId current, const LoopPlace& place, PointFuser& fuser,
+                std::vector<KeyFrameId>& stale) {
   std::vector<KeyFrameId> targets{current};
   {
     const auto map = shared.read();
     for (const Neighbour& n : map->neighbours(current)) {
-      const auto& group = loop.place.group;
-      if (std::find(group.begin(), group.end(), n.key_frame) == group.end()) targets.push_back(n.key_frame);
+      if (std::find(place.group.begin(), place.group.end(), n.key_frame) == place.group.end())
+        targets.push_back(n.key_frame);
     }
   }
+  int fused = 0;
   for (const KeyFrameId& target : targets) {
-    fused += fuser.fuse(shared, target, loop.place.points.id,
+    fused += fuser.fuse(shared, target, place.points.id,
                         {.window = 4, .keep = FuseKeep::given, .error = MatchError::not_asked});
   }
-  refresh_points_of(shared, targets);
+  stale.insert(stale.end(), targets.begin(), targets.end());
   return fused;
+}
+
+int fuse_loop(SharedMap& shared, KeyFrameId current, const Loop& loop, PointFuser& fuser) {
+  std::vector<KeyFrameId> stale;
+  const int matched = fuse_matches(shared, current, loop);
+  const int around = fuse_around(shared, current, loop.place, fuser, stale);
+  refresh_points_of(shared, stale);
+  return matched + around;
 }
 
 }  // namespace covis

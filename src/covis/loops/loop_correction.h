@@ -84,4 +84,11 @@ std::optional<JoinedSubmap> join_at_loop(SharedMap& map, KeyFrameId current, con
 // fused or observations added.
 int fuse_loop(SharedMap& map, KeyFrameId current, const Loop& loop, PointFuser& fuser);
 
+// Its two steps: what the loop's matches say is the same, and the place's points wherever else they are found. The
+// second leaves what is derived from the points' observations as it is: the key frames whose points want
+// refresh_points_of() are appended to `stale`, so that several loops share one.
+int fuse_matches(SharedMap& map, KeyFrameId current, const Loop& loop);
+int fuse_around(SharedMap& map, KeyFrameId current, const LoopPlace& place, PointFuser& fuser,
+                std::vector<KeyFrameId>& stale);
+
 }  // namespace covis

@@ -8,6 +8,7 @@
 
 #include "covis/core/log.h"
 #include "covis/core/time.h"
+#include "covis/loops/adjustment_in_pieces.h"
 #include "covis/loops/join_plan.h"
 #include "covis/loops/loop_consensus.h"
 #include "covis/loops/loop_correction.h"
@@ -16,6 +17,37 @@
 
 namespace covis {
 namespace {
+
+// Key frames of a submap that is adjusted as one problem, at most; and of a piece of a larger one.
+constexpr uint32_t kWhole = 300;
+constexpr size_t kPiece = 60;
+
+// The key frames in which the points of places were looked for.
+struct Fused {
+  std::vector<KeyFrameId> key_frames;
+
+  // Those from the `from`th on were searched for the points of this group.
+  void add(size_t from, std::vector<KeyFrameId> group) {
+    std::sort(key_frames.begin() + static_cast<ptrdiff_t>(from), key_frames.end());
+    std::sort(group.begin(), group.end());
+    searches_.push_back({from, key_frames.size(), std::move(group)});
+  }
+  bool has(KeyFrameId key_frame, KeyFrameId place) const {
+    return std::any_of(searches_.begin(), searches_.end(), [&](const Search& search) {
+      const auto begin = key_frames.begin();
+      return std::binary_search(search.group.begin(), search.group.end(), place) &&
+             std::binary_search(begin + static_cast<ptrdiff_t>(search.from), begin + static_cast<ptrdiff_t>(search.to),
+                                key_frame);
+    });
+  }
+
+ private:
+  struct Search {
+    size_t from, to;  // among key_frames
+    std::vector<KeyFrameId> group;
+  };
+  std::vector<Search> searches_;
+};
 
 // Carries a plan out.
 class Joining {
@@ -56,7 +88,7 @@ class Joining {
   void join(const JoinGroup& group);
   bool consistent(const JoinClaim& claim) const;
   void tie(uint32_t submap);
-  int fuse(const JoinClaim& claim);
+  int fuse(const JoinClaim& claim, Fused& fused);
   void fuse_seams(uint32_t submap);
 
   SharedMap& map_;
@@ -127,15 +159,16 @@ void Joining::tie(uint32_t submap) {
   maps_.at(submap).correction = graph.greatest_move();
 }
 
-int Joining::fuse(const JoinClaim& claim) {
+int Joining::fuse(const JoinClaim& claim, Fused& fused) {
   Loop loop;
-  {
-    const auto map = map_.read();
-    loop.place = LoopPlace(*map, claim.place);
-    loop.S_cw = Sim3(map->at(claim.current).T_cw);
-  }
   loop.matches = claim.matches;
-  return fuse_loop(map_, claim.current, loop, fuser_);
+  const int matched = fuse_matches(map_, claim.current, loop);
+  if (fused.has(claim.current, claim.place)) return matched;
+  const LoopPlace place(*map_.read(), claim.place);
+  const size_t before = fused.key_frames.size();
+  const int around = fuse_around(map_, claim.current, place, fuser_, fused.key_frames);
+  fused.add(before, place.group);
+  return matched + around;
 }
 
 // Key frames of different submaps that see the same by now, and what lies around them.
@@ -149,27 +182,37 @@ void Joining::fuse_seams(uint32_t submap) {
       if (std::any_of(neighbours.begin(), neighbours.end(), other)) seams.push_back(id);
     }
   }
-  for (const KeyFrameId& id : seams) fuse_neighbours(map_, id, settings_.sensor, settings_.mapper, fuser_);
+  for (const KeyFrameId& id : seams) fuse_neighbours_unrefreshed(map_, id, settings_.sensor, settings_.mapper, fuser_);
+  refresh_points_of(map_, seams);
 }
 
 void Joining::tie_and_fuse() {
   for (const auto& [id, made] : maps_) {
     if (made.of.size() > 1) tie(id);
   }
+  Fused fused;
   for (const JoinGroup* group : joined_) {
     JoinedPair& pair = pair_of(*group);
-    for (const size_t k : group->claims) pair.fused += fuse(claims_[k]);
+    for (const size_t k : group->claims) pair.fused += fuse(claims_[k], fused);
   }
+  refresh_points_of(map_, fused.key_frames);
 }
 
-// Once to bring both sides together, and once more with what is found to be the same only then.
+// Once to bring both sides together, and once more with what is found to be the same only then. The pieces of both
+// times have different borders.
 void Joining::adjust() {
   const int iterations = settings_.loop.ba_iterations;
   for (auto& [id, made] : maps_) {
     if (made.of.size() < 2 || iterations == 0) continue;
-    adjust_submap(map_, id, iterations);
+    const bool whole = map_.read()->submap(id)->key_frames <= kWhole;
+    const auto adjust = [&](bool again) {
+      if (whole) return adjust_submap(map_, id, iterations);
+      const auto pieces = pieces_of(*map_.read(), id, kPiece, again);
+      return adjust_in_pieces(map_, pieces, again ? iterations : (iterations + 1) / 2);
+    };
+    adjust(false);
     fuse_seams(id);
-    if (const auto cost = adjust_submap(map_, id, iterations)) made.cost = *cost;
+    if (const auto cost = adjust(true)) made.cost = *cost;
   }
 }
 

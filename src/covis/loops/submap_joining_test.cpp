@@ -195,6 +195,26 @@ TEST(SubmapJoining, TwoViewsAreNotBelieved) {
   EXPECT_EQ(plan.pairs[0].refusal, JoinRefusal::unconfirmed);
 }
 
+// Two walks through the same: every key frame sees what one of the other walk sees, and says so to its neighbours too.
+TEST(SubmapJoining, ClaimsBetweenTheSameSurroundingsAreMadeAFewTimes) {
+  Pieces pieces(PointScene::ring(2400, 4 * LoopScene::kSteps));
+  pieces.add(0, 60);
+  pieces.add(0, 60, kShift);
+  const auto map = pieces.world.shared.read();
+  const JoinClaims found = JoinClaims::collect(*map, Sensor::rgbd, {}, 0);
+  EXPECT_GE(found.claims.size(), 20u);
+  EXPECT_LE(found.claims.size(), 80u) << "of 120 key frames that see the other walk's";
+  // … and yet all along the way.
+  const auto claimed_near = [&](size_t step) {
+    return std::any_of(found.claims.begin(), found.claims.end(), [&](const JoinClaim& claim) {
+      const KeyFrameId there = pieces.world.frames[step];
+      return claim.current == there || claim.place == there || map->weight(claim.current, there) > 0 ||
+             map->weight(claim.place, there) > 0;
+    });
+  };
+  for (size_t step = 0; step < 60; ++step) EXPECT_TRUE(claimed_near(step)) << step;
+}
+
 // Five claims outweigh two; three do not, once a third submap makes key frames of the others unsure.
 TEST(SubmapJoining, ClaimsAreCountedAgainWithoutUnsureOnes) {
   Pieces pieces(PointScene::ring(2400, LoopScene::kSteps));
@@ -239,6 +259,8 @@ TEST(SubmapJoining, TheWayLeadsAlongTheGraph) {
   EXPECT_GT(way[pieces.world.frames[23].slot], 1.2 * chord) << "around the ring, not across it";
   EXPECT_LT(way[pieces.world.frames[23].slot], 3.2 * 2);
   EXPECT_TRUE(std::isinf(way[pieces.world.frames[24].slot])) << "another submap";
+  const std::vector<double> near = ways_from(*map, pieces.world.frames[0], 1.5);
+  for (size_t k = 0; k < near.size(); ++k) EXPECT_EQ(near[k], way[k] <= 1.5 ? way[k] : INFINITY);
 }
 
 }  // namespace

@@ -161,11 +161,14 @@ PointAppearance Map::appearance(MapPointId id) const {
     descriptors[i] = &at(o.key_frame).features->descriptor[o.feature];
   }
   int best = kHammingBeyond;
-  std::vector<int> distances(n);
+  std::vector<int> between(n * n, 0);  // row i: the distances of the ith from all
   for (size_t i = 0; i < n; ++i) {
-    for (size_t j = 0; j < n; ++j) distances[j] = hamming(*descriptors[i], *descriptors[j]);
-    const auto middle = distances.begin() + static_cast<ptrdiff_t>((n - 1) / 2);
-    std::nth_element(distances.begin(), middle, distances.end());
+    for (size_t j = 0; j < i; ++j) between[i * n + j] = between[j * n + i] = hamming(*descriptors[i], *descriptors[j]);
+  }
+  for (size_t i = 0; i < n; ++i) {
+    const auto row = between.begin() + static_cast<ptrdiff_t>(i * n);
+    const auto middle = row + static_cast<ptrdiff_t>((n - 1) / 2);
+    std::nth_element(row, middle, row + static_cast<ptrdiff_t>(n));
     if (*middle < best) {
       best = *middle;
       seen.descriptor = *descriptors[i];

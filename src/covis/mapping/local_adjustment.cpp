@@ -2,6 +2,7 @@
 #include "covis/mapping/local_adjustment.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "covis/mapping/map_problem.h"
 
@@ -34,14 +35,19 @@ std::vector<Neighbour> holders_of(const Map& map, const std::vector<KeyFrameId>&
 
 }  // namespace
 
-LocalWindow local_window(const Map& map, KeyFrameId current, int moving, int fixed) {
-  LocalWindow window{{current}, 1};
-  for (const Neighbour& n : map.best_neighbours(current, moving - 1)) window.key_frames.push_back(n.key_frame);
+LocalWindow window_around(const Map& map, std::vector<KeyFrameId> moving, int fixed) {
+  LocalWindow window{std::move(moving), 0};
   window.moving = window.key_frames.size();
   std::vector<Neighbour> holders = holders_of(map, window.key_frames);
   if (holders.size() > static_cast<size_t>(fixed)) holders.resize(static_cast<size_t>(fixed));
   for (const Neighbour& n : holders) window.key_frames.push_back(n.key_frame);
   return window;
+}
+
+LocalWindow local_window(const Map& map, KeyFrameId current, int moving, int fixed) {
+  std::vector<KeyFrameId> key_frames{current};
+  for (const Neighbour& n : map.best_neighbours(current, moving - 1)) key_frames.push_back(n.key_frame);
+  return window_around(map, std::move(key_frames), fixed);
 }
 
 AdjustmentReport adjust_locally(SharedMap& shared, KeyFrameId current, const MapperOptions& options,

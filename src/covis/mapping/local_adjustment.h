@@ -21,8 +21,11 @@ struct LocalWindow {
   size_t moving = 0;                   // how many of them move; the others see their points and hold them
 };
 
-// The key frame, its best covisible ones (`moving` in all, at most), and the others that share points with these, those
-// that share most first (`fixed` of them, at most).
+// These key frames move; the others that share points with them hold them, those that share most first (`fixed` of
+// them, at most).
+LocalWindow window_around(const Map& map, std::vector<KeyFrameId> moving, int fixed);
+
+// The same of a key frame and its best covisible ones (`moving` in all, at most).
 LocalWindow local_window(const Map& map, KeyFrameId current, int moving, int fixed);
 
 // The noise seen in the adjusted problem goes to `depth_noise` (null: nobody asks). `interrupt` (may be

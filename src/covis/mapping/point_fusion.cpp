@@ -24,8 +24,8 @@ std::vector<KeyFrameId> neighbourhood(const Map& map, KeyFrameId current, int ne
 
 }  // namespace
 
-int fuse_neighbours(SharedMap& shared, KeyFrameId current, Sensor sensor, const MapperOptions& options,
-                    PointFuser& fuser) {
+int fuse_neighbours_unrefreshed(SharedMap& shared, KeyFrameId current, Sensor sensor, const MapperOptions& options,
+                                PointFuser& fuser) {
   std::vector<KeyFrameId> targets;
   std::vector<MapPointId> own;
   {
@@ -39,7 +39,12 @@ int fuse_neighbours(SharedMap& shared, KeyFrameId current, Sensor sensor, const 
   int fused = 0;
   for (const KeyFrameId& target : targets) fused += fuser.fuse(shared, target, own, fuse_options);
   const std::vector<MapPointId> others = points_of(*shared.read(), targets);
-  fused += fuser.fuse(shared, current, others, fuse_options);
+  return fused + fuser.fuse(shared, current, others, fuse_options);
+}
+
+int fuse_neighbours(SharedMap& shared, KeyFrameId current, Sensor sensor, const MapperOptions& options,
+                    PointFuser& fuser) {
+  const int fused = fuse_neighbours_unrefreshed(shared, current, sensor, options, fuser);
   refresh_points_of(shared, {&current, 1});
   return fused;
 }

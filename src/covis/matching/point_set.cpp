@@ -73,11 +73,18 @@ void PointSet::add_seen(MapPointId point, const Eigen::Vector3d& position_w, con
 
 std::vector<MapPointId> points_of(const Map& map, std::span<const KeyFrameId> key_frames) {
   std::vector<MapPointId> points;
+  std::vector<bool> taken;  // by slot, so that what many see is sorted once
   for (const KeyFrameId& key_frame : key_frames) {
     const KeyFrame* source = map.find(key_frame);
     if (!source) continue;
     for (const MapPointId& point : source->points) {
-      if (point.valid()) points.push_back(point);
+      if (!point.valid()) continue;
+      if (key_frames.size() > 1) {
+        if (point.slot >= taken.size()) taken.resize(std::max(point.slot + size_t{1}, 2 * taken.size()));
+        if (taken[point.slot]) continue;
+        taken[point.slot] = true;
+      }
+      points.push_back(point);
     }
   }
   std::sort(points.begin(), points.end());
