@@ -40,8 +40,8 @@ Result<void> check_files(const MergeArguments& a) {
 }
 
 struct Inputs {
-  storage::MapHeader header;
-  std::vector<MapState> maps;
+  std::vector<storage::MapHeader> headers;
+  std::vector<MergeSource> maps;
 };
 
 Result<Inputs> load(const std::vector<std::string>& files) {
@@ -50,12 +50,22 @@ Result<Inputs> load(const std::vector<std::string>& files) {
     auto loaded = storage::load_map(file);
     if (!loaded) return tl::unexpected(loaded.error());
     if (loaded->map.key_frame_count() == 0) return fail(file + ": the map is empty");
-    if (inputs.maps.empty()) inputs.header = loaded->header;
-    if (const auto fits = storage::check_mergeable(inputs.header, loaded->header); !fits)
+    inputs.headers.push_back(loaded->header);
+    if (const auto fits = storage::check_mergeable(inputs.headers.front(), loaded->header); !fits)
       return fail(file + ": it can't be merged with " + files.front() + ": " + fits.error().message);
-    inputs.maps.push_back(loaded->map.state());
+    const auto same = std::find_if(inputs.headers.begin(), inputs.headers.end(), [&](const storage::MapHeader& header) {
+      return storage::same_camera(header, loaded->header);
+    });
+    inputs.maps.push_back({loaded->map.state(), static_cast<size_t>(same - inputs.headers.begin())});
   }
   return inputs;
+}
+
+// That of a camera with depth, if there is one.
+Sensor richest_sensor(const std::vector<storage::MapHeader>& headers) {
+  const auto depth = std::find_if(headers.begin(), headers.end(),
+                                  [](const storage::MapHeader& header) { return header.sensor != Sensor::monocular; });
+  return depth == headers.end() ? Sensor::monocular : depth->sensor;
 }
 
 // Names submaps by the files they come from.
@@ -219,13 +229,13 @@ int run_merge(const MergeArguments& a) {
   if (!*vocabulary) return fail_with("--vocabulary none: places can't be looked for without a vocabulary");
   auto inputs = load(a.files);
   if (!inputs) return fail_with(inputs.error());
-  settings.sensor = inputs->header.sensor;
+  settings.sensor = richest_sensor(inputs->headers);
   log(LogLevel::info, std::to_string(a.files.size()) + " maps are loaded; places that they share are looked for");
   SharedMap merged;
   const auto report = merge_maps(std::move(inputs->maps), **vocabulary, settings, merged);
   if (!report) return fail_with(report.error());
   const auto map = merged.read();
-  const storage::MapHeader& of = inputs->header;
+  const storage::MapHeader& of = inputs->headers[report->camera_of];
   storage::MapHeader header = storage::header_of(of.camera, of.sensor, {}, vocabulary->get());
   header.levels = of.levels;
   header.factor = of.factor;
@@ -244,7 +254,12 @@ int run_merge(const MergeArguments& a) {
 void add_map_merge(CLI::App& map_command, int& exit_code) {
   auto a = std::make_shared<MergeArguments>();
   CLI::App* command = map_command.add_subcommand("merge", "Make one map of several, joined where they show the same");
-  command->add_option("FILES", a->files, "saved maps; the first one's world is kept")->required()->expected(2, -1);
+  command
+      ->add_option(
+          "FILES", a->files,
+          "saved maps; the first one's world is kept, or of cameras with and without depth the first one's with depth")
+      ->required()
+      ->expected(2, -1);
   command->add_option("--out", a->out, "file for the merged map")->required();
   command->add_option("--vocabulary", a->vocabulary, "vocabulary (default: the one that ships)");
   command->add_option("--set", a->settings, "one setting of loops, loop.NAME=VALUE; may be repeated");

@@ -47,7 +47,7 @@ PruningCost cost_of(const SharedMap& map, const std::vector<ThinnedKeyFrame>& vi
   Relocaliser relocaliser(map, {}, 0, vocabulary);
   std::vector<double> off;
   for (const ThinnedKeyFrame& view : views) {
-    const auto located = relocaliser.locate(view.features, view.frame, {});
+    const auto located = relocaliser.locate(view.features, view.frame);
     if (!located || located->submap != view.submap) continue;
     off.push_back((located->T_cw.centre() - view.T_cw.centre()).norm());
   }

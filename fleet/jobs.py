@@ -82,7 +82,7 @@ def load_result(site: pathlib.Path, key: str) -> Json:
 
 
 def map_recording(job: Job, recording: Recording, options: list[str]) -> Json:
-    """Maps a recording by itself. Its map is of one kind, that of its camera, sensor and features."""
+    """Maps a recording by itself. Its map is of one kind, that of its features."""
     out, file = job.folder / 'run', job.folder / 'map.m'
     job.call('run', recording.path, '--out', str(out), '--save-map', str(file), '--quiet', *options, *recording.options)
     summary = json.loads((out / 'summary.json').read_text())
@@ -92,15 +92,15 @@ def map_recording(job: Job, recording: Recording, options: list[str]) -> Json:
     if not file.exists():
         return result | {'failed': 'nothing of it was mapped'}
     info = job.call('map', 'info', str(file), '--json')
-    kind = hash_of(info['sensor'], info['camera'], info['pyramid'])[:8]
+    kind = hash_of(info['pyramid'])[:8]
     submaps = [{recording.name: m['keyframes']} for m in summary['maps']]
     result['seconds'] = info['seconds']
-    result['maps'] = [{'file': file.name, 'kind': kind, 'sensor': info['sensor'], 'submaps': submaps}]
+    result['maps'] = [{'file': file.name, 'kind': kind, 'sensors': {recording.name: info['sensor']}, 'submaps': submaps}]
     return result
 
 
 def merge_nodes(job: Job, site: pathlib.Path, node: Node, options: list[str]) -> Json:
-    """Merges the maps of two nodes, those of one kind with each other: a node has a map for each kind of camera."""
+    """Merges the maps of two nodes, those of one kind with each other: a node has a map for each kind of features."""
     maps: list[Json] = []
     result: Json = {'inputs': list(node.inputs), 'maps': maps, 'bytes_in': 0, 'merges': []}
     for key in node.inputs:
@@ -122,6 +122,7 @@ def merge_nodes(job: Job, site: pathlib.Path, node: Node, options: list[str]) ->
             merged.replace(before)
             result['merges'].append(summary_of(report, same, other))
             same['submaps'] = submaps_after(report, [same, other])
+            same['sensors'] |= other['sensors']
     return result
 
 
@@ -190,7 +191,7 @@ def evaluate(job: Job, site: pathlib.Path, root: str, recordings: list[Recording
                 continue
             truths = job.folder / 'truth.txt'
             truths.write_text('\n'.join(rows[stamp] for stamp in sorted(rows, key=float)) + '\n')
-            align = 'sim3' if one['sensor'] == 'mono' else 'se3'
+            align = 'sim3' if {one['sensors'][name] for name in submap} == {'mono'} else 'se3'
             try:
                 errors.append(job.call('eval', str(of_submap), str(truths), '--align', align, '--json'))
             except JobError as error:  # too few poses have a truth

@@ -37,7 +37,8 @@ def gather(site: pathlib.Path, manifest: Manifest, plan: Plan) -> Json:
     for m, one in enumerate(root['maps']):
         for s, submap in enumerate(one['submaps']):
             error = (errors['maps'][m][s] if errors.get('maps') else None) or {}
-            places.append({'file': published(m), 'submap': s, 'sensor': one['sensor'], 'kind': one['kind'],
+            sensors = sorted({one['sensors'][name] for name in submap})
+            places.append({'file': published(m), 'submap': s, 'sensor': ', '.join(sensors), 'kind': one['kind'],
                            'recordings': sorted(submap), 'key_frames': sum(submap.values()),
                            'ate_m': error.get('ate_m', {}).get('rmse'), 'with_truth': error.get('associated')})
     recordings: list[Json] = []

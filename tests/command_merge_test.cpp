@@ -31,10 +31,11 @@ class CommandMerge : public CommandTest {
     std::ofstream(two, std::ios::binary) << maps_.second;
   }
   static void TearDownTestSuite() { fs::remove_all(kept()); }
-  std::string map_of(const std::string& first, const std::string& count) const {
+  std::string map_of(const std::string& first, const std::string& count,
+                     const std::string& set = "system.seed=0") const {
     const fs::path file = folder / "made.m";
-    const Outcome run = covis(
-        {"run", recording, "--first", first, "--count", count, "--quiet", "--out", folder / "out", "--save-map", file});
+    const Outcome run = covis({"run", recording, "--first", first, "--count", count, "--quiet", "--out", folder / "out",
+                               "--save-map", file, "--set", set});
     EXPECT_EQ(run.code, 0) << run.error;
     const std::string map = text_of(file);
     fs::remove(file);
@@ -105,20 +106,46 @@ TEST_F(CommandMerge, RefusesWhatItCanNotDoAndWritesNothing) {
   EXPECT_EQ(text_of(one), bytes);
   EXPECT_EQ(merge({one, "--out", site}).code, 2) << "one map alone";
 
-  const std::string camera = text_of(recording / "camera.yaml");
-  std::ofstream(folder / "camera.yaml") << camera << "\n";
-  std::string longer = camera;
-  longer.replace(longer.find("fx:"), longer.find('\n', longer.find("fx:")) - longer.find("fx:"), "fx: 260");
-  std::ofstream(recording / "camera.yaml") << longer;
-  std::ofstream(other, std::ios::binary) << map_of("0", "20");
-  const Outcome cameras = merge({one, other, "--out", site});
-  EXPECT_EQ(cameras.code, 1);
-  EXPECT_THAT(cameras.error, AllOf(HasSubstr(other.string() + ": it can't be merged with " + one.string()),
-                                   HasSubstr("fx 260 instead of")));
+  std::ofstream(other, std::ios::binary) << map_of("0", "20", "orb.levels=6");
+  const Outcome levels = merge({one, other, "--out", site});
+  EXPECT_EQ(levels.code, 1);
+  EXPECT_THAT(levels.error, AllOf(HasSubstr(other.string() + ": it can't be merged with " + one.string()),
+                                  HasSubstr("orb.levels 6 instead of 8")));
 
   std::ofstream(broken, std::ios::binary) << text_of(two).substr(0, 2000);
   EXPECT_EQ(merge({one, broken, "--out", site}).code, 1);
   EXPECT_FALSE(fs::exists(site));
+}
+
+// The second map is of a camera that is said to be another one (and so a little wrong), without depth.
+TEST_F(CommandMerge, CamerasAndSensorsMayDiffer) {
+  const fs::path site = folder / "site.m";
+  ASSERT_EQ(covis({"synth", "room", "--sensor", "mono", "--frames", "90", "--fps", "8", "--width", "400", "--height",
+                   "300", "--focal", "330", "--quiet", "--out", folder / "other"})
+                .code,
+            0);
+  ASSERT_EQ(
+      covis({"run", folder / "other", "--first", "20", "--quiet", "--out", folder / "out", "--save-map", two}).code, 0);
+  for (const auto& [first, second] : {std::pair(one, two), std::pair(two, one)}) {
+    const Outcome merged = merge({first, second, "--out", site, "--json"});
+    ASSERT_EQ(merged.code, 0) << merged.error;
+    EXPECT_EQ(nlohmann::json::parse(merged.out)["maps"].size(), 1u) << merged.out;
+    const Outcome info = covis({"map", "info", site, "--json"});
+    EXPECT_EQ(nlohmann::json::parse(info.out)["sensor"], "rgbd");
+    EXPECT_EQ(nlohmann::json::parse(info.out)["camera"]["width"], 320);
+    // Each camera is found in it, and the one with depth goes on with it.
+    EXPECT_EQ(covis({"run", folder / "other", "--count", "40", "--map", site, "--localize", "--quiet", "--out",
+                     folder / "found"})
+                  .code,
+              0);
+    EXPECT_GT(parsed(folder / "found/summary.json")["frames_tracked"], 30);
+    const Outcome refused = covis({"run", folder / "other", "--map", site, "--quiet", "--out", folder / "refused"});
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_THAT(refused.error, HasSubstr("--localize"));
+    EXPECT_EQ(covis({"run", recording, "--count", "40", "--map", site, "--quiet", "--out", folder / "on"}).code, 0);
+    EXPECT_GT(parsed(folder / "on/summary.json")["frames_tracked"], 30);
+    EXPECT_EQ(parsed(folder / "on/summary.json")["maps"].size(), 1u);
+  }
 }
 
 TEST_F(CommandMerge, EndsAtOnceByCtrlC) {

@@ -97,7 +97,8 @@ COVIS_API const char* name(Event::Kind kind);
 class COVIS_API Slam {
  public:
   // Errors: an impossible camera, an unknown setting, a value out of range, a file that can't be read, a map that does
-  // not fit (made with depth or without, other features; to continue it, another camera), localisation without a map.
+  // not fit (other features; made without depth, for a camera with depth; made with depth, to be continued by a camera
+  // without), localisation without a map.
   static tl::expected<std::unique_ptr<Slam>, std::string> create(const SlamOptions& options);
   ~Slam();
   Slam(const Slam&) = delete;
@@ -122,7 +123,7 @@ class COVIS_API Slam {
 
   // Changes between mapping and localisation only, from the next frame on, after finish(). When mapping begins from a
   // pose that dead reckoning carried, the camera is to be found in the map first. Errors: localisation without a map;
-  // mapping in a map that another camera made.
+  // mapping in a map in metres by a camera without depth.
   tl::expected<void, std::string> set_mode(Mode mode);
 
   // Waits until everything asked of mapping is done, and locates frames that got no pose where the map reaches them

@@ -145,11 +145,11 @@ class SiteTest(FleetTest):
         pretender = Pretender()
         data = self.run_site(pretender)
         self.assertEqual([(p['file'], p['sensor'], p['recordings'], p['key_frames']) for p in data['places']], [
-            ('site.m', 'rgbd', ['nrgbd0', 'nrgbd1'], 10), ('site.m', 'rgbd', ['srgbd0', 'srgbd1'], 10),
-            ('site-2.m', 'mono', ['nmono0', 'nmono1'], 10), ('site-2.m', 'mono', ['smono0', 'smono1'], 10)])
+            ('site.m', 'mono, rgbd', ['nmono0', 'nmono1', 'nrgbd0', 'nrgbd1'], 20),
+            ('site.m', 'mono, rgbd', ['smono0', 'smono1', 'srgbd0', 'srgbd1'], 20)])
         bad = data['recordings'][-1]
         self.assertEqual((bad['name'], bad['failed'][-8:], bad['joined']), ('empty', '0 frames', False))
-        self.assertTrue((self.site / 'report/site-2.m').exists())
+        self.assertTrue((self.site / 'report/site.m').exists())
         self.assertIn('0 frames', (self.site / 'report/report.html').read_text())
 
         done = len(pretender.calls)

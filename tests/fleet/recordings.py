@@ -60,5 +60,5 @@ def make(covis: pathlib.Path, work: pathlib.Path, sensors: list[str], each: int 
             first = round(turn * (FRAMES - PIECE) / max(turns - 1, 1) / (3 if turns == 2 else 1))
             name = f'{site}-{sensor}-{turn}'
             piece(work / f'walk-{sensor}-{seed}', first, PIECE, work / 'recordings' / name)
-            made.append((name, f'{site}-{sensor}'))
+            made.append((name, site))
     return made

@@ -45,7 +45,7 @@ class ViewerTest(unittest.TestCase):
         command = [cls.covis, 'run', cls.folder / 'desk', '--out', cls.folder / 'out', '--save-map', cls.folder / 'desk.m', '--view=0']
         cls.live = Served(command)
         cls.browser.open(cls.live.url)
-        cls.browser.until('return covis.model.info.mode === "finished"')
+        cls.browser.until('return document.getElementById("covis-mode").textContent === "finished run"')
 
     @classmethod
     def tearDownClass(cls):

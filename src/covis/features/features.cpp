@@ -5,9 +5,9 @@
 
 namespace covis {
 
-ScalePyramid::ScalePyramid(int level_count, float scale_factor)
-    : levels(level_count), factor(scale_factor), log_factor(std::log(scale_factor)) {
-  float s = 1;
+ScalePyramid::ScalePyramid(int level_count, float scale_factor, float base_scale)
+    : levels(level_count), factor(scale_factor), base(base_scale) {
+  float s = base;
   for (int l = 0; l < levels; ++l, s *= factor) {
     scale.push_back(s);
     sigma2.push_back(s * s);

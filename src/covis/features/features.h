@@ -32,16 +32,17 @@ inline constexpr int kHammingBeyond = 257;  // greater than any distance: no mat
 inline constexpr int kHammingHigh = 100;    // greatest distance of a plausible match
 inline constexpr int kHammingLow = 50;      // greatest distance of a safe match
 
-// Scale factors of the pyramid. scale[l] = factor^l; sigma2[l] = scale[l]^2, the variance (pixels^2) of a keypoint on
-// level l.
+// Scale factors of the pyramid. scale[l] = base * factor^l; sigma2[l] = scale[l]^2, the variance (pixels^2) of a
+// keypoint on level l. The base is 1 but where keypoints are expressed in another camera's pixels
+// (map/camera_change.h).
 struct ScalePyramid {
   int levels = 0;
   float factor = 1.2f;
-  float log_factor = 0;  // log(factor)
+  float base = 1;
   std::vector<float> scale, sigma2, inv_sigma2;
 
   ScalePyramid() = default;
-  ScalePyramid(int levels, float factor);
+  ScalePyramid(int levels, float factor, float base = 1);
   // Returns the level at which a point is expected: ceil(log(d_max / distance) / log(factor)), in [0, levels - 1].
   int predict_level(float d_max, float distance) const;
 };

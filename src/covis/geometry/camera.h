@@ -21,6 +21,8 @@ struct Pinhole {
   DepthNoise depth_noise{};               // RGB-D; not known: depth is measured as a disparity between two images
 
   double baseline() const { return bf / fx; }
+  // As if it measured none, where depths are in another unit than the map's.
+  Pinhole without_depth() const { return {fx, fy, cx, cy}; }
   Eigen::Vector2d project(const Eigen::Vector3d& p_c) const {
     return {fx * p_c.x() / p_c.z() + cx, fy * p_c.y() / p_c.z() + cy};
   }

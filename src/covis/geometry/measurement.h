@@ -61,9 +61,10 @@ inline double relative_position_variance(const Pinhole& camera, double inv_sigma
 // docs/notes/018-depth-noise.md.
 inline constexpr double kAlikeErrors = 2;
 
-// The disparity that a measured depth (metres; not positive: none) stands for; `inv_sigma2`: that of the keypoint.
+// The disparity that a measured depth (metres; not positive: none) stands for; `inv_sigma2`: that of the keypoint. None
+// for a camera without a baseline.
 inline Disparity disparity_of_depth(const Pinhole& camera, float depth, float inv_sigma2) {
-  if (!(depth > 0)) return {};
+  if (!(depth > 0) || !(camera.bf > 0)) return {};
   const double iz = 1 / static_cast<double>(depth);
   const float pixels = pixels_of_depth(camera, depth);
   if (!camera.depth_noise.known()) return {pixels, inv_sigma2};

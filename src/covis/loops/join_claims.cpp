@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <map>
 #include <queue>
 #include <span>
 #include <tuple>
@@ -11,6 +12,7 @@
 #include "covis/loops/loop_consensus.h"
 #include "covis/loops/loop_detector.h"
 #include "covis/loops/loop_verifier.h"
+#include "covis/map/camera_change.h"
 
 namespace covis {
 namespace {
@@ -104,12 +106,17 @@ JoinSides::JoinSides(const Map& map, const JoinClaim& claim) {
 
 JoinClaims JoinClaims::collect(const Map& map, Sensor sensor, const LoopOptions& options, int seed) {
   JoinClaims found;
-  LoopVerifier verifier(map, sensor, options, seed);
+  LoopVerifier verifier(map, sensor, options, seed), any_scale(map, Sensor::monocular, options, seed);
+  std::map<uint32_t, bool> metric;
+  for (const Submap& submap : map.submaps()) metric[submap.id] = knows_metres(map, submap.id);
   ClaimsAround around;
   for (const KeyFrameId& current : map.key_frames()) {
     for (const KeyFrameId& place : LoopDetector::candidates_elsewhere(map, current)) {
       if (around.told(map, current, place)) continue;
-      const LoopVerdict verdict = verifier.verify(LoopCandidate(map, current, place));
+      const bool both_metric = metric[map.at(current).submap] && metric[map.at(place).submap];
+      LoopCandidate candidate(map, current, place);
+      if (!both_metric) candidate.camera = candidate.camera.without_depth();
+      const LoopVerdict verdict = (both_metric ? verifier : any_scale).verify(candidate);
       if (verdict.loop) {
         found.claims.emplace_back(map, current, *verdict.loop, verdict.evidence);
         around.add(found.claims.back());

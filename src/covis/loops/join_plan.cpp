@@ -8,13 +8,16 @@
 #include <tuple>
 #include <utility>
 
+#include "covis/map/camera_change.h"
+
 namespace covis {
 namespace {
 
 // Distinct pairs of key frames that must agree; and where more than a quarter of the views that would stand side by
 // side do not see the same.
 constexpr int kLeastClaims = 3, kLeastClaimsInDoubt = 5;
-constexpr int kContradictory = 20;  // of so many views that would stand side by side one may contradict
+constexpr uint32_t kLeastKeyFrames = 5;  // of either submap: one that saw less has nothing to differ in
+constexpr int kContradictory = 20;       // of so many views that would stand side by side one may contradict
 
 std::pair<uint32_t, uint32_t> ordered(uint32_t a, uint32_t b) { return std::minmax({a, b}); }
 
@@ -105,11 +108,14 @@ SideBySide::SideBySide(const Map& map, const std::vector<JoinClaim>& claims, con
     in_younger.push_back({side.in_younger, side.S_old_young, side.depth});
     in_older.push_back({side.in_older, S_young_old, side.depth * S_young_old.scale()});
   }
-  look(map, group.younger, group.older, in_younger, verifier);
-  look(map, group.older, group.younger, in_older, verifier);
+  // Depths are metres, and poses in the other submap's world are in its unit.
+  const bool both_metric = knows_metres(map, group.younger) && knows_metres(map, group.older);
+  const Pinhole camera = both_metric ? map.camera() : map.camera().without_depth();
+  look(map, camera, group.younger, group.older, in_younger, verifier);
+  look(map, camera, group.older, group.younger, in_older, verifier);
 }
 
-void SideBySide::look(const Map& map, uint32_t from, uint32_t to, const std::vector<Link>& links,
+void SideBySide::look(const Map& map, const Pinhole& camera, uint32_t from, uint32_t to, const std::vector<Link>& links,
                       LoopVerifier& verifier) {
   constexpr double kWay = 1, kApart = 0.3, kTurned = std::numbers::pi / 9;  // shares of the depth; radians
   struct Nearest {
@@ -140,7 +146,7 @@ void SideBySide::look(const Map& map, uint32_t from, uint32_t to, const std::vec
     }
     if (!beside.valid()) continue;
     using View = LoopVerifier::View;
-    const View view = verifier.look_for(LoopPlace(map, beside), map.camera(), KeyFrameView(map, id), T_cw);
+    const View view = verifier.look_for(LoopPlace(map, beside), camera, KeyFrameView(map, id), T_cw);
     agree += view == View::agrees;
     disagree += view == View::disagrees || view == View::contradicts;
     contradict += view == View::contradicts;
@@ -161,7 +167,8 @@ JoinPlan::JoinPlan(const Map& map, const JoinClaims& found, LoopVerifier& verifi
   for (JoinGroup& group : all) {
     JoinedPair& pair = pair_of(pairs, group.older, group.younger);
     if (pair.refusal != JoinRefusal::not_alike && pair.refusal != JoinRefusal::not_verified) continue;  // decided
-    if (pair.claims < kLeastClaims) {
+    const auto few = [&](uint32_t submap) { return map.submap(submap)->key_frames < kLeastKeyFrames; };
+    if (pair.claims < kLeastClaims || few(pair.older) || few(pair.younger)) {
       pair.refusal = JoinRefusal::unconfirmed;
       continue;
     }

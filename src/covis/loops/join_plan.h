@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decides which submaps are joined, before any is moved. One claim may be mistaken, and a false join ties two places
 // together for good; with both maps whole there is more to ask than while running. A pair is joined when
-//   1. three pairs of key frames at least claim to see the same place, and agree on how both submaps lie,
+//   1. three pairs of key frames at least claim to see the same place, and agree on how both submaps lie, each of which
+//      has five key frames at least,
 //   2. fewer than half as many claims say otherwise: else one submap has two places that look like one of the other,
 //      and nobody can tell which it is. Key frames of such claims are not believed about other submaps either, whose
 //      claims are counted again without them,
@@ -39,7 +40,8 @@ struct SideBySide {
     Sim3 S_there_here;  // from the world of its submap to that of the other
     double depth = 0;   // median depth of the points, in the other one's unit
   };
-  void look(const Map& map, uint32_t from, uint32_t to, const std::vector<Link>& links, LoopVerifier& verifier);
+  void look(const Map& map, const Pinhole& camera, uint32_t from, uint32_t to, const std::vector<Link>& links,
+            LoopVerifier& verifier);
 };
 
 }  // namespace covis

@@ -171,16 +171,24 @@ LoopCorrection correct_loop(SharedMap& shared, KeyFrameId current, const Loop& l
 
 // The submap goes to the other's world as a whole. Nothing contradicts its new place, so that there is no error to
 // spread by a pose graph; the full bundle adjustment that follows does the rest.
-std::optional<JoinedSubmap> join_at_loop(SharedMap& shared, KeyFrameId current, const Loop& loop) {
+std::optional<JoinedSubmap> join_at_loop(SharedMap& shared, KeyFrameId current, const Loop& loop, uint32_t kept) {
   const auto map = shared.write();
   const KeyFrameId place = loop.place.key_frame;
   const uint32_t here = map->at(current).submap, there = map->at(place).submap;
   const Sim3 S = loop.S_cw.inverse() * Sim3(map->at(current).T_cw);  // from the current world to that of the place
-  const uint32_t moved = std::max(here, there);
+  const uint32_t moved = kept == there ? here : there;
   const auto key_frames = static_cast<int>(map->submap(moved)->key_frames);
   const bool joined =
-      here > there ? map->join_submaps(current, place, S) : map->join_submaps(place, current, S.inverse());
+      kept == there ? map->join_submaps(current, place, S) : map->join_submaps(place, current, S.inverse());
   return joined ? std::optional(JoinedSubmap{moved, key_frames}) : std::nullopt;
+}
+
+std::optional<JoinedSubmap> join_at_loop(SharedMap& shared, KeyFrameId current, const Loop& loop) {
+  const uint32_t older = [&] {
+    const auto map = shared.read();
+    return std::min(map->at(current).submap, map->at(loop.place.key_frame).submap);
+  }();
+  return join_at_loop(shared, current, loop, older);
 }
 
 int fuse_matches(SharedMap& shared, KeyFrameId current, const Loop& loop) {

@@ -77,7 +77,10 @@ struct LoopCorrection {
 LoopCorrection correct_loop(SharedMap& map, KeyFrameId current, const Loop& loop, Sensor sensor, PointFuser& fuser,
                             int weak_link = 0);
 
-// Moves the younger submap to the older one's world, and returns it; nothing when the map refused.
+// Moves one of the two submaps of a loop to the world of the other, `kept`, and returns it; nothing when the map
+// refused.
+std::optional<JoinedSubmap> join_at_loop(SharedMap& map, KeyFrameId current, const Loop& loop, uint32_t kept);
+// The same; the older one is kept.
 std::optional<JoinedSubmap> join_at_loop(SharedMap& map, KeyFrameId current, const Loop& loop);
 
 // Fuses the place's points with those of the current key frame and of those beside it. Returns the number of points

@@ -6,18 +6,21 @@
 #include <tuple>
 #include <utility>
 
+#include "covis/map/camera_change.h"
 #include "covis/map/map_union.h"
 
 namespace covis {
 namespace {
 
-// The map of the most key frames. Among equal ones the order in which they are given must not matter.
-size_t best_camera(const std::vector<MapState>& maps) {
-  const auto rank = [](const MapState& map) {
-    return std::tuple(map.key_frames.size(), map.points.size(), map.camera.fx, map.camera.fy);
+// Among equal ones the order in which they are given must not matter.
+size_t best_camera(const std::vector<MergeSource>& maps) {
+  const auto rank = [](const MergeSource& source) {
+    const MapState& map = source.map;
+    const bool depth = map.camera.bf > 0, stereo = depth && !map.camera.depth_noise.known();
+    return std::tuple(depth, stereo, map.key_frames.size(), map.points.size(), map.camera.fx, map.camera.fy);
   };
   const auto best = std::max_element(maps.begin(), maps.end(),
-                                     [&](const MapState& a, const MapState& b) { return rank(a) < rank(b); });
+                                     [&](const MergeSource& a, const MergeSource& b) { return rank(a) < rank(b); });
   return static_cast<size_t>(best - maps.begin());
 }
 
@@ -32,20 +35,26 @@ void find_inputs(const Map& map, const std::vector<uint32_t>& first_serials, std
 
 }  // namespace
 
-Result<MergeReport> merge_maps(std::vector<MapState> maps, const Vocabulary& vocabulary, const JoinSettings& settings,
-                               SharedMap& merged) {
+Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& vocabulary,
+                               const JoinSettings& settings, SharedMap& merged) {
   MergeReport report;
   if (maps.empty()) return report;
   report.camera_of = best_camera(maps);
-  const Pinhole camera = maps[report.camera_of].camera;
+  const Pinhole camera = maps[report.camera_of].map.camera;
   std::vector<uint32_t> first_serials;
   std::vector<size_t> to_adjust;  // inputs whose camera is another one from now on
   MapState all;
+  const size_t kind = maps[report.camera_of].camera;
   for (size_t i = 0; i < maps.size(); ++i) {
-    report.inputs.push_back({{}, maps[i].key_frames.size(), maps[i].points.size()});
-    if (maps[i].camera.fx != camera.fx || maps[i].camera.fy != camera.fy) to_adjust.push_back(i);
+    MapState& map = maps[i].map;
+    report.inputs.push_back({{}, map.key_frames.size(), map.points.size()});
+    if (maps[i].camera != kind) {
+      express_in(map, camera);
+    } else if (map.camera.fx != camera.fx || map.camera.fy != camera.fy) {
+      to_adjust.push_back(i);
+    }
     first_serials.push_back(all.next_serial);
-    if (const auto added = append_map(all, std::move(maps[i])); !added) return tl::unexpected(added.error());
+    if (const auto added = append_map(all, std::move(map)); !added) return tl::unexpected(added.error());
   }
   all.camera = camera;
   auto map = Map::from_state(std::move(all));

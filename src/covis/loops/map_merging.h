@@ -15,6 +15,12 @@
 
 namespace covis {
 
+// A map that is to be merged.
+struct MergeSource {
+  MapState map;
+  size_t camera = 0;  // maps of the same number were given the same camera; each may have refined it
+};
+
 // One of the maps that were merged.
 struct MergedInput {
   std::vector<uint32_t> submaps;  // its submaps by the ids of JoinReport, before any was joined
@@ -23,14 +29,15 @@ struct MergedInput {
 
 struct MergeReport {
   std::vector<MergedInput> inputs;  // as they were given
-  size_t camera_of = 0;             // the input whose camera, as refined there, the merged map has
+  size_t camera_of = 0;             // the input whose camera, as it is there, the merged map has
   JoinReport join;
 };
 
-// All maps must be of one camera as it was given (storage/compatibility.h); the map of the most key frames knows its
-// refinement best. `merged` must be empty. The first map's oldest submap keeps its world. Fails when the maps together
-// are more than one map can be, or are not sound.
-Result<MergeReport> merge_maps(std::vector<MapState> maps, const Vocabulary& vocabulary, const JoinSettings& settings,
-                               SharedMap& merged);
+// The merged map has the camera of a map with depth, if there is one: a stereo camera rather than one with a depth
+// sensor, whose noise that of stereo is not; and of several the map of the most key frames, which knows the refinement
+// best. Maps of other cameras are expressed in it (map/camera_change.h), those of the same one are adjusted to it.
+// `merged` must be empty. Fails when the maps together are more than one map can be, or are not sound.
+Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& vocabulary,
+                               const JoinSettings& settings, SharedMap& merged);
 
 }  // namespace covis

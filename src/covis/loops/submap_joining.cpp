@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "covis/loops/loop_consensus.h"
 #include "covis/loops/loop_correction.h"
 #include "covis/loops/submap_adjustment.h"
+#include "covis/map/camera_change.h"
 #include "covis/mapping/point_fusion.h"
 
 namespace covis {
@@ -55,7 +57,10 @@ class Joining {
   Joining(SharedMap& map, const JoinSettings& settings, const std::vector<JoinClaim>& claims, JoinPlan& plan)
       : map_(map), settings_(settings), claims_(claims), plan_(plan) {
     const auto before = map.read();
-    for (const Submap& submap : before->submaps()) maps_[submap.id] = {.id = submap.id, .of = {submap.id}};
+    for (const Submap& submap : before->submaps()) {
+      maps_[submap.id] = {.id = submap.id, .of = {submap.id}};
+      if (knows_metres(*before, submap.id)) metric_.insert(submap.id);
+    }
     before->for_each_key_frame([&](KeyFrameId id, const KeyFrame& key_frame) {
       origin_.resize(id.slot + size_t{1});
       origin_[id.slot] = key_frame.submap;
@@ -86,6 +91,8 @@ class Joining {
     return map->at(claim.current).submap == map->at(claim.place).submap;
   }
   void join(const JoinGroup& group);
+  // Of two submaps the one whose world is that of both: the older one, unless the other alone has metres for a unit.
+  uint32_t kept(uint32_t a, uint32_t b) const;
   bool consistent(const JoinClaim& claim) const;
   void tie(uint32_t submap);
   int fuse(const JoinClaim& claim, Fused& fused);
@@ -96,6 +103,7 @@ class Joining {
   const std::vector<JoinClaim>& claims_;
   JoinPlan& plan_;
   std::vector<uint32_t> origin_;          // by slot: the submap before any was joined
+  std::set<uint32_t> metric_;             // submaps with depth, before any was joined
   std::map<uint32_t, JoinedMap> maps_;    // by id of the submap
   std::vector<const JoinGroup*> joined_;  // the groups whose claims hold
   PointFuser fuser_;
@@ -116,7 +124,8 @@ void Joining::join(const JoinGroup& group) {
   loop.place.key_frame = claim.place;
   loop.relation = LoopRelation::other_submap;
   loop.S_cw = claim.S_cw(*map_.read());
-  const std::optional<JoinedSubmap> done = join_at_loop(map_, claim.current, loop);
+  const uint32_t kept_one = kept(map_.read()->at(claim.current).submap, map_.read()->at(claim.place).submap);
+  const std::optional<JoinedSubmap> done = join_at_loop(map_, claim.current, loop, kept_one);
   if (!done) {
     pair.refusal = JoinRefusal::inconsistent;
     return;
@@ -129,6 +138,15 @@ void Joining::join(const JoinGroup& group) {
   std::sort(into.of.begin(), into.of.end());
   maps_.erase(done->id);
   joined_.push_back(&group);
+}
+
+uint32_t Joining::kept(uint32_t a, uint32_t b) const {
+  const auto metric = [&](uint32_t submap) {
+    const std::vector<uint32_t>& of = maps_.at(submap).of;
+    return std::any_of(of.begin(), of.end(), [&](uint32_t part) { return metric_.contains(part); });
+  };
+  const auto [older, younger] = std::minmax(a, b);
+  return metric(younger) && !metric(older) ? younger : older;
 }
 
 // The way between both key frames, as they are joined by now, explains what the claim says otherwise.
@@ -150,7 +168,9 @@ void Joining::tie(uint32_t submap) {
     }
   }
   if (ties.empty()) return;
-  LoopGraph graph(*map_.read(), submap, ties, settings_.sensor);
+  const std::vector<uint32_t>& of = maps_.at(submap).of;
+  const bool metric = std::all_of(of.begin(), of.end(), [&](uint32_t part) { return metric_.contains(part); });
+  LoopGraph graph(*map_.read(), submap, ties, metric ? settings_.sensor : Sensor::monocular);
   if (!graph.solve()) {
     log(LogLevel::warning, "the pose graph of joined maps could not be optimised; they are joined as they are");
     return;

@@ -2,8 +2,9 @@
 // Makes one map of the submaps that show the same places, after all of them were mapped: each pair that join_plan.h
 // believes is joined as while running, then every claim ties both in one pose graph, the points of both are fused, and
 // the joined submap is adjusted as a whole. Submaps that share nothing stay as they are, in worlds of their own.
-// The oldest submap of those joined keeps its world, and one camera's unit of it.
-// Sources: Elvira, Tardós, Montiel, "ORBSLAM-Atlas", IROS 2019; Campos et al., "ORB-SLAM3", T-RO 2021, section VI.
+// The oldest submap of those joined keeps its world; of cameras with and without depth the oldest one with depth, so
+// that what is joined has metres for its unit as soon as one part has. Sources: Elvira, Tardós, Montiel,
+// "ORBSLAM-Atlas", IROS 2019; Campos et al., "ORB-SLAM3", T-RO 2021, section VI.
 #pragma once
 
 #include <cstdint>

@@ -97,6 +97,27 @@ TEST_P(JoinedPieces, AreOneMapInTheOldestWorld) {
   EXPECT_LT(pieces.world.shared.read()->point_count(), 0.75 * static_cast<double>(points)) << "duplicates are fused";
 }
 
+// One camera's lengths become metres, whichever of both maps is older.
+TEST(SubmapJoining, ACameraWithoutDepthLearnsMetres) {
+  for (const bool older : {false, true}) {
+    Pieces pieces(PointScene::ring(2400, LoopScene::kSteps));
+    for (const bool without_depth : {older, !older}) {
+      pieces.world.sensor = without_depth ? Sensor::monocular : Sensor::rgbd;
+      without_depth ? pieces.add(0, 16, kShift) : pieces.add(6, 24);
+    }
+    pieces.scale(older ? 0 : 1, 1.7);
+    const JoinReport report = pieces.join();
+    ASSERT_EQ(pieces.submaps(), 1u);
+    EXPECT_EQ(report.maps[0].id, older ? 1u : 0u) << "the one with depth keeps its world";
+    EXPECT_NEAR(report.pairs[0].S_older_younger.scale(), older ? 1.7 : 1 / 1.7, 1e-2);
+    const auto map = pieces.world.shared.read();
+    for (size_t k = 0; k < pieces.world.frames.size(); ++k) {
+      const Eigen::Vector3d centre = map->at(pieces.world.frames[k]).T_cw.centre();
+      EXPECT_LT((centre - pieces.scene.T_wc_of(pieces.steps[k]).t()).norm(), 0.02) << k;
+    }
+  }
+}
+
 TEST(SubmapJoining, TheDriftBetweenTwoSeamsIsSpread) {
   Pieces pieces(PointScene::ring(2400, LoopScene::kSteps));
   pieces.add(0, 14);
@@ -213,6 +234,18 @@ TEST(SubmapJoining, ClaimsBetweenTheSameSurroundingsAreMadeAFewTimes) {
     });
   };
   for (size_t step = 0; step < 60; ++step) EXPECT_TRUE(claimed_near(step)) << step;
+}
+
+// A map of a moment has seen nothing by which two equal rooms would differ.
+TEST(SubmapJoining, AMapOfFourKeyFramesIsNotBelieved) {
+  for (const size_t count : {4, 5}) {
+    Pieces pieces(PointScene::ring(2400, LoopScene::kSteps));
+    pieces.add(0, 16);
+    pieces.add(4, 4 + count, kShift);
+    const JoinReport report = pieces.join();
+    EXPECT_GE(report.pairs[0].claims, 3);
+    EXPECT_EQ(report.pairs[0].refusal, count < 5 ? JoinRefusal::unconfirmed : JoinRefusal::none);
+  }
 }
 
 // Five claims outweigh two; three do not, once a third submap makes key frames of the others unsure.

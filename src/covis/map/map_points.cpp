@@ -22,7 +22,7 @@ void derive_geometry(const Map& map, const MapPoint& point, PointAppearance& see
     if (o.key_frame != point.reference) continue;
     const Features& f = *map.at(o.key_frame).features;
     seen.d_max = static_cast<float>(distance) * f.pyramid->scale[f.level[o.feature]];
-    seen.d_min = seen.d_max / f.pyramid->scale.back();
+    seen.d_min = seen.d_max / (f.pyramid->scale.back() / f.pyramid->base);
   }
   seen.normal_w = sum / static_cast<double>(point.observations.size());
 }

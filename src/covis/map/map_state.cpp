@@ -101,6 +101,8 @@ std::string problem_of(const MapState& state, const MapPointState& p) {
 // Beyond it a float can't hold the levels' variances.
 bool valid_pyramid(int levels, float factor) { return levels >= 1 && levels <= 32 && factor >= 1 && factor <= 4; }
 
+bool valid_pixel_size(float base) { return base >= 1 / 64.0f && base <= 64; }
+
 bool valid_camera(const Pinhole& c) {
   const auto is_focal = [](double f) { return f >= 1e-3 && f <= 1e9; };  // a NaN is none
   return is_focal(c.fx) && is_focal(c.fy) && std::abs(c.cx) <= 1e9 && std::abs(c.cy) <= 1e9 && c.bf >= 0 &&
@@ -114,7 +116,8 @@ std::string problem_of(const Features& f, const ImageBounds& bounds) {
     return "has features whose lists differ in length";
   }
   if (n > kMaxFeatures) return "has more features than an image gives";
-  if (!f.pyramid || !valid_pyramid(f.pyramid->levels, f.pyramid->factor)) return "has no valid pyramid";
+  if (!f.pyramid || !valid_pyramid(f.pyramid->levels, f.pyramid->factor) || !valid_pixel_size(f.pyramid->base))
+    return "has no valid pyramid";
   if (!valid_bounds(bounds)) return "has no valid image bounds";
   if (!are_pixels(f.x) || !are_pixels(f.y) || !are_pixels(f.raw_x) || !are_pixels(f.raw_y)) {
     return "has a feature outside any image";

@@ -49,6 +49,9 @@ struct MapState {
 // True when a pyramid can be made of these figures: at most 32 levels, a factor from 1 to 4.
 bool valid_pyramid(int levels, float factor);
 
+// From 1/64 to 64.
+bool valid_pixel_size(float base);
+
 bool valid_camera(const Pinhole& camera);
 
 // The first fault of features, for example after reading them from a file; empty when there is none. The grid is not

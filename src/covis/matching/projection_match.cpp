@@ -33,7 +33,8 @@ std::optional<PredictedView> predict_view(const ViewablePoint& point, const SE3&
   if (!at) return std::nullopt;
   const Eigen::Vector3f ray = (point.position_w - centre_w).cast<float>();
   const float distance = ray.norm();
-  if (distance < kNearestShare * point.d_min || distance > kFarthestShare * point.d_max) return std::nullopt;
+  const float apparent = distance * features.pyramid->base;  // to a camera whose pixels are those of level 0
+  if (apparent < kNearestShare * point.d_min || apparent > kFarthestShare * point.d_max) return std::nullopt;
   const float cosine = ray.dot(point.normal_w) / distance;
   if (cosine < kMinCosine) return std::nullopt;
   return PredictedView{at->u, at->v, at->disparity, cosine, features.pyramid->predict_level(point.d_max, distance)};

@@ -152,17 +152,13 @@ std::vector<PoseOfFrame> poses_in(const std::vector<PoseOfFrame>& poses, std::op
   return inside;
 }
 
-void SnapshotSource::map_loaded(uint32_t loaded_end, const std::optional<Pinhole>& frames_camera) {
+void SnapshotSource::map_loaded(uint32_t loaded_end) {
   const std::lock_guard lock(mutex_);
   latest_.reset();
   loaded_end_ = loaded_end;
-  frames_camera_ = frames_camera;
 }
 
-Pinhole SnapshotSource::camera() const {
-  const std::lock_guard lock(mutex_);
-  return frames_camera_.value_or(map_.read()->camera());
-}
+Pinhole SnapshotSource::camera() const { return map_.read()->camera(); }
 
 std::vector<PoseOfFrame> SnapshotSource::trajectory() const {
   const std::vector<FrameRecord> records = log_.records();
@@ -184,7 +180,7 @@ std::shared_ptr<const Snapshot> SnapshotSource::get() const {
   {
     // Copies alone: mapping waits for the guard. The poses of frames are worked out after it.
     const auto map = map_.read();
-    snapshot->camera = frames_camera_.value_or(map->camera());
+    snapshot->camera = map->camera();
     snapshot->refused_non_finite = map->refused_non_finite();
     add_submaps(*map, loaded_end_, *snapshot);
     add_key_frames(*map, *snapshot);

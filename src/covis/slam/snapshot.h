@@ -67,9 +67,8 @@ class SnapshotSource {
  public:
   SnapshotSource(const SharedMap& map, const TrajectoryLog& log) : map_(map), log_(log) {}
 
-  // A map was put in place, submaps of ids below `loaded_end`. `frames_camera`: the camera of the frames, where it is
-  // not that of the map.
-  void map_loaded(uint32_t loaded_end, const std::optional<Pinhole>& frames_camera);
+  // A map was put in place, submaps of ids below `loaded_end`.
+  void map_loaded(uint32_t loaded_end);
   // The newest one. A thread that asks while one is made waits for it. Making one first copies the log's
   // records, then holds a read guard of the map: do not call it under a guard.
   std::shared_ptr<const Snapshot> get() const;
@@ -83,7 +82,6 @@ class SnapshotSource {
   mutable std::mutex mutex_;  // guards what follows
   mutable std::shared_ptr<const Snapshot> latest_;
   uint32_t loaded_end_ = 0;
-  std::optional<Pinhole> frames_camera_;
 };
 
 }  // namespace covis

@@ -108,7 +108,7 @@ TEST_F(SnapshotTest, SubmapsComeLoadedOnesFirstThenByFramesThenByAge) {
   EXPECT_EQ(ids(), (std::vector<uint32_t>{1, 0})) << "the one with more frames first";
   EXPECT_EQ(source.get()->index_of(0), 1u);
   EXPECT_EQ(source.get()->index_of(2), std::nullopt);
-  source.map_loaded(1, {});
+  source.map_loaded(1);
   EXPECT_EQ(ids(), (std::vector<uint32_t>{0, 1})) << "the loaded one first";
   const auto snapshot = source.get();
   EXPECT_TRUE(snapshot->submaps[0].loaded);
@@ -164,9 +164,10 @@ TEST_F(SnapshotTest, FramesOfAnErasedSubmapAreLeftOut) {
   EXPECT_EQ(snapshot->submaps.size(), 1u);
 }
 
-TEST_F(SnapshotTest, TheCameraIsThatOfTheFrames) {
+TEST_F(SnapshotTest, TheCameraIsThatOfTheMap) {
   const Pinhole other{400, 400, 320, 240, 0};
-  source.map_loaded(2, other);
+  shared.write()->set_camera(other);
+  source.map_loaded(2);
   EXPECT_EQ(source.camera(), other);
   EXPECT_EQ(source.get()->camera, other);
 }

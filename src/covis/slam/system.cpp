@@ -7,6 +7,8 @@
 
 #include "covis/core/log.h"
 #include "covis/core/time.h"
+#include "covis/map/camera_change.h"
+#include "covis/map/map_state.h"
 #include "covis/tracking/backtrack.h"
 
 namespace covis {
@@ -19,6 +21,16 @@ TrackingSettings tracking_settings(const SystemOptions& o) {
           .mode = o.localize ? TrackingMode::localisation : TrackingMode::mapping,
           .closes_loops = o.loop.close,
           .seed = o.seed};
+}
+
+// What a camera without depth would add to a map in metres would have no unit.
+Result<void> check_continued(const Map& map, Sensor sensor) {
+  const std::vector<Submap>& submaps = map.submaps();
+  if (sensor != Sensor::monocular ||
+      std::none_of(submaps.begin(), submaps.end(), [&](const Submap& s) { return knows_metres(map, s.id); })) {
+    return {};
+  }
+  return fail("the map is in metres, and this camera measures no depth: it can't be continued; localise in it only");
 }
 
 // The camera with a noise of its depth, which is a Kinect's where none is given.
@@ -58,13 +70,16 @@ System::~System() = default;
 Result<void> System::set_map(Map map, const Camera& made_by) {
   // Handles of the map that is there would name other things in this one.
   if (frames_.processed > 0) return fail("a map can be put in place before the first frame only");
-  std::optional<Pinhole> own_camera;
+  if (!options_.localize) {
+    if (auto continued = check_continued(map, options_.sensor); !continued) return continued;
+  }
   if (const std::string other = difference(given_, made_by); !other.empty()) {
-    const std::string what = "the map was made by another camera (" + other + ")";
-    if (!options_.localize)
-      return fail(what + ": it can't be continued, for a map has one camera; localise in it only");
-    log(LogLevel::warning, what + ": places of it are looked for with the present one");
-    own_camera = with_depth_noise(given_.pinhole, options_.sensor);
+    log(LogLevel::info, "the map was made by another camera (" + other + "); it is expressed in the present one");
+    MapState state = map.state();
+    express_in(state, given_.pinhole);
+    auto expressed = Map::from_state(std::move(state));
+    if (!expressed) return tl::unexpected(expressed.error());
+    map = std::move(*expressed);
   }
   finish();
   if (vocabulary_) {
@@ -75,10 +90,10 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
   Pinhole camera = map.camera();
   if (given_.pinhole.depth_noise.known()) camera.depth_noise = given_.pinhole.depth_noise;
   map.set_camera(with_depth_noise(camera, options_.sensor));
-  snapshots_.map_loaded(map.next_submap(), own_camera);
+  snapshots_.map_loaded(map.next_submap());
   colours_.map_loaded(map.next_serial());
   *map_.write() = std::move(map);
-  tracker_.start_lost(own_camera);
+  tracker_.start_lost();
   return {};
 }
 
@@ -122,7 +137,7 @@ std::optional<LocatedImage> System::locate(const Input& input) {
   mapping_.wait_idle();
   Relocaliser relocaliser(map_, options_.tracker, options_.seed, vocabulary_);
   const int budget = (options_.tracker.local_map.weak_inliers > 0 ? 2 : 1) * options_.orb.features;
-  const auto found = relocaliser.locate(extract(input, budget), input.frame, tracker_.search().own_camera);
+  const auto found = relocaliser.locate(extract(input, budget), input.frame);
   if (!found) return std::nullopt;
   return LocatedImage{{found->T_cw.inverse(), found->submap}, found->inliers, found->information};
 }
@@ -134,15 +149,16 @@ std::vector<MappingReport> System::finish() {
     mapping_.finish();
     tracker_.map_moved();
     const BacktrackSettings settings{options_.sensor, options_.tracker, options_.seed};
-    for (const LocatedFrame& located : backtrack(map_, settings, tracker_.unlocated(), tracker_.search().own_camera))
-      log_.locate(located);
+    for (const LocatedFrame& located : backtrack(map_, settings, tracker_.unlocated())) log_.locate(located);
   }
   return std::move(report.mapping);
 }
 
 Result<std::vector<MappingReport>> System::set_mode(TrackingMode mode) {
-  if (mode == TrackingMode::mapping && tracker_.search().own_camera)
-    return fail("the map was made by another camera: it can't be continued, for a map has one camera");
+  if (mode == TrackingMode::mapping && options_.localize) {
+    if (auto continued = check_continued(*map_.read(), options_.sensor); !continued)
+      return tl::unexpected(continued.error());
+  }
   std::vector<MappingReport> reports = finish();
   // Without key frames no comparison would end a doubt.
   monitor_.restart();

@@ -72,8 +72,9 @@ class System {
   System& operator=(const System&) = delete;
 
   // Puts a map in place, for example a saved one; an error after the first frame. The camera is looked for in it.
-  // `made_by`: the camera it was made with, as it was given then. A map has one camera: made by another it is an error,
-  // unless it serves for localisation only.
+  // `made_by`: the camera it was made with, as it was given then. A map has one camera: what another one made is
+  // expressed in the present one (map/camera_change.h). An error when it is to be continued by a camera that can't tell
+  // its unit.
   Result<void> set_map(Map map, const Camera& made_by);
 
   struct Input {
@@ -88,7 +89,7 @@ class System {
   // recognised. Waits until key frames asked for are mapped; leaves tracking and mapping as they are.
   std::optional<LocatedImage> locate(const Input& input);
   // Changes between mapping and localisation only (tracker.h), from the next frame on; waits for mapping to end. Error:
-  // mapping in a map that another camera made.
+  // mapping in a map in metres by a camera without depth.
   Result<std::vector<MappingReport>> set_mode(TrackingMode mode);
   TrackingMode mode() const { return options_.localize ? TrackingMode::localisation : TrackingMode::mapping; }
   // The keypoints of the last frame that show points of the map; none when it has no pose.

@@ -31,20 +31,17 @@ MapHeader header_of(const Camera& camera, Sensor sensor, const OrbOptions& orb, 
 
 Result<void> check_compatible(const MapHeader& saved, const MapHeader& run, MapUse use) {
   const bool monocular = saved.sensor == Sensor::monocular;
-  if (monocular != (run.sensor == Sensor::monocular)) {
+  const bool in_metres = !monocular && use == MapUse::localization;  // the map tells a camera without depth its unit
+  if (monocular != (run.sensor == Sensor::monocular) && !in_metres) {
     return fail(
         std::string("the map was made ") +
         (monocular ? "by a monocular camera, whose unit of length is arbitrary" : "by a camera with depth, in metres") +
-        "; the recording is of the other kind (--sensor)");
+        "; the recording is of the other kind (--sensor)" +
+        (monocular ? "" : "; it can be localised in it only (--localize)"));
   }
   if (saved.levels != run.levels || saved.factor != run.factor) {
     return fail("the map was made with orb.levels " + std::to_string(saved.levels) + " and orb.scale_factor " +
                 number(static_cast<double>(saved.factor)) + "; use the same");
-  }
-  if (use == MapUse::localization) return {};
-  if (const std::string other = difference(run.camera, saved.camera); !other.empty()) {
-    return fail("the map was made by another camera (" + other +
-                "): it can't be continued, for a map has one camera; localise in it only (--localize)");
   }
   return {};
 }
@@ -52,17 +49,18 @@ Result<void> check_compatible(const MapHeader& saved, const MapHeader& run, MapU
 Result<void> check_mergeable(const MapHeader& first, const MapHeader& other) {
   std::string differs;
   const auto add = [&](const std::string& text) { differs += (differs.empty() ? "" : ", ") + text; };
-  if (other.sensor != first.sensor)
-    add("sensor " + std::string(name(other.sensor)) + " instead of " + std::string(name(first.sensor)));
   if (other.levels != first.levels)
     add("orb.levels " + std::to_string(other.levels) + " instead of " + std::to_string(first.levels));
   if (other.factor != first.factor) {
     add("orb.scale_factor " + number(static_cast<double>(other.factor)) + " instead of " +
         number(static_cast<double>(first.factor)));
   }
-  if (const std::string camera = difference(first.camera, other.camera); !camera.empty()) add("camera: " + camera);
   if (differs.empty()) return {};
-  return fail("it was made otherwise (" + differs + "): a map has one camera and one kind of features");
+  return fail("it was made otherwise (" + differs + "): a map has one kind of features");
+}
+
+bool same_camera(const MapHeader& a, const MapHeader& b) {
+  return a.sensor == b.sensor && difference(a.camera, b.camera).empty();
 }
 
 Result<SavedMap> load_compatible_map(const std::filesystem::path& file, const MapHeader& run, MapUse use) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rules that decide whether a saved map can be used in a run.
 //
-// The map's features are matched by descriptors at the same scales and in the same unit of length, so sensor and
-// pyramid must agree. A continued map has one camera, to which all of it is adjusted; localisation alone may use
-// another camera. The vocabulary may differ: the words of the key frames are recomputed when a map is loaded.
+// The map's features are matched by descriptors at the same scales, so that the pyramid must agree, and in one unit of
+// length: a camera without depth can be localised in a map in metres, which tells it the unit, and not continue it; one
+// with depth can do neither in a map that a camera without depth made. The camera may be another one
+// (map/camera_change.h), and so may the vocabulary: the words of the key frames are recomputed when a map is loaded.
 #pragma once
 
 #include <filesystem>
@@ -24,9 +25,10 @@ MapHeader header_of(const Camera& camera, Sensor sensor, const OrbOptions& orb, 
 // have.
 Result<void> check_compatible(const MapHeader& saved, const MapHeader& run, MapUse use);
 
-// Succeeds when a map can become one with another: key frames of one camera, with features of one kind. The error names
-// all that differs.
+// Succeeds when a map can become one with another: their features are of one kind. The error names all that differs.
 Result<void> check_mergeable(const MapHeader& first, const MapHeader& other);
+// Both were given the same camera.
+bool same_camera(const MapHeader& a, const MapHeader& b);
 
 // Loads a map for a run; fails when it does not fit or has no key frames. Errors name the file.
 Result<SavedMap> load_compatible_map(const std::filesystem::path& file, const MapHeader& run, MapUse use);

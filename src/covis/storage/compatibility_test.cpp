@@ -29,9 +29,9 @@ TEST(Compatibility, TheSameRunFits) {
 
 TEST(Compatibility, TheUnitOfLengthMustBeTheSame) {
   EXPECT_EQ(problem([](MapHeader& h) { h.sensor = Sensor::stereo; }), "") << "both are in metres";
-  for (const MapUse use : {MapUse::continuation, MapUse::localization}) {
-    EXPECT_THAT(problem([](MapHeader& h) { h.sensor = Sensor::monocular; }, use), HasSubstr("in metres"));
-  }
+  const auto without_depth = [](MapHeader& h) { h.sensor = Sensor::monocular; };
+  EXPECT_THAT(problem(without_depth), AllOf(HasSubstr("in metres"), HasSubstr("--localize")));
+  EXPECT_EQ(problem(without_depth, MapUse::localization), "") << "the map tells the unit";
   MapHeader monocular = test_header();
   monocular.sensor = Sensor::monocular;
   EXPECT_TRUE(check_compatible(monocular, monocular, MapUse::continuation));
@@ -46,12 +46,25 @@ TEST(Compatibility, ThePyramidMustBeTheSame) {
   }
 }
 
-TEST(Compatibility, AnotherCameraMayLocaliseOnly) {
-  const auto change = [](MapHeader& h) { h.camera.pinhole.fx = 480; };
-  EXPECT_THAT(problem(change), AllOf(HasSubstr("fx 500 instead of 480"), HasSubstr("--localize")));
-  EXPECT_EQ(problem(change, MapUse::localization), "");
-  EXPECT_EQ(problem([](MapHeader& h) { h.camera.pinhole.fx *= 1 + 1e-9; }), "") << "the digits of a file";
-  EXPECT_THAT(problem([](MapHeader& h) { h.camera.distortion = Distortion::none; }), HasSubstr("another lens"));
+TEST(Compatibility, TheCameraMayBeAnother) {
+  for (const MapUse use : {MapUse::continuation, MapUse::localization})
+    EXPECT_EQ(problem([](MapHeader& h) { h.camera.pinhole.fx = 480; }, use), "");
+}
+
+TEST(Compatibility, MapsOfAnyCamerasAreMergedWithFeaturesOfOneKind) {
+  MapHeader other = test_header();
+  EXPECT_TRUE(same_camera(test_header(), other));
+  other.camera.pinhole.fx *= 1 + 1e-9;
+  EXPECT_TRUE(same_camera(test_header(), other)) << "the digits of a file";
+  other.camera.distortion = Distortion::none;
+  EXPECT_FALSE(same_camera(test_header(), other));
+  EXPECT_TRUE(check_mergeable(test_header(), other));
+  other = test_header();
+  other.sensor = Sensor::monocular;
+  EXPECT_FALSE(same_camera(test_header(), other));
+  EXPECT_TRUE(check_mergeable(test_header(), other));
+  other.levels = 4;
+  EXPECT_THAT(check_mergeable(test_header(), other).error().message, HasSubstr("orb.levels 4 instead of 8"));
 }
 
 TEST(Compatibility, TheVocabularyMayBeAnother) {

@@ -75,8 +75,24 @@ bool same_bits(const AlignedVector<float>& a, const AlignedVector<float>& b) {
                     [](float p, float q) { return std::bit_cast<uint32_t>(p) == std::bit_cast<uint32_t>(q); });
 }
 
+// The size of a pixel of each key frame (ScalePyramid::base). Files of one camera have none.
+Result<std::vector<float>> read_pixel_sizes(SectionFile& file, size_t key_frames) {
+  std::vector<float> sizes(key_frames, 1);
+  if (!file.has(kPixelSizes)) return sizes;
+  const auto bytes = file.read(kPixelSizes, "pixel sizes");
+  if (!bytes) return tl::unexpected(bytes.error());
+  FieldReader fields(*bytes);
+  for (float& size : sizes) fields(size);
+  if (!fields.whole()) return fail(file.error(kNotRightLength));
+  if (!std::all_of(sizes.begin(), sizes.end(), valid_pixel_size))
+    return fail(file.error("a key frame has no valid size of its pixels"));
+  return sizes;
+}
+
 Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& records,
                            std::vector<KeyFrameState>& key_frames) {
+  const auto sizes = read_pixel_sizes(file, records.size());
+  if (!sizes) return tl::unexpected(sizes.error());
   const auto bytes = file.read(kFeatures, "features");
   if (!bytes) return tl::unexpected(bytes.error());
   FieldReader fields(*bytes);
@@ -85,8 +101,8 @@ Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& re
     const FrameRecord& r = records[i];
     const std::string name = "key frame " + std::to_string(i) + " ";
     if (!valid_pyramid(r.levels, r.factor)) return fail(file.error(name + "has no valid pyramid"));
-    if (!pyramid || pyramid->levels != r.levels || pyramid->factor != r.factor) {
-      pyramid = std::make_shared<ScalePyramid>(r.levels, r.factor);  // usually one pyramid for all key frames
+    if (!pyramid || pyramid->levels != r.levels || pyramid->factor != r.factor || pyramid->base != (*sizes)[i]) {
+      pyramid = std::make_shared<ScalePyramid>(r.levels, r.factor, (*sizes)[i]);  // usually one for all key frames
     }
     const auto f = std::make_shared<Features>();
     AlignedVector<float> image_x, image_y;

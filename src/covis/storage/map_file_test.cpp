@@ -8,6 +8,7 @@
 
 #include "covis/core/log.h"
 #include "covis/core/test_folder.h"
+#include "covis/map/camera_change.h"
 #include "covis/storage/map_file_format.h"
 #include "covis/storage/test_maps.h"
 
@@ -196,14 +197,43 @@ TEST_F(MapFile, InfoSaysWhatIsInIt) {
   }
 }
 
+TEST_F(MapFile, PixelSizesAreInFilesOfSeveralCamerasAlone) {
+  constexpr uint32_t kPixelSizes = 8;
+  MapState state = random_map(3, 60, 12).state();
+  Pinhole other = state.camera;
+  other.fx *= 2;
+  other.fy *= 2;
+  express_in(state, other);
+  MapHeader header = test_header();
+  header.camera.pinhole = other;
+  ASSERT_TRUE(save_map(file(), state, header));
+  auto opened = SectionFile::open(file());
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ(opened->minor(), kMapFileMinor);
+  const auto loaded = load_map(file());
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  for (const KeyFrameId& id : loaded->map.key_frames()) EXPECT_EQ(loaded->map.at(id).features->pyramid->base, 2);
+  const std::string sizes = *opened->read(kPixelSizes, "sizes");
+  std::vector<Section> sections;
+  for (uint32_t i = 1; i <= 5; ++i) sections.push_back({i, *opened->read(i, "any")});
+  const auto with = [&](std::string bytes) {
+    std::vector<Section> all = sections;
+    all.push_back({kPixelSizes, std::move(bytes)});
+    return *pack_sections(all);
+  };
+  expect_refused(with(sizes + "x"), "length");
+  expect_refused(with(std::string(sizes.size(), '\0')), "no valid size of its pixels");
+  expect_refused(with(std::string(sizes.size(), '\xff')), "no valid size of its pixels");
+}
+
 TEST_F(MapFile, ColoursAreInFilesOfColouredMapsAlone) {
   constexpr uint32_t kColours = 7;
   bytes_of(random_map(3, 60, 12));
   EXPECT_FALSE(SectionFile::open(file())->has(kColours));
-  EXPECT_EQ(SectionFile::open(file())->minor(), kMapFileMinorWithoutColours) << "earlier versions know all of it";
+  EXPECT_EQ(SectionFile::open(file())->minor(), kMapFileMinorLeast) << "earlier versions know all of it";
   bytes_of(random_map(4, 60, 12));
   auto opened = SectionFile::open(file());
-  EXPECT_EQ(opened->minor(), kMapFileMinor);
+  EXPECT_EQ(opened->minor(), kMapFileMinorWithColours);
   std::vector<Section> sections;
   for (uint32_t i = 1; i <= 5; ++i) sections.push_back({i, *opened->read(i, "any")});
   const std::string colours = *opened->read(kColours, "colours");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/storage/map_writing.h"
 
+#include <algorithm>
 #include <string>
 
 #include "covis/storage/load_cost.h"
@@ -65,6 +66,18 @@ std::string point_bytes(const MapState& map) {
   return points.take();
 }
 
+// Some key frame is of another camera than the map's.
+bool has_pixel_sizes(const MapState& map) {
+  return std::any_of(map.key_frames.begin(), map.key_frames.end(),
+                     [](const KeyFrameState& k) { return k.features->pyramid->base != 1; });
+}
+
+std::string pixel_size_bytes(const MapState& map) {
+  FieldWriter sizes;
+  for (const KeyFrameState& k : map.key_frames) sizes(k.features->pyramid->base);
+  return sizes.take();
+}
+
 // A file that a reader would refuse is no map.
 Result<void> check_readable(const MapState& map, uint64_t size) {
   const std::string problem = problem_of_meetings(meetings_of(map), map, size);
@@ -75,8 +88,9 @@ Result<void> check_readable(const MapState& map, uint64_t size) {
 }  // namespace
 
 Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& header) {
-  const bool noise = map.camera.depth_noise.known(), colours = has_colours(map);
-  SectionWriter file(sink, 5u + noise + colours, kMapFileMajor, colours ? kMapFileMinor : kMapFileMinorWithoutColours);
+  const bool noise = map.camera.depth_noise.known(), colours = has_colours(map), sizes = has_pixel_sizes(map);
+  const uint16_t minor = sizes ? kMapFileMinor : colours ? kMapFileMinorWithColours : kMapFileMinorLeast;
+  SectionWriter file(sink, 5u + noise + colours + sizes, kMapFileMajor, minor);
   FieldWriter about;
   const Counts counts = counts_of(map);
   about_fields(about, header, counts);
@@ -94,6 +108,7 @@ Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& hea
     file.write(kDepthNoise, fields.take());
   }
   if (colours) file.write(kColours, colour_bytes(map));
+  if (sizes) file.write(kPixelSizes, pixel_size_bytes(map));
   const auto size = file.finish();
   return size ? check_readable(map, *size) : tl::unexpected(size.error());
 }

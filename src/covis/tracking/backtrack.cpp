@@ -10,13 +10,12 @@ namespace {
 
 class Walk {
  public:
-  Walk(const SharedMap& map, const BacktrackSettings& settings, const std::optional<Pinhole>& own_camera)
+  Walk(const SharedMap& map, const BacktrackSettings& settings)
       : map_(map),
         options_(settings.options),
         sensor_(settings.sensor),
         search_(options_.recovery, Subject::single_image),
         first_pose_(settings.sensor, options_.first_pose, FirstPose::Support::map_points, settings.seed) {
-    search_.own_camera = own_camera;
     search_.refresh_camera(*map.read());
   }
 
@@ -90,12 +89,11 @@ std::optional<RelativePose> Walk::step(const UnlocatedFrame& frame) {
 }  // namespace
 
 std::vector<LocatedFrame> backtrack(const SharedMap& map, const BacktrackSettings& settings,
-                                    const std::vector<UnlocatedFrame>& frames,
-                                    const std::optional<Pinhole>& own_camera) {
+                                    const std::vector<UnlocatedFrame>& frames) {
   constexpr int kPatience = 5;  // frames in a row that may fail
   std::vector<LocatedFrame> located;
   if (frames.empty()) return located;
-  Walk walk(map, settings, own_camera);
+  Walk walk(map, settings);
   KeyFrameId near;
   int failed = 0;
   for (const UnlocatedFrame& frame : frames) {

@@ -18,10 +18,9 @@ struct BacktrackSettings {
   int seed = 0;
 };
 
-// Returns the poses of those frames (newest first) that are found; `own_camera` is set when the frames are of another
-// camera than the map. Reads the map in short read guards, and must not run while key frames are erased.
+// Returns the poses of those frames (newest first) that are found. Reads the map in short read guards, and must not run
+// while key frames are erased.
 std::vector<LocatedFrame> backtrack(const SharedMap& map, const BacktrackSettings& settings,
-                                    const std::vector<UnlocatedFrame>& frames,
-                                    const std::optional<Pinhole>& own_camera = {});
+                                    const std::vector<UnlocatedFrame>& frames);
 
 }  // namespace covis

@@ -86,15 +86,5 @@ TEST_P(BacktrackTest, WithoutTheKeyFrameThereIsNowhereToBegin) {
   EXPECT_TRUE(backtracked(walk()).empty());
 }
 
-TEST_P(BacktrackTest, TheFramesMayBeOfAnotherCameraThanTheMap) {
-  PointScene zoomed = scene;
-  zoomed.camera.fx = zoomed.camera.fy = 600;
-  UnlocatedFrame frame = unlocated(5);
-  frame.features = zoomed.view(scene.T_cw(5), GetParam()).features;
-  const auto located = backtrack(world.shared, {.sensor = GetParam()}, {frame}, zoomed.camera);
-  ASSERT_EQ(located.size(), 1u);
-  EXPECT_LT(error(located[0]), 0.01);
-}
-
 }  // namespace
 }  // namespace covis

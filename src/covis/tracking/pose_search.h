@@ -17,8 +17,7 @@
 namespace covis {
 
 struct PoseSearch {
-  Pinhole camera;                     // the frames' camera
-  std::optional<Pinhole> own_camera;  // set when the frames are of another camera than the map
+  Pinhole camera;
   FrameMatcher matcher;
   LocalMap local_map;
   ExpectedView view;
@@ -28,7 +27,7 @@ struct PoseSearch {
   PoseSearch(const RecoveryOptions& options, Subject subject) : place(options, subject) {}
 
   // The map's camera may have been refined.
-  void refresh_camera(const Map& map) { camera = own_camera.value_or(map.camera()); }
+  void refresh_camera(const Map& map) { camera = map.camera(); }
   // Makes the local map anew around the frame's matches; around `fallback` when there are none.
   void update_local_map(const SharedMap& map, const TrackedFrame& frame, KeyFrameId fallback, int max_key_frames) {
     frame.map_points(matched);

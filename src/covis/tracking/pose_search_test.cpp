@@ -17,12 +17,13 @@ class PoseSearchTest : public testing::Test {
   PoseSearch search{RecoveryOptions{}, Subject::stream};
 };
 
-TEST_F(PoseSearchTest, TheCameraIsTheMapsUnlessTheFramesHaveTheirOwn) {
+TEST_F(PoseSearchTest, TheCameraIsTheMaps) {
   search.refresh_camera(*world.shared.read());
   EXPECT_EQ(search.camera, scene.camera);
-  search.own_camera = Pinhole{400, 400, 300, 200, 0};
+  const Pinhole refined{400, 400, 300, 200, 0};
+  world.shared.write()->set_camera(refined);
   search.refresh_camera(*world.shared.read());
-  EXPECT_EQ(search.camera, *search.own_camera);
+  EXPECT_EQ(search.camera, refined);
 }
 
 TEST_F(PoseSearchTest, TheLocalMapLiesAroundTheMatches) {

@@ -27,14 +27,13 @@ class Relocaliser {
   bool find(TrackedFrame& frame, PoseSearch& search, const SharedMap* live, KeyFrameId near, TrackFigures& figures);
 
   // Returns the pose of one image in the map, from the image alone; no pose when its place is not recognised.
-  // `own_camera` is set when the image is of another camera than the map.
   struct Located {
     SE3 T_cw;
     uint32_t submap = 0;
     int inliers = 0;       // map points that agree with the pose
     Matrix6d information;  // of T_cw, given the map
   };
-  std::optional<Located> locate(FeaturesPtr features, int64_t frame, const std::optional<Pinhole>& own_camera);
+  std::optional<Located> locate(FeaturesPtr features, int64_t frame);
 
  private:
   // `words`: those of the image; null without a vocabulary.

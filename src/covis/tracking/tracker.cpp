@@ -282,8 +282,7 @@ void Tracker::follow_map(const Map& map) {
   if (map.find(last_.pose.key_frame)) search_.local_map.reference.copy(map, last_.pose.key_frame);
 }
 
-void Tracker::start_lost(const std::optional<Pinhole>& own_camera) {
-  search_.own_camera = own_camera;
+void Tracker::start_lost() {
   state_ = TrackingState::lost;
   health_.weak = settings_.options.local_map.weak_inliers > 0;
   motion_.reset();
@@ -302,7 +301,7 @@ void Tracker::set_mode(TrackingMode mode) {
   first_pose_.set_support(support_of(settings_));
   const bool has_map = !map_.read()->submaps().empty();
   if (mode == TrackingMode::localisation) {
-    if (state_ == TrackingState::not_initialised) start_lost(search_.own_camera);
+    if (state_ == TrackingState::not_initialised) start_lost();
   } else if (!has_map) {
     state_ = TrackingState::not_initialised;
   }

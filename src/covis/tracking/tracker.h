@@ -75,9 +75,8 @@ class Tracker {
   void key_frame_made(const KeyFrameMade& made);
   // The map was changed beside mapping.
   void map_moved() { last_.map_changed = true; }
-  // A map was put in place that this tracker knows nothing of: the camera is to be found in it. `own_camera`: the
-  // frames', when the map was made by another; only for localisation.
-  void start_lost(const std::optional<Pinhole>& own_camera = {});
+  // A map was put in place that this tracker knows nothing of: the camera is to be found in it.
+  void start_lost();
   // Changes between mapping and localisation only. A pose that dead reckoning carried is given up when mapping begins:
   // the camera is to be found in the map first.
   void set_mode(TrackingMode mode);

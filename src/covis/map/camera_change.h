@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keypoints of one camera as another one would have them, so that key frames of several cameras are in one map, which
+// has one camera. Keypoints are undistorted, so that this is exact: the same rays, in other pixels. A pixel of the old
+// camera is then not one of the new camera, which the base of the pyramid says (ScalePyramid): the noise of keypoints
+// and the levels at which points are expected follow from it.
+#pragma once
+
+#include "covis/map/map_state.h"
+
+namespace covis {
+
+// Expresses all key frames in the pixels and the baseline of `camera`. Poses, points and depths are those of before; a
+// measured depth has the noise that the new camera's has.
+void express_in(MapState& map, const Pinhole& camera);
+
+// A key frame has a measured depth, so that the submap's lengths are metres.
+bool knows_metres(const Map& map, uint32_t submap);
+
+}  // namespace covis

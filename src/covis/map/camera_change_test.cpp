@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/map/camera_change.h"
+
+#include <gtest/gtest.h>
+
+#include "covis/map/test_point_scene.h"
+
+namespace covis {
+namespace {
+
+// A camera of another size, focal length and baseline, that sees twice as many pixels of the same.
+const Pinhole kFine{1000, 1000, 650, 470, 200};
+
+struct CameraChange : testing::Test {
+  CameraChange() { world.add_key_frames(8); }
+  MapState expressed(const Pinhole& camera) const {
+    MapState state = world.shared.read()->state();
+    express_in(state, camera);
+    return state;
+  }
+  const PointScene scene = PointScene::wall();
+  SceneMap world{scene};
+};
+
+TEST_F(CameraChange, PointsProjectToWhereTheirKeypointsAre) {
+  const auto map = Map::from_state(expressed(kFine));
+  ASSERT_TRUE(map) << map.error().message;
+  EXPECT_EQ(map->check(), "");
+  EXPECT_EQ(map->camera(), kFine);
+  for (const KeyFrameId& id : map->key_frames()) {
+    const KeyFrame& key_frame = map->at(id);
+    const Features& f = *key_frame.features;
+    for (size_t i = 0; i < key_frame.points.size(); ++i) {
+      if (!key_frame.points[i].valid()) continue;
+      const Eigen::Vector3d p_c = key_frame.T_cw * map->at(key_frame.points[i]).position_w;
+      EXPECT_NEAR((kFine.project(p_c) - Eigen::Vector2d(f.x[i], f.y[i])).norm(), 0, 1e-3);
+      EXPECT_NEAR(f.u_right[i], f.x[i] - kFine.bf / p_c.z(), 1e-3);
+      EXPECT_NEAR(f.image_x()[i], scene.camera.project(p_c).x(), 1e-3) << "it stays where it is in its image";
+    }
+  }
+}
+
+// A keypoint keeps its level, and the noise of a pixel that is as large as two of the other camera.
+TEST_F(CameraChange, LevelsAndNoiseAreThoseOfTheOldPixels) {
+  const auto map = Map::from_state(expressed(kFine));
+  ASSERT_TRUE(map);
+  for (const KeyFrameId& id : map->key_frames()) {
+    const KeyFrame& key_frame = map->at(id);
+    const Features& f = *key_frame.features;
+    EXPECT_EQ(f.pyramid->base, 2);
+    EXPECT_EQ(f.pyramid->sigma2[0], 4);
+    for (size_t i = 0; i < key_frame.points.size(); ++i) {
+      if (!key_frame.points[i].valid()) continue;
+      const MapPoint& point = map->at(key_frame.points[i]);
+      const double distance = (point.position_w - key_frame.T_cw.centre()).norm();
+      EXPECT_LE(std::abs(f.pyramid->predict_level(point.d_max, static_cast<float>(distance)) - f.level[i]), 1);
+    }
+  }
+}
+
+TEST_F(CameraChange, ThereAndBackIsTheSame) {
+  MapState state = expressed(kFine);
+  express_in(state, scene.camera);
+  const MapState before = world.shared.read()->state();
+  ASSERT_EQ(state.points.size(), before.points.size());
+  for (size_t p = 0; p < before.points.size(); ++p) EXPECT_NEAR(state.points[p].d_max, before.points[p].d_max, 1e-4);
+  for (size_t k = 0; k < before.key_frames.size(); ++k) {
+    const Features &f = *state.key_frames[k].features, &g = *before.key_frames[k].features;
+    EXPECT_EQ(f.pyramid->base, 1);
+    for (size_t i = 0; i < g.x.size(); ++i) EXPECT_NEAR(f.x[i], g.x[i], 1e-3);
+  }
+}
+
+TEST_F(CameraChange, ACameraWithDepthKnowsMetres) {
+  EXPECT_TRUE(knows_metres(*world.shared.read(), 0));
+  EXPECT_FALSE(knows_metres(*world.shared.read(), 5)) << "no such submap";
+  SceneMap mono{scene, Sensor::monocular};
+  mono.add_key_frames(4);
+  EXPECT_FALSE(knows_metres(*mono.shared.read(), 0));
+}
+
+}  // namespace
+}  // namespace covis
