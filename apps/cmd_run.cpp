@@ -233,7 +233,7 @@ int run(const RunArguments& arguments) {
     auto opened = storage::load_compatible_map(arguments.map, header, use);
     if (!opened) return fail_with(opened.error());
     map = std::move(*opened);
-    header.camera = map->header.camera;
+    header = storage::header_after(header, map->header);
   }
   record.source = (*sequence)->description();
   record.sensor = options.sensor;

@@ -18,6 +18,7 @@
 #include "common.h"
 #include "covis/core/quantile.h"
 #include "covis/io/files.h"
+#include "covis/map/camera_change.h"
 #include "covis/mapping/map_area.h"
 #include "covis/mapping/map_thinning.h"
 #include "covis/storage/map_file.h"
@@ -128,7 +129,11 @@ struct SplitArguments {
 Result<void> save_part(const SplitArguments& a, const std::string& name, const Map& part,
                        const storage::MapHeader& header) {
   const std::filesystem::path file = std::filesystem::path(a.out) / (name + ".m");
-  if (auto saved = storage::save_map(file, part.state(), header); !saved) return saved;
+  storage::MapHeader of_part = header;
+  const std::vector<Submap>& submaps = part.submaps();
+  if (std::none_of(submaps.begin(), submaps.end(), [&](const Submap& s) { return knows_metres(part, s.id); }))
+    of_part.sensor = Sensor::monocular;
+  if (auto saved = storage::save_map(file, part.state(), of_part); !saved) return saved;
   std::printf("%s: %zu key frames, %zu points\n", file.c_str(), part.key_frame_count(), part.point_count());
   return {};
 }

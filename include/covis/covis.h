@@ -155,7 +155,7 @@ class COVIS_API Slam {
   // The camera in use: fx, fy and the noise of depth as they were estimated so far, the rest as given; of a pair that
   // is rectified here the rectified camera. The focal length of a monocular or RGB-D camera is refined, by 5 % at most,
   // where the map tells it surely; {"mapper.refine_focal", "false"} keeps the one given.
-  // To continue a saved map give the camera that it was begun with, not this one.
+  // To continue a saved map give the camera as it was given when it was begun, not this one.
   CameraParameters camera() const;
   // The pose of the rectified left camera in the given left camera's coordinates, a rotation: where pairs are rectified
   // here all poses are the rectified camera's. Without a `right` camera the identity.

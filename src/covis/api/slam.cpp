@@ -153,7 +153,7 @@ auto Slam::Impl::make_session(const std::string& file, Mode now) const -> Expect
   const auto use = set.localize ? storage::MapUse::localization : storage::MapUse::continuation;
   auto saved = storage::load_compatible_map(file, made->header, use);
   if (!saved) return Failure(saved.error().message);
-  made->header.camera = saved->header.camera;
+  made->header = storage::header_after(made->header, saved->header);
   if (const auto placed = made->system.set_map(std::move(saved->map), saved->header.camera); !placed)
     return Failure(file + ": " + placed.error().message);
   return made;

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <charconv>
 #include <csignal>
+#include <new>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -102,7 +103,12 @@ bool is_left_behind(const std::filesystem::path& file) {
 
 int write_contents(int handle, const Contents& contents, Durability durability, const mode_t* mode) {
   FileSink sink(handle);
-  int problem = contents(sink);
+  int problem = 0;
+  try {
+    problem = contents(sink);
+  } catch (const std::bad_alloc&) {
+    problem = ENOMEM;
+  }
   if (problem == 0 && mode != nullptr && ::fchmod(handle, *mode) != 0) problem = errno;
   if (problem == 0 && durability == Durability::durable && ::fsync(handle) != 0) problem = errno;
   return problem;

@@ -43,7 +43,8 @@ struct ScalePyramid {
 
   ScalePyramid() = default;
   ScalePyramid(int levels, float factor, float base = 1);
-  // Returns the level at which a point is expected: ceil(log(d_max / distance) / log(factor)), in [0, levels - 1].
+  // Returns the level at which a point is expected: ceil(log(d_max / distance / base) / log(factor)), in
+  // [0, levels - 1].
   int predict_level(float d_max, float distance) const;
 };
 

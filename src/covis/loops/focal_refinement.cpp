@@ -8,13 +8,17 @@
 
 #include "covis/core/log.h"
 #include "covis/loops/submap_adjustment.h"
+#include "covis/map/camera_change.h"
 #include "covis/optimization/focal_estimation.h"
 
 namespace covis {
 
-// Not asked while there are several submaps, which all would have to follow.
+// Not asked while there are several submaps, which all would have to follow, nor when another camera made some key
+// frames, whose keypoints were expressed in this one's focal length.
 std::optional<int> FocalSchedule::ask(const Map& map) {
-  if (map.next_serial() < next_ || map.key_frame_count() > kLargest || map.submaps().size() != 1) return std::nullopt;
+  if (map.next_serial() < next_ || map.key_frame_count() > kLargest || map.submaps().size() != 1 ||
+      has_other_pixels(map))
+    return std::nullopt;
   next_ = map.next_serial() + std::max(kLeastStep, map.next_serial() / kStepShare);
   return kLeastAge + static_cast<int>(map.key_frame_count()) / kAgeShare;
 }

@@ -169,7 +169,7 @@ JoinPlan::JoinPlan(const Map& map, const JoinClaims& found, LoopVerifier& verifi
     if (pair.refusal != JoinRefusal::not_alike && pair.refusal != JoinRefusal::not_verified) continue;  // decided
     const auto few = [&](uint32_t submap) { return map.submap(submap)->key_frames < kLeastKeyFrames; };
     if (pair.claims < kLeastClaims || few(pair.older) || few(pair.younger)) {
-      pair.refusal = JoinRefusal::unconfirmed;
+      pair.refusal = pair.claims < kLeastClaims ? JoinRefusal::unconfirmed : JoinRefusal::too_small;
       continue;
     }
     const SideBySide views(map, claims, group, verifier);

@@ -13,6 +13,8 @@ const char* name(JoinRefusal refusal) {
       return "no place that looks alike is the same";
     case JoinRefusal::unconfirmed:
       return "too few views show the same place";
+    case JoinRefusal::too_small:
+      return "one map has fewer than five key frames";
     case JoinRefusal::ambiguous:
       return "places that look alike contradict one another";
     case JoinRefusal::contradicted:

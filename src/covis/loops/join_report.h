@@ -15,6 +15,7 @@ enum class JoinRefusal {
   not_alike,     // no key frame of one looks like a place of the other
   not_verified,  // none that does is verified: LoopRefusal says why
   unconfirmed,   // too few key frames claim to see the other submap
+  too_small,     // one of both has too few key frames to differ from a place that looks the same
   ambiguous,     // claims contradict one another, as when one submap has two places that look like one of the other
   contradicted,  // key frames that would stand side by side do not see the same things
   inconsistent,  // both are joined with others, in another way than these claims say
@@ -34,7 +35,8 @@ struct JoinedPair {
   int fused = 0;                            // observations and points
 };
 
-// The cost of a bundle adjustment; 0: there was none.
+// The cost of a bundle adjustment; 0: there was none. Of a submap that was adjusted in pieces the sum over these, in
+// which what two of them see counts twice.
 struct AdjustedCost {
   double before = 0, after = 0;
 };

@@ -2,6 +2,7 @@
 #include "covis/loops/loop_detector.h"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <utility>
 
@@ -37,10 +38,9 @@ double least_score(const Map& map, const KeyFrame& key_frame, KeyFrameId id) {
 }
 
 // Adds what the database finds beside what is excluded: each place once, the best first, as many as are verified.
-void add_places(const Map& map, const KeyFrame& key_frame, std::vector<KeyFrameId> excluded, double min_score,
-                std::vector<KeyFrameId>& places) {
+void add_places(const Map& map, const KeyFrame& key_frame, const std::function<bool(KeyFrameId)>& excluded,
+                double min_score, std::vector<KeyFrameId>& places) {
   if (places.size() == LoopDetector::kCandidates) return;
-  std::sort(excluded.begin(), excluded.end());
   for (const auto& candidate : map.database().query(map, *key_frame.words, excluded, min_score)) {
     const KeyFrameId id = candidate.key_frame;
     const auto same = [&](KeyFrameId other) { return other == id || map.weight(other, id) >= kCovisibilityThreshold; };
@@ -59,11 +59,13 @@ std::vector<KeyFrameId> LoopDetector::candidates(const Map& map, KeyFrameId curr
   std::vector<KeyFrameId> result;
   for (const int steps : {kNearSteps, 1}) {
     // The camera has not come back to a place that was mapped a moment ago.
-    std::vector<KeyFrameId> excluded = within_steps(map, current, steps);
-    map.for_each_key_frame([&](KeyFrameId id, const KeyFrame& place) {
-      if (place.submap == key_frame->submap && place.serial + kBetweenLoops > key_frame->serial) excluded.push_back(id);
-    });
-    add_places(map, *key_frame, std::move(excluded), min_score, result);
+    const std::vector<KeyFrameId> near = within_steps(map, current, steps);
+    const auto excluded = [&](KeyFrameId id) {
+      const KeyFrame& place = map.at(id);
+      return (place.submap == key_frame->submap && place.serial + kBetweenLoops > key_frame->serial) ||
+             std::binary_search(near.begin(), near.end(), id);
+    };
+    add_places(map, *key_frame, excluded, min_score, result);
   }
   return result;
 }
@@ -71,11 +73,9 @@ std::vector<KeyFrameId> LoopDetector::candidates(const Map& map, KeyFrameId curr
 std::vector<KeyFrameId> LoopDetector::candidates_elsewhere(const Map& map, KeyFrameId current) {
   const KeyFrame* key_frame = map.find(current);
   if (!key_frame || !key_frame->words) return {};
-  std::vector<KeyFrameId> excluded, result;
-  map.for_each_key_frame([&](KeyFrameId id, const KeyFrame& place) {
-    if (place.submap == key_frame->submap) excluded.push_back(id);
-  });
-  add_places(map, *key_frame, std::move(excluded), least_score(map, *key_frame, current), result);
+  std::vector<KeyFrameId> result;
+  const auto excluded = [&](KeyFrameId id) { return map.at(id).submap == key_frame->submap; };
+  add_places(map, *key_frame, excluded, least_score(map, *key_frame, current), result);
   return result;
 }
 

@@ -48,9 +48,12 @@ Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& 
   for (size_t i = 0; i < maps.size(); ++i) {
     MapState& map = maps[i].map;
     report.inputs.push_back({{}, map.key_frames.size(), map.points.size()});
-    if (maps[i].camera != kind) {
-      express_in(map, camera);
-    } else if (map.camera.fx != camera.fx || map.camera.fy != camera.fy) {
+    const bool refined = map.camera.fx != camera.fx || map.camera.fy != camera.fy;
+    // Keypoints of other cameras were expressed in what the camera was refined to, and would not fit another focal
+    // length.
+    if (maps[i].camera != kind || (refined && has_other_pixels(map))) {
+      if (auto fits = express_in(map, camera); !fits) return tl::unexpected(fits.error());
+    } else if (refined) {
       to_adjust.push_back(i);
     }
     first_serials.push_back(all.next_serial);

@@ -124,7 +124,10 @@ void Joining::join(const JoinGroup& group) {
   loop.place.key_frame = claim.place;
   loop.relation = LoopRelation::other_submap;
   loop.S_cw = claim.S_cw(*map_.read());
-  const uint32_t kept_one = kept(map_.read()->at(claim.current).submap, map_.read()->at(claim.place).submap);
+  const uint32_t kept_one = [&] {
+    const auto map = map_.read();
+    return kept(map->at(claim.current).submap, map->at(claim.place).submap);
+  }();
   const std::optional<JoinedSubmap> done = join_at_loop(map_, claim.current, loop, kept_one);
   if (!done) {
     pair.refusal = JoinRefusal::inconsistent;

@@ -244,7 +244,7 @@ TEST(SubmapJoining, AMapOfFourKeyFramesIsNotBelieved) {
     pieces.add(4, 4 + count, kShift);
     const JoinReport report = pieces.join();
     EXPECT_GE(report.pairs[0].claims, 3);
-    EXPECT_EQ(report.pairs[0].refusal, count < 5 ? JoinRefusal::unconfirmed : JoinRefusal::none);
+    EXPECT_EQ(report.pairs[0].refusal, count < 5 ? JoinRefusal::too_small : JoinRefusal::none);
   }
 }
 

@@ -9,6 +9,8 @@
 namespace covis {
 namespace {
 
+constexpr float kMostPixels = 1e6f;  // from the origin, of a corner of an image
+
 // From the pixels of one camera to those of another.
 struct PixelChange {
   double ax, bx, ay, by;
@@ -17,6 +19,12 @@ struct PixelChange {
       : ax(to.fx / from.fx), bx(to.cx - ax * from.cx), ay(to.fy / from.fy), by(to.cy - ay * from.cy) {}
   float x(float u) const { return static_cast<float>(ax * static_cast<double>(u) + bx); }
   float y(float v) const { return static_cast<float>(ay * static_cast<double>(v) + by); }
+  double size() const { return std::sqrt(ax * ay); }
+  // There and back again is 1.
+  float base(float before) const {
+    const auto after = static_cast<float>(static_cast<double>(before) * size());
+    return std::abs(after - 1) < 1e-5f ? 1 : after;
+  }
   ImageBounds operator()(const ImageBounds& b) const { return {x(b.min_x), y(b.min_y), x(b.max_x), y(b.max_y)}; }
 };
 
@@ -34,8 +42,7 @@ FeaturesPtr changed(const Features& of, const PixelChange& change, double bf, Py
   std::shared_ptr<const ScalePyramid>& pyramid = pyramids[of.pyramid.get()];
   if (!pyramid) {
     const ScalePyramid& p = *of.pyramid;
-    pyramid = std::make_shared<ScalePyramid>(p.levels, p.factor,
-                                             p.base * static_cast<float>(std::sqrt(change.ax * change.ay)));
+    pyramid = std::make_shared<ScalePyramid>(p.levels, p.factor, change.base(p.base));
   }
   f->pyramid = pyramid;
   f->grid.build(change(of.grid.bounds), f->x, f->y);
@@ -44,16 +51,36 @@ FeaturesPtr changed(const Features& of, const PixelChange& change, double bf, Py
 
 }  // namespace
 
-void express_in(MapState& map, const Pinhole& camera) {
+Result<void> express_in(MapState& map, const Pinhole& camera) {
   const PixelChange change(map.camera, camera);
-  const auto size = static_cast<float>(std::sqrt(change.ax * change.ay));
+  for (const KeyFrameState& k : map.key_frames) {
+    const ImageBounds b = change(k.features->grid.bounds);
+    const auto within = [](float x) { return std::abs(x) <= kMostPixels; };  // false for what is not a number
+    if (!valid_pixel_size(change.base(k.features->pyramid->base)) || !(b.max_x - b.min_x >= 1) ||
+        !(b.max_y - b.min_y >= 1) || !within(b.min_x) || !within(b.max_x) || !within(b.min_y) || !within(b.max_y)) {
+      return fail("the cameras differ by too much: the images of one have no place in those of the other");
+    }
+  }
   Pyramids pyramids;
   for (KeyFrameState& k : map.key_frames) k.features = changed(*k.features, change, camera.bf, pyramids);
   for (MapPointState& p : map.points) {
-    p.d_min *= size;
-    p.d_max *= size;
+    p.d_min *= static_cast<float>(change.size());
+    p.d_max *= static_cast<float>(change.size());
   }
   map.camera = camera;
+  return {};
+}
+
+bool has_other_pixels(const MapState& map) {
+  return std::any_of(map.key_frames.begin(), map.key_frames.end(),
+                     [](const KeyFrameState& k) { return k.features->pyramid->base != 1; });
+}
+
+bool has_other_pixels(const Map& map) {
+  bool found = false;
+  map.for_each_key_frame(
+      [&](KeyFrameId, const KeyFrame& key_frame) { found = found || key_frame.features->pyramid->base != 1; });
+  return found;
 }
 
 bool knows_metres(const Map& map, uint32_t submap) {

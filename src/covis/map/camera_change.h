@@ -5,13 +5,19 @@
 // and the levels at which points are expected follow from it.
 #pragma once
 
+#include "covis/core/error.h"
 #include "covis/map/map_state.h"
 
 namespace covis {
 
 // Expresses all key frames in the pixels and the baseline of `camera`. Poses, points and depths are those of before; a
-// measured depth has the noise that the new camera's has.
-void express_in(MapState& map, const Pinhole& camera);
+// measured depth has the noise that the new camera's has. An error, and nothing done, where the pixels of one would be
+// more than 64 times as large as those of the other, or images would lie beyond all bounds.
+Result<void> express_in(MapState& map, const Pinhole& camera);
+
+// Some key frame was made by a camera with pixels of another size than the map's.
+bool has_other_pixels(const MapState& map);
+bool has_other_pixels(const Map& map);
 
 // A key frame has a measured depth, so that the submap's lengths are metres.
 bool knows_metres(const Map& map, uint32_t submap);

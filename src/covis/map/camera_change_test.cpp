@@ -15,7 +15,7 @@ struct CameraChange : testing::Test {
   CameraChange() { world.add_key_frames(8); }
   MapState expressed(const Pinhole& camera) const {
     MapState state = world.shared.read()->state();
-    express_in(state, camera);
+    EXPECT_TRUE(express_in(state, camera));
     return state;
   }
   const PointScene scene = PointScene::wall();
@@ -60,7 +60,7 @@ TEST_F(CameraChange, LevelsAndNoiseAreThoseOfTheOldPixels) {
 
 TEST_F(CameraChange, ThereAndBackIsTheSame) {
   MapState state = expressed(kFine);
-  express_in(state, scene.camera);
+  EXPECT_TRUE(express_in(state, scene.camera));
   const MapState before = world.shared.read()->state();
   ASSERT_EQ(state.points.size(), before.points.size());
   for (size_t p = 0; p < before.points.size(); ++p) EXPECT_NEAR(state.points[p].d_max, before.points[p].d_max, 1e-4);
@@ -69,6 +69,24 @@ TEST_F(CameraChange, ThereAndBackIsTheSame) {
     EXPECT_EQ(f.pyramid->base, 1);
     for (size_t i = 0; i < g.x.size(); ++i) EXPECT_NEAR(f.x[i], g.x[i], 1e-3);
   }
+}
+
+TEST_F(CameraChange, CamerasThatDifferByTooMuchAreRefused) {
+  MapState state = world.shared.read()->state();
+  for (const Pinhole& camera :
+       {Pinhole{500e3, 500e3, 320, 240, 50}, Pinhole{1, 1, 0, 0, 50}, Pinhole{500, 500, 1e9, 240, 50}}) {
+    const auto done = express_in(state, camera);
+    ASSERT_FALSE(done);
+    EXPECT_EQ(state.camera, scene.camera);
+    EXPECT_EQ(state.key_frames[0].features, world.shared.read()->state().key_frames[0].features);
+  }
+  EXPECT_FALSE(has_other_pixels(state));
+  EXPECT_TRUE(express_in(state, kFine));
+  EXPECT_TRUE(has_other_pixels(state));
+  Pinhole shifted = scene.camera;
+  shifted.cx += 5;
+  EXPECT_TRUE(express_in(state, shifted));
+  EXPECT_FALSE(has_other_pixels(state)) << "there and back again";
 }
 
 TEST_F(CameraChange, ACameraWithDepthKnowsMetres) {

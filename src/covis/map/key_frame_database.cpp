@@ -53,24 +53,23 @@ const std::vector<uint32_t>& KeyFrameDatabase::holders(uint32_t word) const {
 }
 
 std::vector<KeyFrameDatabase::Candidate> KeyFrameDatabase::query(const Map& map, const Words& words,
-                                                                 const std::vector<KeyFrameId>& excluded,
+                                                                 const std::function<bool(KeyFrameId)>& excluded,
                                                                  double min_score) const {
-  // Shared words, by slot.
-  std::vector<int> shared;
-  std::vector<KeyFrameId> met;
+  std::vector<int> shared;  // words, by slot
   for (const WordWeight& w : words.words) {
-    for (const uint32_t slot : holders(w.word)) {
-      if (at_slot(shared, slot)++ == 0) met.push_back(map.key_frame_in(slot));
-    }
+    const std::vector<uint32_t>& list = holders(w.word);
+    if (!list.empty() && list.back() >= shared.size()) shared.resize(list.back() + size_t{1});
+    for (const uint32_t slot : list) ++shared[slot];
   }
-  std::sort(met.begin(), met.end());
-  std::erase_if(met, [&](KeyFrameId id) { return std::binary_search(excluded.begin(), excluded.end(), id); });
   int most = 0;
-  for (const KeyFrameId& id : met) most = std::max(most, shared[id.slot]);
-
-  std::vector<Candidate> scored;  // sorted by handle, as `met` is
-  for (const KeyFrameId& id : met) {
-    if (shared[id.slot] < kSharedWords * most) continue;
+  for (uint32_t slot = 0; slot < shared.size(); ++slot) {
+    if (shared[slot] > most && !excluded(map.key_frame_in(slot))) most = shared[slot];
+  }
+  std::vector<Candidate> scored;  // sorted by handle
+  for (uint32_t slot = 0; slot < shared.size(); ++slot) {
+    if (shared[slot] == 0 || shared[slot] < kSharedWords * most) continue;
+    const KeyFrameId id = map.key_frame_in(slot);
+    if (excluded(id)) continue;
     const double score = word_score(words.words, map.at(id).words->words);
     if (score >= min_score) scored.push_back({id, score});
   }

@@ -109,7 +109,9 @@ TEST(KeyFrameDatabase, QueriesEqualAnExhaustiveOracle) {
     std::sort(excluded.begin(), excluded.end());
     const double min_score = random.below(2) ? 0 : random.uniform(0, 0.4);
     std::vector<KeyFrameId> found;
-    for (const auto& c : map.database().query(map, *words, excluded, min_score)) {
+    for (const auto& c : map.database().query(
+             map, *words, [&](KeyFrameId id) { return std::binary_search(excluded.begin(), excluded.end(), id); },
+             min_score)) {
       found.push_back(c.key_frame);
       EXPECT_GE(c.score, min_score);
     }

@@ -9,7 +9,8 @@
 // has a world and a spanning tree of its own, and no point is seen from two submaps. A map made without a loss has one
 // submap.
 //
-// All of it was seen by one camera: key frames hold pixels, the map the intrinsics, which may be refined as it grows.
+// All of it is expressed in one camera (camera_change.h): key frames hold pixels, the map the intrinsics, which may be
+// refined as it grows.
 //
 // Units: metres. Frames: w the world, c a camera. All containers iterate in an order that depends on the operations
 // alone, never on addresses.

@@ -116,7 +116,8 @@ std::string problem_of(const Features& f, const ImageBounds& bounds) {
     return "has features whose lists differ in length";
   }
   if (n > kMaxFeatures) return "has more features than an image gives";
-  if (!f.pyramid || !valid_pyramid(f.pyramid->levels, f.pyramid->factor) || !valid_pixel_size(f.pyramid->base))
+  if (!f.pyramid || !valid_pyramid(f.pyramid->levels, f.pyramid->factor) || !valid_pixel_size(f.pyramid->base) ||
+      !std::isfinite(f.pyramid->sigma2.back()))
     return "has no valid pyramid";
   if (!valid_bounds(bounds)) return "has no valid image bounds";
   if (!are_pixels(f.x) || !are_pixels(f.y) || !are_pixels(f.raw_x) || !are_pixels(f.raw_y)) {

@@ -8,14 +8,16 @@ struct Redundancy {
   int points = 0, redundant = 0;
 };
 
-bool seen_by_others(const Map& map, KeyFrameId id, const MapPoint& point, int level) {
+// As finely as at `scale`, to one level.
+bool seen_by_others(const Map& map, KeyFrameId id, const MapPoint& point, float scale) {
   constexpr int kObservers = 3;  // others that must see a point for it to be redundant
   if (static_cast<int>(point.observations.size()) <= kObservers) return false;
   int others = 0;
   for (const Observation& observation : point.observations) {
     if (observation.key_frame == id) continue;
-    const int other = map.at(observation.key_frame).features->level[observation.feature];
-    if (other <= level + 1 && ++others >= kObservers) return true;
+    const Features& other = *map.at(observation.key_frame).features;
+    const float most = 1.01f * scale * other.pyramid->factor;  // 1.01: rounding
+    if (other.pyramid->scale[other.level[observation.feature]] <= most && ++others >= kObservers) return true;
   }
   return false;
 }
@@ -29,7 +31,8 @@ Redundancy count_redundant(const Map& map, KeyFrameId id, Sensor sensor, const C
     if (!key_frame.points[i].valid()) continue;
     if (sensor != Sensor::monocular && !(features.depth[i] > 0 && features.depth[i] <= close)) continue;
     ++counts.points;
-    counts.redundant += seen_by_others(map, id, map.at(key_frame.points[i]), features.level[i]);
+    counts.redundant +=
+        seen_by_others(map, id, map.at(key_frame.points[i]), features.pyramid->scale[features.level[i]]);
   }
   return counts;
 }

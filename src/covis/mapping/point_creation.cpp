@@ -56,10 +56,10 @@ bool holds(const Eigen::Vector3d& p_w, const Pinhole& camera, const View& a, uin
   if (!reprojects_well(in_a, camera, *a.features, ia) || !reprojects_well(in_b, camera, *b.features, ib)) return false;
   const double distance_a = in_a.norm(), distance_b = in_b.norm();
   if (!(distance_a > 0) || !(distance_b > 0)) return false;
-  const ScalePyramid& pyramid = *a.features->pyramid;
+  const ScalePyramid &of_a = *a.features->pyramid, &of_b = *b.features->pyramid;
   const double by_distance = distance_b / distance_a;
-  const double by_level = pyramid.scale[b.features->level[ib]] / pyramid.scale[a.features->level[ia]];
-  const double tolerance = 1.5 * static_cast<double>(pyramid.factor);
+  const double by_level = of_b.scale[b.features->level[ib]] / of_a.scale[a.features->level[ia]];
+  const double tolerance = 1.5 * static_cast<double>(of_a.factor);
   return by_distance < by_level * tolerance && by_distance * tolerance > by_level;
 }
 

@@ -9,6 +9,7 @@
 #include "covis/core/time.h"
 #include "covis/map/camera_change.h"
 #include "covis/map/map_state.h"
+#include "covis/slam/map_camera.h"
 #include "covis/tracking/backtrack.h"
 
 namespace covis {
@@ -21,26 +22,6 @@ TrackingSettings tracking_settings(const SystemOptions& o) {
           .mode = o.localize ? TrackingMode::localisation : TrackingMode::mapping,
           .closes_loops = o.loop.close,
           .seed = o.seed};
-}
-
-// What a camera without depth would add to a map in metres would have no unit.
-Result<void> check_continued(const Map& map, Sensor sensor) {
-  const std::vector<Submap>& submaps = map.submaps();
-  if (sensor != Sensor::monocular ||
-      std::none_of(submaps.begin(), submaps.end(), [&](const Submap& s) { return knows_metres(map, s.id); })) {
-    return {};
-  }
-  return fail("the map is in metres, and this camera measures no depth: it can't be continued; localise in it only");
-}
-
-// The camera with a noise of its depth, which is a Kinect's where none is given.
-Pinhole with_depth_noise(Pinhole camera, Sensor sensor) {
-  if (sensor != Sensor::rgbd) {
-    camera.depth_noise = {};
-  } else if (!camera.depth_noise.known()) {
-    camera.depth_noise = DepthNoise::kinect();
-  }
-  return camera;
 }
 
 // Noise that was given is not estimated.
@@ -73,23 +54,21 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
   if (!options_.localize) {
     if (auto continued = check_continued(map, options_.sensor); !continued) return continued;
   }
+  const Pinhole camera = camera_for(map, made_by, given_, options_.sensor);
   if (const std::string other = difference(given_, made_by); !other.empty()) {
     log(LogLevel::info, "the map was made by another camera (" + other + "); it is expressed in the present one");
     MapState state = map.state();
-    express_in(state, given_.pinhole);
+    if (auto fits = express_in(state, camera); !fits) return fits;
     auto expressed = Map::from_state(std::move(state));
     if (!expressed) return tl::unexpected(expressed.error());
     map = std::move(*expressed);
   }
+  map.set_camera(camera);
   finish();
   if (vocabulary_) {
     for (const KeyFrameId& id : map.key_frames())
       map.set_words(id, std::make_shared<const Words>(vocabulary_->transform(map.at(id).features->descriptor)));
   }
-  // Noise given for this recording goes before the noise that the map learned.
-  Pinhole camera = map.camera();
-  if (given_.pinhole.depth_noise.known()) camera.depth_noise = given_.pinhole.depth_noise;
-  map.set_camera(with_depth_noise(camera, options_.sensor));
   snapshots_.map_loaded(map.next_submap());
   colours_.map_loaded(map.next_serial());
   *map_.write() = std::move(map);

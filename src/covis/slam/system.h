@@ -73,8 +73,8 @@ class System {
 
   // Puts a map in place, for example a saved one; an error after the first frame. The camera is looked for in it.
   // `made_by`: the camera it was made with, as it was given then. A map has one camera: what another one made is
-  // expressed in the present one (map/camera_change.h). An error when it is to be continued by a camera that can't tell
-  // its unit.
+  // expressed in the present one (map/camera_change.h). An error when it is in metres and is to be continued by a
+  // camera without depth, and when the cameras differ by too much.
   Result<void> set_map(Map map, const Camera& made_by);
 
   struct Input {

@@ -29,6 +29,16 @@ MapHeader header_of(const Camera& camera, Sensor sensor, const OrbOptions& orb, 
   return header;
 }
 
+MapHeader header_after(const MapHeader& run, const MapHeader& saved) {
+  MapHeader header = run;
+  if (difference(run.camera, saved.camera).empty()) header.camera = saved.camera;
+  if (run.sensor == Sensor::monocular && saved.sensor != Sensor::monocular) {
+    header.sensor = saved.sensor;
+    header.camera.pinhole.bf = saved.camera.pinhole.baseline() * header.camera.pinhole.fx;
+  }
+  return header;
+}
+
 Result<void> check_compatible(const MapHeader& saved, const MapHeader& run, MapUse use) {
   const bool monocular = saved.sensor == Sensor::monocular;
   const bool in_metres = !monocular && use == MapUse::localization;  // the map tells a camera without depth its unit

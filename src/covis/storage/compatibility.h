@@ -21,6 +21,10 @@ enum class MapUse { continuation, localization };
 // The header of a map made with this camera, these features and this vocabulary (null: none).
 MapHeader header_of(const Camera& camera, Sensor sensor, const OrbOptions& orb, const Vocabulary* vocabulary);
 
+// The header of a saved map once a run has taken it in place: the saved camera's figures, where it is the same one, and
+// its sensor, where a camera without depth is localised in a map in metres.
+MapHeader header_after(const MapHeader& run, const MapHeader& saved);
+
 // The error names the mismatch and the setting that would resolve it. `run` is the header that a map of this run would
 // have.
 Result<void> check_compatible(const MapHeader& saved, const MapHeader& run, MapUse use);

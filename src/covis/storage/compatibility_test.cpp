@@ -51,6 +51,20 @@ TEST(Compatibility, TheCameraMayBeAnother) {
     EXPECT_EQ(problem([](MapHeader& h) { h.camera.pinhole.fx = 480; }, use), "");
 }
 
+TEST(Compatibility, AMapThatIsContinuedIsOfTheCameraThatContinuesIt) {
+  const MapHeader saved = test_header();
+  MapHeader run = saved;
+  run.camera.pinhole.fx *= 1 + 1e-9;
+  EXPECT_EQ(header_after(run, saved).camera.pinhole, saved.camera.pinhole) << "the digits of a file";
+  run.camera.pinhole.fx = 480;
+  EXPECT_EQ(header_after(run, saved).camera.pinhole.fx, 480);
+  run.sensor = Sensor::monocular;
+  run.camera.pinhole.bf = 0;
+  const MapHeader localised = header_after(run, saved);
+  EXPECT_EQ(localised.sensor, saved.sensor) << "it stays in metres";
+  EXPECT_NEAR(localised.camera.pinhole.baseline(), saved.camera.pinhole.baseline(), 1e-12);
+}
+
 TEST(Compatibility, MapsOfAnyCamerasAreMergedWithFeaturesOfOneKind) {
   MapHeader other = test_header();
   EXPECT_TRUE(same_camera(test_header(), other));

@@ -155,10 +155,10 @@ Pinhole camera_of(const std::vector<FrameRecord>& records, const SectionFile& fi
   return first;
 }
 
-// Files of versions before 1.2, and those of other sensors, have none.
-Result<DepthNoise> read_depth_noise(SectionFile& file) {
+// Files of other sensors have none; nor have those of versions before 1.2, which mean a Kinect's.
+Result<DepthNoise> read_depth_noise(SectionFile& file, Sensor sensor) {
   DepthNoise noise;
-  if (!file.has(kDepthNoise)) return noise;
+  if (!file.has(kDepthNoise)) return sensor == Sensor::rgbd && file.minor() < 2 ? DepthNoise::kinect() : noise;
   const auto bytes = file.read(kDepthNoise, "depth noise");
   if (!bytes) return tl::unexpected(bytes.error());
   FieldReader fields(*bytes);
@@ -177,7 +177,7 @@ Result<void> read_colours(SectionFile& file, std::vector<KeyFrameState>& key_fra
   return {};
 }
 
-Result<MapState> read_state(SectionFile& file, const Counts& counts, const Pinhole& given) {
+Result<MapState> read_state(SectionFile& file, const Counts& counts, const MapHeader& header) {
   MapState state;
   state.root = counts.root;
   state.next_serial = counts.next_serial;
@@ -185,8 +185,8 @@ Result<MapState> read_state(SectionFile& file, const Counts& counts, const Pinho
   auto key_frames = read_key_frames(file, counts.key_frames, records);
   if (!key_frames) return tl::unexpected(key_frames.error());
   state.key_frames = std::move(*key_frames);
-  state.camera = records.empty() ? given : camera_of(records, file);
-  const auto noise = read_depth_noise(file);
+  state.camera = records.empty() ? header.camera.pinhole : camera_of(records, file);
+  const auto noise = read_depth_noise(file, header.sensor);
   if (!noise) return tl::unexpected(noise.error());
   state.camera.depth_noise = *noise;
   Result<void> read = read_features(file, records, state.key_frames);
@@ -226,7 +226,7 @@ Result<SavedMap> load_map(const std::filesystem::path& path) {
   if (!file) return tl::unexpected(file.error());
   const auto about = read_about(*file);
   if (!about) return tl::unexpected(about.error());
-  auto state = read_state(*file, about->counts, about->header.camera.pinhole);
+  auto state = read_state(*file, about->counts, about->header);
   if (!state) return tl::unexpected(state.error());
   auto map = Map::from_state(std::move(*state));
   if (!map) return fail(file->error("its map is not sound: " + map.error().message));

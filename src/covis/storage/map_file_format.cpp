@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <new>
 #include <system_error>
 
 #include "covis/storage/load_cost.h"
@@ -61,6 +62,7 @@ SectionWriter::SectionWriter(FileSink& sink, size_t sections, uint16_t major, ui
       zstd_(ZSTD_createCCtx()),
       packed_(ZSTD_CStreamOutSize(), '\0'),
       size_(kHeaderSize + kEntrySize * sections) {
+  if (!zstd_) throw std::bad_alloc();
   sink_.append(std::string(size_, '\0'));
   ZSTD_CCtx_setParameter(zstd_, ZSTD_c_compressionLevel, kLevel);
 }

@@ -203,7 +203,7 @@ TEST_F(MapFile, PixelSizesAreInFilesOfSeveralCamerasAlone) {
   Pinhole other = state.camera;
   other.fx *= 2;
   other.fy *= 2;
-  express_in(state, other);
+  ASSERT_TRUE(express_in(state, other));
   MapHeader header = test_header();
   header.camera.pinhole = other;
   ASSERT_TRUE(save_map(file(), state, header));

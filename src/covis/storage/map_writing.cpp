@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/storage/map_writing.h"
 
-#include <algorithm>
 #include <string>
 
+#include "covis/map/camera_change.h"
 #include "covis/storage/load_cost.h"
 #include "covis/storage/map_colours.h"
 #include "covis/storage/map_file_format.h"
@@ -66,12 +66,6 @@ std::string point_bytes(const MapState& map) {
   return points.take();
 }
 
-// Some key frame is of another camera than the map's.
-bool has_pixel_sizes(const MapState& map) {
-  return std::any_of(map.key_frames.begin(), map.key_frames.end(),
-                     [](const KeyFrameState& k) { return k.features->pyramid->base != 1; });
-}
-
 std::string pixel_size_bytes(const MapState& map) {
   FieldWriter sizes;
   for (const KeyFrameState& k : map.key_frames) sizes(k.features->pyramid->base);
@@ -88,7 +82,7 @@ Result<void> check_readable(const MapState& map, uint64_t size) {
 }  // namespace
 
 Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& header) {
-  const bool noise = map.camera.depth_noise.known(), colours = has_colours(map), sizes = has_pixel_sizes(map);
+  const bool noise = map.camera.depth_noise.known(), colours = has_colours(map), sizes = has_other_pixels(map);
   const uint16_t minor = sizes ? kMapFileMinor : colours ? kMapFileMinorWithColours : kMapFileMinorLeast;
   SectionWriter file(sink, 5u + noise + colours + sizes, kMapFileMajor, minor);
   FieldWriter about;

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/slam/map_camera.h"
+
+#include <algorithm>
+
+#include "covis/map/camera_change.h"
+
+namespace covis {
+namespace {
+
+bool same_lens(const Camera& a, const Camera& b) {
+  Camera of_equal_depth = a;
+  of_equal_depth.pinhole.bf = b.pinhole.baseline() * a.pinhole.fx;
+  return difference(of_equal_depth, b).empty();
+}
+
+}  // namespace
+
+Result<void> check_continued(const Map& map, Sensor sensor) {
+  const std::vector<Submap>& submaps = map.submaps();
+  if (sensor != Sensor::monocular ||
+      std::none_of(submaps.begin(), submaps.end(), [&](const Submap& s) { return knows_metres(map, s.id); })) {
+    return {};
+  }
+  return fail("the map is in metres, and this camera measures no depth: it can't be continued; localise in it only");
+}
+
+Pinhole with_depth_noise(Pinhole camera, Sensor sensor) {
+  if (sensor != Sensor::rgbd) {
+    camera.depth_noise = {};
+  } else if (!camera.depth_noise.known()) {
+    camera.depth_noise = DepthNoise::kinect();
+  }
+  return camera;
+}
+
+Pinhole camera_for(const Map& map, const Camera& made_by, const Camera& given, Sensor sensor) {
+  const Pinhole saved = map.camera();
+  Pinhole camera = same_lens(given, made_by) ? saved : given.pinhole;
+  const bool stereo_made_it = saved.bf > 0 && !saved.depth_noise.known();
+  if (sensor == Sensor::monocular || (sensor == Sensor::rgbd && stereo_made_it)) {
+    camera.bf = saved.baseline() * camera.fx;
+    camera.depth_noise = saved.depth_noise;
+    return camera;
+  }
+  camera.bf = given.pinhole.baseline() * camera.fx;
+  // Noise given for this recording goes before the noise that the map learned.
+  camera.depth_noise = given.pinhole.depth_noise.known() ? given.pinhole.depth_noise : saved.depth_noise;
+  return with_depth_noise(camera, sensor);
+}
+
+}  // namespace covis
