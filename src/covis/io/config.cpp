@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/io/config.h"
 
+#include <cstdio>
 #include <set>
 
 #include "covis/io/yaml.h"
@@ -28,6 +29,12 @@ Result<void> load_map(const std::filesystem::path& file, const YAML::Node& node,
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
+    if ((c >= 0 && c < ' ') || c == '\x7f') {  // what YAML does not take as it is
+      char escaped[5];
+      std::snprintf(escaped, sizeof escaped, "\\x%02x", static_cast<unsigned>(c));
+      result += escaped;
+      continue;
+    }
     if (c == '"' || c == '\\') result += '\\';
     result += c;
   }

@@ -31,7 +31,7 @@ TEST_F(Settings, SettingsRoundTripAndComplain) {
 TEST_F(Settings, EveryKindOfValueIsChecked) {
   int count = 3;
   bool flag = false;
-  std::string text = "a \"quoted\" \\ word # and: more";
+  std::string text("a \"quoted\" \\ word # and:\tmore\n\x16 \0\x7f \xc3\xa4", 37);
   double ratio = 0.1;
   const Fields fields{{"count", &count, "how many", 1, 10},
                       {"part.flag", &flag, "yes or no"},
