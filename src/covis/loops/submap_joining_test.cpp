@@ -100,10 +100,10 @@ TEST_P(JoinedPieces, AreOneMapInTheOldestWorld) {
 // One camera's lengths become metres, whichever of both maps is older.
 TEST(SubmapJoining, ACameraWithoutDepthLearnsMetres) {
   for (const bool older : {false, true}) {
-    Pieces pieces(PointScene::ring(2400, LoopScene::kSteps));
+    Pieces pieces(PointScene::ring(1600, LoopScene::kSteps));
     for (const bool without_depth : {older, !older}) {
       pieces.world.sensor = without_depth ? Sensor::monocular : Sensor::rgbd;
-      without_depth ? pieces.add(0, 16, kShift) : pieces.add(6, 24);
+      without_depth ? pieces.add(0, 12, kShift) : pieces.add(4, 16);
     }
     pieces.scale(older ? 0 : 1, 1.7);
     const JoinReport report = pieces.join();
