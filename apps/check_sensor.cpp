@@ -5,22 +5,9 @@
 #include <iterator>
 
 #include "covis/core/quantile.h"
+#include "covis/slam/map_camera.h"
 
 namespace covis::app {
-namespace {
-
-// The noise that a run begins with.
-Pinhole with_noise(Pinhole camera, Sensor sensor) {
-  if (sensor != Sensor::rgbd) {
-    camera.depth_noise = {};
-  } else if (!camera.depth_noise.known()) {
-    camera.depth_noise = DepthNoise::kinect();
-  }
-  return camera;
-}
-
-}  // namespace
-
 void SensorSample::add(const io::Frame& frame) {
   using Pace = MotionDepthCheck::Pace;
   constexpr int64_t kCompareEvery = 2;
@@ -33,7 +20,7 @@ void SensorSample::add(const io::Frame& frame) {
                                                          : s.frontend.rgbd(frame.image.view(), frame.depth.view());
   s.monitor.add_frame(frame.index, *features, s.frontend.row_error());
   if (at % kCompareEvery == 0) {
-    if (const auto compared = s.check.add(features->for_key_frame(), with_noise(camera_.pinhole, sensor_),
+    if (const auto compared = s.check.add(features->for_key_frame(), with_depth_noise(camera_.pinhole, sensor_),
                                           s.monitor.doubts_depth() ? Pace::every_view : Pace::usual))
       s.monitor.add_comparison(frame.index, *compared);
     std::copy_if(features->depth.begin(), features->depth.end(), std::back_inserter(depths_),

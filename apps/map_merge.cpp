@@ -56,16 +56,10 @@ Result<Inputs> load(const std::vector<std::string>& files) {
     const auto same = std::find_if(inputs.headers.begin(), inputs.headers.end(), [&](const storage::MapHeader& header) {
       return storage::same_camera(header, loaded->header);
     });
-    inputs.maps.push_back({loaded->map.state(), static_cast<size_t>(same - inputs.headers.begin())});
+    inputs.maps.push_back(
+        {loaded->map.state(), loaded->header.sensor, static_cast<size_t>(same - inputs.headers.begin())});
   }
   return inputs;
-}
-
-// That of a camera with depth, if there is one.
-Sensor richest_sensor(const std::vector<storage::MapHeader>& headers) {
-  const auto depth = std::find_if(headers.begin(), headers.end(),
-                                  [](const storage::MapHeader& header) { return header.sensor != Sensor::monocular; });
-  return depth == headers.end() ? Sensor::monocular : depth->sensor;
 }
 
 // Names submaps by the files they come from.
@@ -220,8 +214,8 @@ void print(const Names& names, const Map& map) {
 }
 
 int run_merge(const MergeArguments& a) {
-  JoinSettings settings;
-  Fields known = fields(settings.loop);
+  LoopOptions options;
+  Fields known = fields(options);
   if (const auto set = set_all(a.settings, known); !set) return fail_with(set.error());
   if (const auto right = check_files(a); !right) return fail_with(right.error());
   const auto vocabulary = open_vocabulary(a.vocabulary);
@@ -229,10 +223,9 @@ int run_merge(const MergeArguments& a) {
   if (!*vocabulary) return fail_with("--vocabulary none: places can't be looked for without a vocabulary");
   auto inputs = load(a.files);
   if (!inputs) return fail_with(inputs.error());
-  settings.sensor = richest_sensor(inputs->headers);
   log(LogLevel::info, std::to_string(a.files.size()) + " maps are loaded; places that they share are looked for");
   SharedMap merged;
-  const auto report = merge_maps(std::move(inputs->maps), **vocabulary, settings, merged);
+  const auto report = merge_maps(std::move(inputs->maps), **vocabulary, options, merged);
   if (!report) return fail_with(report.error());
   const auto map = merged.read();
   const storage::MapHeader& of = inputs->headers[report->camera_of];

@@ -130,9 +130,7 @@ Result<void> save_part(const SplitArguments& a, const std::string& name, const M
                        const storage::MapHeader& header) {
   const std::filesystem::path file = std::filesystem::path(a.out) / (name + ".m");
   storage::MapHeader of_part = header;
-  const std::vector<Submap>& submaps = part.submaps();
-  if (std::none_of(submaps.begin(), submaps.end(), [&](const Submap& s) { return knows_metres(part, s.id); }))
-    of_part.sensor = Sensor::monocular;
+  if (metric_submaps(part).empty()) of_part.sensor = Sensor::monocular;
   if (auto saved = storage::save_map(file, part.state(), of_part); !saved) return saved;
   std::printf("%s: %zu key frames, %zu points\n", file.c_str(), part.key_frame_count(), part.point_count());
   return {};

@@ -9,7 +9,7 @@
 #include "covis/core/random.h"
 #include "covis/features/test_features.h"
 #include "covis/storage/map_file.h"
-#include "covis/storage/map_file_format.h"
+#include "covis/storage/test_sections.h"
 #include "scratch.h"
 #include "target.h"
 

@@ -31,11 +31,12 @@ class CommandMerge : public CommandTest {
     std::ofstream(two, std::ios::binary) << maps_.second;
   }
   static void TearDownTestSuite() { fs::remove_all(kept()); }
-  std::string map_of(const std::string& first, const std::string& count,
-                     const std::string& set = "system.seed=0") const {
+  std::string map_of(const std::string& first, const std::string& count, std::vector<std::string> more = {}) const {
     const fs::path file = folder / "made.m";
-    const Outcome run = covis({"run", recording, "--first", first, "--count", count, "--quiet", "--out", folder / "out",
-                               "--save-map", file, "--set", set});
+    std::vector<std::string> words{"run",     recording, "--first",      first,        "--count", count,
+                                   "--quiet", "--out",   folder / "out", "--save-map", file};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome run = covis(words);
     EXPECT_EQ(run.code, 0) << run.error;
     const std::string map = text_of(file);
     fs::remove(file);
@@ -106,7 +107,7 @@ TEST_F(CommandMerge, RefusesWhatItCanNotDoAndWritesNothing) {
   EXPECT_EQ(text_of(one), bytes);
   EXPECT_EQ(merge({one, "--out", site}).code, 2) << "one map alone";
 
-  std::ofstream(other, std::ios::binary) << map_of("0", "20", "orb.levels=6");
+  std::ofstream(other, std::ios::binary) << map_of("0", "20", {"--set", "orb.levels=6"});
   const Outcome levels = merge({one, other, "--out", site});
   EXPECT_EQ(levels.code, 1);
   EXPECT_THAT(levels.error, AllOf(HasSubstr(other.string() + ": it can't be merged with " + one.string()),
@@ -117,35 +118,54 @@ TEST_F(CommandMerge, RefusesWhatItCanNotDoAndWritesNothing) {
   EXPECT_FALSE(fs::exists(site));
 }
 
-// The second map is of a camera that is said to be another one (and so a little wrong), without depth.
+// The same walk by another camera, with and without its depth. Errors are those of poses in metres.
 TEST_F(CommandMerge, CamerasAndSensorsMayDiffer) {
-  const fs::path site = folder / "site.m";
-  ASSERT_EQ(covis({"synth", "room", "--sensor", "mono", "--frames", "90", "--fps", "8", "--width", "400", "--height",
-                   "300", "--focal", "330", "--quiet", "--out", folder / "other"})
+  const fs::path site = folder / "site.m", other = folder / "other", on = folder / "on.m";
+  const auto run = [&](std::vector<std::string> words) {
+    const fs::path out = folder / "result";
+    words.insert(words.begin(), "run");
+    words.insert(words.end(), {"--quiet", "--out", out});
+    const Outcome done = covis(words);
+    EXPECT_EQ(done.code, 0) << done.error;
+    const fs::path first = fs::path(words[1]) / "groundtruth.txt";
+    const Outcome error = covis({"eval", out / "trajectory.txt", first, "--align", "se3", "--json"});
+    EXPECT_EQ(error.code, 0) << error.error;
+    const nlohmann::json judged = nlohmann::json::parse(error.out);
+    EXPECT_GT(judged["associated"], 30);
+    return judged["ate_m"]["rmse"].get<double>();
+  };
+  const auto camera_of = [&](const fs::path& map) {
+    return nlohmann::json::parse(covis({"map", "info", map, "--json"}).out)["camera"]["width"].get<int>();
+  };
+  ASSERT_EQ(covis({"synth", "room", "--sensor", "rgbd", "--frames", "90", "--fps", "8", "--width", "400", "--height",
+                   "300", "--focal", "330", "--quiet", "--out", other})
                 .code,
             0);
   ASSERT_EQ(
-      covis({"run", folder / "other", "--first", "20", "--quiet", "--out", folder / "out", "--save-map", two}).code, 0);
+      covis({"run", other, "--sensor", "mono", "--first", "20", "--quiet", "--out", folder / "out", "--save-map", two})
+          .code,
+      0);
   for (const auto& [first, second] : {std::pair(one, two), std::pair(two, one)}) {
     const Outcome merged = merge({first, second, "--out", site, "--json"});
     ASSERT_EQ(merged.code, 0) << merged.error;
     EXPECT_EQ(nlohmann::json::parse(merged.out)["maps"].size(), 1u) << merged.out;
-    const Outcome info = covis({"map", "info", site, "--json"});
-    EXPECT_EQ(nlohmann::json::parse(info.out)["sensor"], "rgbd");
-    EXPECT_EQ(nlohmann::json::parse(info.out)["camera"]["width"], 320);
-    // Each camera is found in it, and the one with depth goes on with it.
-    EXPECT_EQ(covis({"run", folder / "other", "--count", "40", "--map", site, "--localize", "--quiet", "--out",
-                     folder / "found"})
-                  .code,
-              0);
-    EXPECT_GT(parsed(folder / "found/summary.json")["frames_tracked"], 30);
-    const Outcome refused = covis({"run", folder / "other", "--map", site, "--quiet", "--out", folder / "refused"});
-    EXPECT_EQ(refused.code, 1);
-    EXPECT_THAT(refused.error, HasSubstr("--localize"));
-    EXPECT_EQ(covis({"run", recording, "--count", "40", "--map", site, "--quiet", "--out", folder / "on"}).code, 0);
-    EXPECT_GT(parsed(folder / "on/summary.json")["frames_tracked"], 30);
-    EXPECT_EQ(parsed(folder / "on/summary.json")["maps"].size(), 1u);
+    EXPECT_EQ(nlohmann::json::parse(covis({"map", "info", site, "--json"}).out)["sensor"], "rgbd");
+    EXPECT_EQ(camera_of(site), 320);
+    EXPECT_LT(run({other, "--sensor", "mono", "--count", "40", "--map", site, "--localize"}), 0.03);
   }
+  const Outcome refused =
+      covis({"run", other, "--sensor", "mono", "--map", site, "--quiet", "--out", folder / "refused"});
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_THAT(refused.error, HasSubstr("--localize"));
+  // A map that another camera continues is that camera's; the first one is found in it, and continues it in turn.
+  EXPECT_LT(run({other, "--first", "50", "--map", one, "--save-map", on}), 0.02);
+  EXPECT_EQ(camera_of(on), 400);
+  EXPECT_LT(run({recording, "--count", "60", "--map", on, "--save-map", on}), 0.02);
+  EXPECT_EQ(camera_of(on), 320);
+  EXPECT_LT(run({other, "--map", on, "--localize"}), 0.02);
+  // A camera without depth leaves a map in metres as it is.
+  EXPECT_LT(run({other, "--sensor", "mono", "--count", "40", "--map", on, "--localize", "--save-map", on}), 0.03);
+  EXPECT_LT(run({recording, "--count", "60", "--map", on, "--save-map", on}), 0.02);
 }
 
 TEST_F(CommandMerge, EndsAtOnceByCtrlC) {

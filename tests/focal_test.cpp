@@ -180,7 +180,7 @@ TEST_F(FocalLength, IsKeptWithASavedMapLong) {
   }
 }
 
-// What another camera made is expressed in the present one, and found and continued with it.
+// A map that another camera made is expressed in the present one, and is found and continued with it.
 TEST_F(FocalLength, OfAnotherCameraIsNotThatOfTheMapAnyMore) {
   const Camera other = camera(1.001);
   for (const bool localize : {false, true}) {

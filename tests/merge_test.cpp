@@ -43,11 +43,9 @@ struct Merged {
   MergeReport report;
 
   explicit Merged(Recording& recording, std::vector<MapState> maps) {
-    JoinSettings settings;
-    settings.sensor = recording.synth.sensor();
     std::vector<MergeSource> sources;
-    for (MapState& one : maps) sources.push_back({std::move(one)});
-    const auto done = merge_maps(std::move(sources), *vocabulary(), settings, map);
+    for (MapState& one : maps) sources.push_back({std::move(one), recording.synth.sensor()});
+    const auto done = merge_maps(std::move(sources), *vocabulary(), {}, map);
     EXPECT_TRUE(done) << done.error().message;
     if (done) report = *done;
     EXPECT_EQ(map.read()->check(), "");

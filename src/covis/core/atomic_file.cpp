@@ -234,12 +234,11 @@ void FileSink::rewrite(uint64_t at, std::string_view bytes) {
 
 Result<void> write_atomically(const std::filesystem::path& file, std::string_view bytes, Durability durability,
                               TemporaryFile temporary) {
-  const auto contents = [&](FileSink& sink) {
+  const auto write = [&](FileSink& sink) -> Result<void> {
     sink.append(bytes);
-    return sink.problem();
+    return {};
   };
-  const int problem = write_file(file, contents, durability, temporary);
-  return problem == 0 ? Result<void>() : cannot_be_written(file, problem);
+  return write_atomically(file, write, durability, temporary);
 }
 
 Result<void> write_atomically(const std::filesystem::path& file, const std::function<Result<void>(FileSink&)>& write,

@@ -30,7 +30,7 @@ Result<void> write_atomically(const std::filesystem::path& file, std::string_vie
                               Durability durability = Durability::fast,
                               TemporaryFile temporary = TemporaryFile::unnamed);
 
-// Where the bytes of a file go, piece by piece: to an open file, or to memory. After an error nothing more is written.
+// Takes the bytes of a file piece by piece, to an open file or to memory. After an error it writes nothing more.
 class FileSink {
  public:
   explicit FileSink(int handle) : handle_(handle) {}

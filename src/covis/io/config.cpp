@@ -29,7 +29,7 @@ Result<void> load_map(const std::filesystem::path& file, const YAML::Node& node,
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
-    if ((c >= 0 && c < ' ') || c == '\x7f') {  // what YAML does not take as it is
+    if ((c >= 0 && c < ' ') || c == '\x7f') {  // YAML does not take it as it is
       char escaped[5];
       std::snprintf(escaped, sizeof escaped, "\\x%02x", static_cast<unsigned>(c));
       result += escaped;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "covis/core/reserve.h"
 #include "covis/mapping/local_adjustment.h"
 #include "covis/mapping/map_problem.h"
 
@@ -17,9 +18,9 @@ class Growth {
   explicit Growth(const Map& map) : map_(map) {}
   void add(KeyFrameId id) {
     for (const Neighbour& n : map_.at(id).shared) {
-      if (shared_.size() <= n.key_frame.slot) shared_.resize(n.key_frame.slot + size_t{1});
-      if (shared_[n.key_frame.slot] == 0) open_.push_back(n.key_frame);
-      shared_[n.key_frame.slot] += n.weight;
+      int& shared = at_slot(shared_, n.key_frame.slot);
+      if (shared == 0) open_.push_back(n.key_frame);
+      shared += n.weight;
     }
   }
   // The one that shares most of those for which `free` holds; among equal ones the lowest handle.
@@ -44,10 +45,7 @@ std::vector<std::vector<KeyFrameId>> pieces_of(const Map& map, uint32_t submap, 
   std::vector<KeyFrameId> order = map.key_frames(submap);
   if (backwards) std::reverse(order.begin(), order.end());
   std::vector<uint8_t> left;  // by slot
-  for (const KeyFrameId& id : order) {
-    left.resize(std::max(left.size(), id.slot + size_t{1}));
-    left[id.slot] = 1;
-  }
+  for (const KeyFrameId& id : order) at_slot(left, id.slot) = 1;
   const auto free = [&](KeyFrameId id) { return id.slot < left.size() && left[id.slot]; };
   std::vector<std::vector<KeyFrameId>> pieces;
   for (const KeyFrameId& first : order) {
@@ -76,7 +74,7 @@ std::optional<AdjustedCost> adjust_in_pieces(SharedMap& shared, const std::vecto
       problem.gather(*map, window.key_frames, window.moving);
     }
     if (std::find(problem.problem.fixed.begin(), problem.problem.fixed.end(), 1) == problem.problem.fixed.end())
-      continue;  // nothing holds it, and what it sees nobody else does
+      continue;  // no other key frame sees what it sees, so that none can hold it
     const BundleSummary done = adjuster.solve(problem.problem, {.iterations = iterations});
     if (!done.ok) continue;
     classify_observations(problem.problem);

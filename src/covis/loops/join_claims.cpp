@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
-#include <map>
 #include <queue>
 #include <span>
 #include <tuple>
 
+#include "covis/core/reserve.h"
 #include "covis/loops/loop_consensus.h"
 #include "covis/loops/loop_detector.h"
 #include "covis/loops/loop_verifier.h"
@@ -34,12 +34,11 @@ class ClaimsAround {
  public:
   void add(const JoinClaim& claim) {
     for (const auto& [end, other] : {std::pair(claim.current, claim.place), std::pair(claim.place, claim.current)}) {
-      if (others_.size() <= end.slot) others_.resize(end.slot + size_t{1});
-      others_[end.slot].push_back(other);
+      at_slot(others_, end.slot).push_back(other);
     }
   }
-  // Whether one more claim between two key frames would say nothing new: enough are made between one of them or a
-  // neighbour of it and the other or a neighbour of that.
+  // One more claim between two key frames would say nothing new: enough are made between one of them or a neighbour of
+  // it and the other or a neighbour of that.
   bool told(const Map& map, KeyFrameId a, KeyFrameId b) const {
     const auto near_b = [&](KeyFrameId id) { return id == b || map.weight(id, b) >= kCovisibilityThreshold; };
     const auto count = [&](KeyFrameId id) { return std::count_if(others_of(id).begin(), others_of(id).end(), near_b); };
@@ -107,13 +106,12 @@ JoinSides::JoinSides(const Map& map, const JoinClaim& claim) {
 JoinClaims JoinClaims::collect(const Map& map, Sensor sensor, const LoopOptions& options, int seed) {
   JoinClaims found;
   LoopVerifier verifier(map, sensor, options, seed), any_scale(map, Sensor::monocular, options, seed);
-  std::map<uint32_t, bool> metric;
-  for (const Submap& submap : map.submaps()) metric[submap.id] = knows_metres(map, submap.id);
+  found.metric = metric_submaps(map);
   ClaimsAround around;
   for (const KeyFrameId& current : map.key_frames()) {
     for (const KeyFrameId& place : LoopDetector::candidates_elsewhere(map, current)) {
       if (around.told(map, current, place)) continue;
-      const bool both_metric = metric[map.at(current).submap] && metric[map.at(place).submap];
+      const bool both_metric = found.is_metric(map.at(current).submap) && found.is_metric(map.at(place).submap);
       LoopCandidate candidate(map, current, place);
       if (!both_metric) candidate.camera = candidate.camera.without_depth();
       const LoopVerdict verdict = (both_metric ? verifier : any_scale).verify(candidate);

@@ -4,6 +4,7 @@
 // that the claims on two submaps can be held against each other before one is believed.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -50,6 +51,9 @@ struct JoinClaims {
   std::vector<JoinClaim> claims;       // by rising serial of the key frame
   std::vector<RefusedPlace> refused;   // likewise; the submaps are those of `refused_of` and of the place
   std::vector<KeyFrameId> refused_of;  // the key frame of each
+  std::vector<uint32_t> metric;        // the submaps whose lengths are metres; rising
+
+  bool is_metric(uint32_t submap) const { return std::binary_search(metric.begin(), metric.end(), submap); }
 
   // Asks every key frame of the map.
   static JoinClaims collect(const Map& map, Sensor sensor, const LoopOptions& options, int seed);

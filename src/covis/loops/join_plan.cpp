@@ -8,16 +8,17 @@
 #include <tuple>
 #include <utility>
 
-#include "covis/map/camera_change.h"
-
 namespace covis {
 namespace {
 
 // Distinct pairs of key frames that must agree; and where more than a quarter of the views that would stand side by
 // side do not see the same.
 constexpr int kLeastClaims = 3, kLeastClaimsInDoubt = 5;
-constexpr uint32_t kLeastKeyFrames = 5;  // of either submap: one that saw less has nothing to differ in
-constexpr int kContradictory = 20;       // of so many views that would stand side by side one may contradict
+// Key frames that either submap must have: one that saw less shows too little to differ from a place that looks the
+// same.
+constexpr uint32_t kLeastKeyFrames = 5;
+// One view in so many of those that would stand side by side may contradict.
+constexpr int kContradictory = 20;
 
 std::pair<uint32_t, uint32_t> ordered(uint32_t a, uint32_t b) { return std::minmax({a, b}); }
 
@@ -99,17 +100,16 @@ bool find_ambiguous(const std::vector<JoinClaim>& claims, const std::vector<Join
 
 }  // namespace
 
-SideBySide::SideBySide(const Map& map, const std::vector<JoinClaim>& claims, const JoinGroup& group,
-                       LoopVerifier& verifier) {
+SideBySide::SideBySide(const Map& map, const JoinClaims& found, const JoinGroup& group, LoopVerifier& verifier) {
   std::vector<Link> in_younger, in_older;
   for (const size_t k : group.claims) {
-    const JoinSides side(map, claims[k]);
+    const JoinSides side(map, found.claims[k]);
     const Sim3 S_young_old = side.S_old_young.inverse();
     in_younger.push_back({side.in_younger, side.S_old_young, side.depth});
     in_older.push_back({side.in_older, S_young_old, side.depth * S_young_old.scale()});
   }
   // Depths are metres, and poses in the other submap's world are in its unit.
-  const bool both_metric = knows_metres(map, group.younger) && knows_metres(map, group.older);
+  const bool both_metric = found.is_metric(group.younger) && found.is_metric(group.older);
   const Pinhole camera = both_metric ? map.camera() : map.camera().without_depth();
   look(map, camera, group.younger, group.older, in_younger, verifier);
   look(map, camera, group.older, group.younger, in_older, verifier);
@@ -172,7 +172,7 @@ JoinPlan::JoinPlan(const Map& map, const JoinClaims& found, LoopVerifier& verifi
       pair.refusal = pair.claims < kLeastClaims ? JoinRefusal::unconfirmed : JoinRefusal::too_small;
       continue;
     }
-    const SideBySide views(map, claims, group, verifier);
+    const SideBySide views(map, found, group, verifier);
     pair.views_agree = views.agree;
     pair.views_disagree = views.disagree;
     pair.views_contradict = views.contradict;

@@ -31,7 +31,7 @@ struct JoinPlan {
 struct SideBySide {
   int agree = 0, disagree = 0, contradict = 0;
 
-  SideBySide(const Map& map, const std::vector<JoinClaim>& claims, const JoinGroup& group, LoopVerifier& verifier);
+  SideBySide(const Map& map, const JoinClaims& found, const JoinGroup& group, LoopVerifier& verifier);
 
  private:
   // A claim as one side has it.

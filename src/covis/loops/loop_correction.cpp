@@ -191,10 +191,10 @@ std::optional<JoinedSubmap> join_at_loop(SharedMap& shared, KeyFrameId current, 
   return join_at_loop(shared, current, loop, older);
 }
 
-int fuse_matches(SharedMap& shared, KeyFrameId current, const Loop& loop) {
+int fuse_matches(SharedMap& shared, KeyFrameId current, const std::vector<std::pair<uint32_t, MapPointId>>& matches) {
   int fused = 0;
   MapEdit map(shared);
-  for (const auto& [feature, held] : loop.matches) {
+  for (const auto& [feature, held] : matches) {
     const MapPointId point = map->forwarded(held);
     if (!map->find(point)) continue;
     const MapPointId present = map->at(current).points[feature];
@@ -225,7 +225,7 @@ int fuse_around(SharedMap& shared, KeyFrameId current, const LoopPlace& place, P
 
 int fuse_loop(SharedMap& shared, KeyFrameId current, const Loop& loop, PointFuser& fuser) {
   std::vector<KeyFrameId> stale;
-  const int matched = fuse_matches(shared, current, loop);
+  const int matched = fuse_matches(shared, current, loop.matches);
   const int around = fuse_around(shared, current, loop.place, fuser, stale);
   refresh_points_of(shared, stale);
   return matched + around;

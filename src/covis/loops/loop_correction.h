@@ -90,7 +90,7 @@ int fuse_loop(SharedMap& map, KeyFrameId current, const Loop& loop, PointFuser& 
 // Its two steps: what the loop's matches say is the same, and the place's points wherever else they are found. The
 // second leaves what is derived from the points' observations as it is: the key frames whose points want
 // refresh_points_of() are appended to `stale`, so that several loops share one.
-int fuse_matches(SharedMap& map, KeyFrameId current, const Loop& loop);
+int fuse_matches(SharedMap& map, KeyFrameId current, const std::vector<std::pair<uint32_t, MapPointId>>& matches);
 int fuse_around(SharedMap& map, KeyFrameId current, const LoopPlace& place, PointFuser& fuser,
                 std::vector<KeyFrameId>& stale);
 

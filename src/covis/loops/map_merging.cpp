@@ -16,7 +16,7 @@ namespace {
 size_t best_camera(const std::vector<MergeSource>& maps) {
   const auto rank = [](const MergeSource& source) {
     const MapState& map = source.map;
-    const bool depth = map.camera.bf > 0, stereo = depth && !map.camera.depth_noise.known();
+    const bool depth = source.sensor != Sensor::monocular, stereo = source.sensor == Sensor::stereo;
     return std::tuple(depth, stereo, map.key_frames.size(), map.points.size(), map.camera.fx, map.camera.fy);
   };
   const auto best = std::max_element(maps.begin(), maps.end(),
@@ -35,8 +35,8 @@ void find_inputs(const Map& map, const std::vector<uint32_t>& first_serials, std
 
 }  // namespace
 
-Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& vocabulary,
-                               const JoinSettings& settings, SharedMap& merged) {
+Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& vocabulary, const LoopOptions& options,
+                               SharedMap& merged) {
   MergeReport report;
   if (maps.empty()) return report;
   report.camera_of = best_camera(maps);
@@ -45,6 +45,7 @@ Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& 
   std::vector<size_t> to_adjust;  // inputs whose camera is another one from now on
   MapState all;
   const size_t kind = maps[report.camera_of].camera;
+  const Sensor sensor = maps[report.camera_of].sensor;
   for (size_t i = 0; i < maps.size(); ++i) {
     MapState& map = maps[i].map;
     report.inputs.push_back({{}, map.key_frames.size(), map.points.size()});
@@ -67,9 +68,9 @@ Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& 
     map->set_words(id, std::make_shared<const Words>(vocabulary.transform(map->at(id).features->descriptor)));
   *merged.write() = std::move(*map);
   for (const size_t i : to_adjust) {
-    for (const uint32_t submap : report.inputs[i].submaps) adjust_submap(merged, submap, settings.loop.ba_iterations);
+    for (const uint32_t submap : report.inputs[i].submaps) adjust_submap(merged, submap, options.ba_iterations);
   }
-  report.join = join_submaps(merged, settings);
+  report.join = join_submaps(merged, {.sensor = sensor, .loop = options, .mapper = {}, .seed = 0});
   return report;
 }
 

@@ -18,6 +18,7 @@ namespace covis {
 // A map that is to be merged.
 struct MergeSource {
   MapState map;
+  Sensor sensor = Sensor::monocular;
   size_t camera = 0;  // maps of the same number were given the same camera; each may have refined it
 };
 
@@ -37,7 +38,7 @@ struct MergeReport {
 // sensor, whose noise that of stereo is not; and of several the map of the most key frames, which knows the refinement
 // best. Maps of other cameras are expressed in it (map/camera_change.h), those of the same one are adjusted to it.
 // `merged` must be empty. Fails when the maps together are more than one map can be, or are not sound.
-Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& vocabulary,
-                               const JoinSettings& settings, SharedMap& merged);
+Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& vocabulary, const LoopOptions& options,
+                               SharedMap& merged);
 
 }  // namespace covis

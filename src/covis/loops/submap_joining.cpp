@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "covis/core/log.h"
+#include "covis/core/reserve.h"
 #include "covis/core/time.h"
 #include "covis/loops/adjustment_in_pieces.h"
 #include "covis/loops/join_plan.h"
 #include "covis/loops/loop_consensus.h"
 #include "covis/loops/loop_correction.h"
 #include "covis/loops/submap_adjustment.h"
-#include "covis/map/camera_change.h"
 #include "covis/mapping/point_fusion.h"
 
 namespace covis {
@@ -24,47 +24,25 @@ namespace {
 constexpr uint32_t kWhole = 300;
 constexpr size_t kPiece = 60;
 
-// The key frames in which the points of places were looked for.
-struct Fused {
-  std::vector<KeyFrameId> key_frames;
+// Key frames in which the points around some place were looked for, and those that the points were taken from; sorted.
+struct FusedPlace {
+  std::vector<KeyFrameId> targets, group;
 
-  // Those from the `from`th on were searched for the points of this group.
-  void add(size_t from, std::vector<KeyFrameId> group) {
-    std::sort(key_frames.begin() + static_cast<ptrdiff_t>(from), key_frames.end());
-    std::sort(group.begin(), group.end());
-    searches_.push_back({from, key_frames.size(), std::move(group)});
+  bool has(KeyFrameId target, KeyFrameId place) const {
+    return std::binary_search(targets.begin(), targets.end(), target) &&
+           std::binary_search(group.begin(), group.end(), place);
   }
-  bool has(KeyFrameId key_frame, KeyFrameId place) const {
-    return std::any_of(searches_.begin(), searches_.end(), [&](const Search& search) {
-      const auto begin = key_frames.begin();
-      return std::binary_search(search.group.begin(), search.group.end(), place) &&
-             std::binary_search(begin + static_cast<ptrdiff_t>(search.from), begin + static_cast<ptrdiff_t>(search.to),
-                                key_frame);
-    });
-  }
-
- private:
-  struct Search {
-    size_t from, to;  // among key_frames
-    std::vector<KeyFrameId> group;
-  };
-  std::vector<Search> searches_;
 };
 
 // Carries a plan out.
 class Joining {
  public:
-  Joining(SharedMap& map, const JoinSettings& settings, const std::vector<JoinClaim>& claims, JoinPlan& plan)
-      : map_(map), settings_(settings), claims_(claims), plan_(plan) {
+  Joining(SharedMap& map, const JoinSettings& settings, const JoinClaims& found, JoinPlan& plan)
+      : map_(map), settings_(settings), found_(found), claims_(found.claims), plan_(plan) {
     const auto before = map.read();
-    for (const Submap& submap : before->submaps()) {
-      maps_[submap.id] = {.id = submap.id, .of = {submap.id}};
-      if (knows_metres(*before, submap.id)) metric_.insert(submap.id);
-    }
-    before->for_each_key_frame([&](KeyFrameId id, const KeyFrame& key_frame) {
-      origin_.resize(id.slot + size_t{1});
-      origin_[id.slot] = key_frame.submap;
-    });
+    for (const Submap& submap : before->submaps()) maps_[submap.id] = {.id = submap.id, .of = {submap.id}};
+    before->for_each_key_frame(
+        [&](KeyFrameId id, const KeyFrame& key_frame) { at_slot(origin_, id.slot) = key_frame.submap; });
   }
 
   // Moves the submaps into one another's worlds.
@@ -91,19 +69,19 @@ class Joining {
     return map->at(claim.current).submap == map->at(claim.place).submap;
   }
   void join(const JoinGroup& group);
-  // Of two submaps the one whose world is that of both: the older one, unless the other alone has metres for a unit.
+  // The submap whose world becomes that of both: the older one, unless the other alone has metres for a unit.
   uint32_t kept(uint32_t a, uint32_t b) const;
   bool consistent(const JoinClaim& claim) const;
   void tie(uint32_t submap);
-  int fuse(const JoinClaim& claim, Fused& fused);
+  int fuse(const JoinClaim& claim, std::vector<FusedPlace>& fused);
   void fuse_seams(uint32_t submap);
 
   SharedMap& map_;
   const JoinSettings& settings_;
+  const JoinClaims& found_;
   const std::vector<JoinClaim>& claims_;
   JoinPlan& plan_;
   std::vector<uint32_t> origin_;          // by slot: the submap before any was joined
-  std::set<uint32_t> metric_;             // submaps with depth, before any was joined
   std::map<uint32_t, JoinedMap> maps_;    // by id of the submap
   std::vector<const JoinGroup*> joined_;  // the groups whose claims hold
   PointFuser fuser_;
@@ -146,7 +124,7 @@ void Joining::join(const JoinGroup& group) {
 uint32_t Joining::kept(uint32_t a, uint32_t b) const {
   const auto metric = [&](uint32_t submap) {
     const std::vector<uint32_t>& of = maps_.at(submap).of;
-    return std::any_of(of.begin(), of.end(), [&](uint32_t part) { return metric_.contains(part); });
+    return std::any_of(of.begin(), of.end(), [&](uint32_t part) { return found_.is_metric(part); });
   };
   const auto [older, younger] = std::minmax(a, b);
   return metric(younger) && !metric(older) ? younger : older;
@@ -172,7 +150,7 @@ void Joining::tie(uint32_t submap) {
   }
   if (ties.empty()) return;
   const std::vector<uint32_t>& of = maps_.at(submap).of;
-  const bool metric = std::all_of(of.begin(), of.end(), [&](uint32_t part) { return metric_.contains(part); });
+  const bool metric = std::all_of(of.begin(), of.end(), [&](uint32_t part) { return found_.is_metric(part); });
   LoopGraph graph(*map_.read(), submap, ties, metric ? settings_.sensor : Sensor::monocular);
   if (!graph.solve()) {
     log(LogLevel::warning, "the pose graph of joined maps could not be optimised; they are joined as they are");
@@ -182,15 +160,16 @@ void Joining::tie(uint32_t submap) {
   maps_.at(submap).correction = graph.greatest_move();
 }
 
-int Joining::fuse(const JoinClaim& claim, Fused& fused) {
-  Loop loop;
-  loop.matches = claim.matches;
-  const int matched = fuse_matches(map_, claim.current, loop);
-  if (fused.has(claim.current, claim.place)) return matched;
-  const LoopPlace place(*map_.read(), claim.place);
-  const size_t before = fused.key_frames.size();
-  const int around = fuse_around(map_, claim.current, place, fuser_, fused.key_frames);
-  fused.add(before, place.group);
+int Joining::fuse(const JoinClaim& claim, std::vector<FusedPlace>& fused) {
+  const int matched = fuse_matches(map_, claim.current, claim.matches);
+  const auto done = [&](const FusedPlace& before) { return before.has(claim.current, claim.place); };
+  if (std::any_of(fused.begin(), fused.end(), done)) return matched;
+  LoopPlace place(*map_.read(), claim.place);
+  FusedPlace& now = fused.emplace_back();
+  const int around = fuse_around(map_, claim.current, place, fuser_, now.targets);
+  now.group = std::move(place.group);
+  std::sort(now.targets.begin(), now.targets.end());
+  std::sort(now.group.begin(), now.group.end());
   return matched + around;
 }
 
@@ -213,12 +192,14 @@ void Joining::tie_and_fuse() {
   for (const auto& [id, made] : maps_) {
     if (made.of.size() > 1) tie(id);
   }
-  Fused fused;
+  std::vector<FusedPlace> fused;
   for (const JoinGroup* group : joined_) {
     JoinedPair& pair = pair_of(*group);
     for (const size_t k : group->claims) pair.fused += fuse(claims_[k], fused);
   }
-  refresh_points_of(map_, fused.key_frames);
+  std::set<KeyFrameId> stale;
+  for (const FusedPlace& place : fused) stale.insert(place.targets.begin(), place.targets.end());
+  refresh_points_of(map_, std::vector(stale.begin(), stale.end()));
 }
 
 // Once to bring both sides together, and once more with what is found to be the same only then. The pieces of both
@@ -266,7 +247,7 @@ JoinReport join_submaps(SharedMap& map, const JoinSettings& settings) {
     return JoinPlan(*now, found, verifier);
   }();
   report.search_ms = watch.lap();
-  Joining joining(map, settings, found.claims, plan);
+  Joining joining(map, settings, found, plan);
   joining.join();
   joining.tie_and_fuse();
   report.join_ms = watch.lap();

@@ -83,12 +83,15 @@ bool has_other_pixels(const Map& map) {
   return found;
 }
 
-bool knows_metres(const Map& map, uint32_t submap) {
-  const std::vector<KeyFrameId> frames = map.key_frames(submap);
-  return std::any_of(frames.begin(), frames.end(), [&](KeyFrameId id) {
-    const AlignedVector<float>& depth = map.at(id).features->depth;
-    return std::any_of(depth.begin(), depth.end(), [](float d) { return d > 0; });
+std::vector<uint32_t> metric_submaps(const Map& map) {
+  std::vector<uint32_t> metric;
+  map.for_each_key_frame([&](KeyFrameId, const KeyFrame& key_frame) {
+    const auto at = std::lower_bound(metric.begin(), metric.end(), key_frame.submap);
+    if (at != metric.end() && *at == key_frame.submap) return;
+    const AlignedVector<float>& depth = key_frame.features->depth;
+    if (std::any_of(depth.begin(), depth.end(), [](float d) { return d > 0; })) metric.insert(at, key_frame.submap);
   });
+  return metric;
 }
 
 }  // namespace covis

@@ -19,7 +19,7 @@ Result<void> express_in(MapState& map, const Pinhole& camera);
 bool has_other_pixels(const MapState& map);
 bool has_other_pixels(const Map& map);
 
-// A key frame has a measured depth, so that the submap's lengths are metres.
-bool knows_metres(const Map& map, uint32_t submap);
+// The submaps in which a key frame has a measured depth, so that lengths are metres; rising.
+std::vector<uint32_t> metric_submaps(const Map& map);
 
 }  // namespace covis

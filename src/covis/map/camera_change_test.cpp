@@ -89,12 +89,15 @@ TEST_F(CameraChange, CamerasThatDifferByTooMuchAreRefused) {
   EXPECT_FALSE(has_other_pixels(state)) << "there and back again";
 }
 
-TEST_F(CameraChange, ACameraWithDepthKnowsMetres) {
-  EXPECT_TRUE(knows_metres(*world.shared.read(), 0));
-  EXPECT_FALSE(knows_metres(*world.shared.read(), 5)) << "no such submap";
-  SceneMap mono{scene, Sensor::monocular};
-  mono.add_key_frames(4);
-  EXPECT_FALSE(knows_metres(*mono.shared.read(), 0));
+TEST_F(CameraChange, SubmapsWithDepthAreInMetres) {
+  EXPECT_EQ(metric_submaps(*world.shared.read()), std::vector<uint32_t>{0});
+  world.sensor = Sensor::monocular;
+  world.begin_submap();
+  world.add_key_frames(4);
+  world.sensor = Sensor::rgbd;
+  world.begin_submap();
+  world.add_key_frames(4);
+  EXPECT_EQ(metric_submaps(*world.shared.read()), (std::vector<uint32_t>{0, 2}));
 }
 
 }  // namespace

@@ -57,19 +57,17 @@ std::vector<KeyFrameDatabase::Candidate> KeyFrameDatabase::query(const Map& map,
                                                                  double min_score) const {
   std::vector<int> shared;  // words, by slot
   for (const WordWeight& w : words.words) {
-    const std::vector<uint32_t>& list = holders(w.word);
-    if (!list.empty() && list.back() >= shared.size()) shared.resize(list.back() + size_t{1});
-    for (const uint32_t slot : list) ++shared[slot];
+    for (const uint32_t slot : holders(w.word)) ++at_slot(shared, slot);
   }
+  const auto left_out = [&](uint32_t slot) { return excluded && excluded(map.key_frame_in(slot)); };
   int most = 0;
   for (uint32_t slot = 0; slot < shared.size(); ++slot) {
-    if (shared[slot] > most && !excluded(map.key_frame_in(slot))) most = shared[slot];
+    if (shared[slot] > most && !left_out(slot)) most = shared[slot];
   }
   std::vector<Candidate> scored;  // sorted by handle
   for (uint32_t slot = 0; slot < shared.size(); ++slot) {
-    if (shared[slot] == 0 || shared[slot] < kSharedWords * most) continue;
+    if (shared[slot] == 0 || shared[slot] < kSharedWords * most || left_out(slot)) continue;
     const KeyFrameId id = map.key_frame_in(slot);
-    if (excluded(id)) continue;
     const double score = word_score(words.words, map.at(id).words->words);
     if (score >= min_score) scored.push_back({id, score});
   }

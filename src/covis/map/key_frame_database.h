@@ -33,10 +33,10 @@ class KeyFrameDatabase {
     double score = 0;  // word_score() of the key frame itself
   };
   // Returns the key frames of the map that look most like an image of these words. It keeps those that share at least
-  // 80 % of the greatest number of shared words and score at least `min_score`; those that are excluded are left out.
-  // Each makes a group with its 10 best covisible key frames, those that are kept too, and the group's score is their
-  // sum. Each group of at least 75 % of the best sum gives its best key frame, once; best group first (ties: lower
-  // handle).
+  // 80 % of the greatest number of shared words and score at least `min_score`; those that are excluded are left out
+  // (by an empty function: none). Each makes a group with its 10 best covisible key frames, those that are kept too,
+  // and the group's score is their sum. Each group of at least 75 % of the best sum gives its best key frame, once;
+  // best group first (ties: lower handle).
   std::vector<Candidate> query(const Map& map, const Words& words, const std::function<bool(KeyFrameId)>& excluded,
                                double min_score) const;
 

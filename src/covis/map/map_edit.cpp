@@ -8,10 +8,9 @@
 namespace covis {
 namespace {
 
-template <typename Id>
-void make_unique(std::vector<Id>& ids) {
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+void make_unique(std::vector<MapPointId>& points) {
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
 }
 
 }  // namespace
@@ -61,9 +60,7 @@ void refresh_points_of(SharedMap& shared, std::span<const KeyFrameId> key_frames
   {
     const auto map = shared.read();
     std::vector<MapPointId> points;
-    std::vector<KeyFrameId> each(key_frames.begin(), key_frames.end());
-    make_unique(each);
-    for (const KeyFrameId& key_frame : each) {
+    for (const KeyFrameId& key_frame : key_frames) {
       const std::vector<MapPointId>& observed = map->at(key_frame).points;
       std::copy_if(observed.begin(), observed.end(), std::back_inserter(points),
                    [](MapPointId id) { return id.valid(); });

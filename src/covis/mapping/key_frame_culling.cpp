@@ -8,7 +8,7 @@ struct Redundancy {
   int points = 0, redundant = 0;
 };
 
-// As finely as at `scale`, to one level.
+// Three others see the point as finely as at `scale`, or a level more coarsely.
 bool seen_by_others(const Map& map, KeyFrameId id, const MapPoint& point, float scale) {
   constexpr int kObservers = 3;  // others that must see a point for it to be redundant
   if (static_cast<int>(point.observations.size()) <= kObservers) return false;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/slam/map_camera.h"
 
-#include <algorithm>
-
 #include "covis/map/camera_change.h"
 
 namespace covis {
@@ -17,11 +15,7 @@ bool same_lens(const Camera& a, const Camera& b) {
 }  // namespace
 
 Result<void> check_continued(const Map& map, Sensor sensor) {
-  const std::vector<Submap>& submaps = map.submaps();
-  if (sensor != Sensor::monocular ||
-      std::none_of(submaps.begin(), submaps.end(), [&](const Submap& s) { return knows_metres(map, s.id); })) {
-    return {};
-  }
+  if (sensor != Sensor::monocular || metric_submaps(map).empty()) return {};
   return fail("the map is in metres, and this camera measures no depth: it can't be continued; localise in it only");
 }
 

@@ -125,15 +125,6 @@ Result<uint64_t> SectionWriter::finish() {
   return size_;
 }
 
-Result<std::string> pack_sections(const std::vector<Section>& sections, uint16_t major, uint16_t minor) {
-  std::string file;
-  FileSink sink(file);
-  SectionWriter writer(sink, sections.size(), major, minor);
-  for (const Section& section : sections) writer.write(section.id, section.bytes);
-  if (const auto size = writer.finish(); !size) return tl::unexpected(size.error());
-  return file;
-}
-
 bool is_map_file(const std::filesystem::path& file) {
   std::string magic(kMagic.size(), '\0');
   std::ifstream stream(file, std::ios::binary);

@@ -131,20 +131,11 @@ class SectionWriter {
   ZSTD_CCtx_s* const zstd_;
   std::string packed_;  // a piece, compressed
   FieldWriter table_;
-  uint64_t size_;                  // of the file
-  uint32_t id_ = 0, crc_ = 0;      // of the section
-  uint64_t raw_ = 0, stored_ = 0;  // its bytes
+  uint64_t size_;                  // bytes of the file so far
+  uint32_t id_ = 0, crc_ = 0;      // the present section's
+  uint64_t raw_ = 0, stored_ = 0;  // bytes of the present section, before and after compression
   std::string problem_;
 };
-
-struct Section {
-  uint32_t id = 0;
-  std::string bytes;
-};
-
-// Returns the bytes of a file with these sections.
-Result<std::string> pack_sections(const std::vector<Section>& sections, uint16_t major = kMapFileMajor,
-                                  uint16_t minor = kMapFileMinor);
 
 // True for a file that begins like a map, whatever follows.
 bool is_map_file(const std::filesystem::path& file);

@@ -7,6 +7,7 @@
 
 #include "covis/core/random.h"
 #include "covis/core/test_folder.h"
+#include "covis/storage/test_sections.h"
 
 namespace covis::storage {
 namespace {

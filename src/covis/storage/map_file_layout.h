@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is in the sections of a map file, field by field (docs/map-format.md). Each function serves both directions,
-// with FieldWriter or FieldReader as Fields.
+// The sections of a map file, field by field (docs/map-format.md). Each function serves both directions, with
+// FieldWriter or FieldReader as Fields.
 #pragma once
 
 #include <algorithm>

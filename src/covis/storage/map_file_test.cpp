@@ -9,8 +9,8 @@
 #include "covis/core/log.h"
 #include "covis/core/test_folder.h"
 #include "covis/map/camera_change.h"
-#include "covis/storage/map_file_format.h"
 #include "covis/storage/test_maps.h"
+#include "covis/storage/test_sections.h"
 
 namespace covis::storage {
 namespace {

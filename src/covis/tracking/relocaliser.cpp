@@ -55,8 +55,7 @@ std::vector<KeyFrameId> Relocaliser::candidates(const Map& map, const Words* wor
     if (std::find(places.begin(), places.end(), id) == places.end()) places.push_back(id);
   };
   if (words) {
-    for (const auto& candidate : map.database().query(
-             map, *words, [](KeyFrameId) { return false; }, 0)) {
+    for (const auto& candidate : map.database().query(map, *words, {}, 0)) {
       if (places.size() < kAlike) add(candidate.key_frame);
     }
   }
