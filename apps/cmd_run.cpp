@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // covis run: reads a recording or a camera, and writes a trajectory and a map.
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
@@ -13,6 +11,7 @@
 #include "apps/run/camera_of_recording.h"
 #include "apps/run/key_frame_pictures.h"
 #include "apps/run/map_saver.h"
+#include "apps/run/memory_bound.h"
 #include "apps/run/resources.h"
 #include "apps/run/run_json.h"
 #include "apps/run/run_loop.h"
@@ -21,6 +20,7 @@
 #include "apps/run/run_view.h"
 #include "commands.h"
 #include "common.h"
+#include "covis/core/atomic_file.h"
 #include "covis/core/fields.h"
 #include "covis/core/log.h"
 #include "covis/features/simd.h"
@@ -42,7 +42,7 @@ struct RunArguments {
   std::string config, format = "tum";
   std::string vocabulary, map, save_map, save_every = "120s";
   std::vector<std::string> settings;
-  int features = 0;
+  int features = 0, max_memory = 0;
   ViewOptions view;
   bool realtime = false, localize = false, quiet = false, json = false, dump_config = false;
   bool no_colours = false, keep_images = false;
@@ -76,7 +76,9 @@ Result<void> open_output_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail(folder + ": the output folder can't be made: " + error.message());
-  if (access(folder.c_str(), W_OK) != 0) return fail(folder + ": the output folder can't be written to");
+  // Tried, as permissions alone do not tell: of a read-only disk, in a sandbox.
+  if (!check_writable(std::filesystem::path(folder) / "trajectory.txt"))
+    return fail(folder + ": the output folder can't be written to");
   return {};
 }
 
@@ -148,6 +150,19 @@ int conclude(const RunArguments& arguments, const RunSummary& summary, io::Seque
   }
   if (summary.frames.tracked > 0) return 0;
   return fail_with(arguments.path + ": no frame was tracked: " + why_nothing_is_tracked(summary, camera));
+}
+
+// Bounds the map so that the whole run stays within --max-memory.
+Result<void> bound_memory(const RunArguments& arguments, const Camera& camera, SystemOptions& options) {
+  if (arguments.max_memory == 0) return {};
+  std::error_code none;
+  const uint64_t vocabulary = arguments.vocabulary.empty() || arguments.vocabulary == "none"
+                                  ? 0
+                                  : std::filesystem::file_size(arguments.vocabulary, none);
+  const auto map = map_megabytes(arguments.max_memory, camera, none ? 0 : vocabulary);
+  if (!map) return tl::unexpected(map.error());
+  if (options.mapper.max_map_mb == 0 || *map < options.mapper.max_map_mb) options.mapper.max_map_mb = *map;
+  return {};
 }
 
 PlayOptions play_options(const RunArguments& arguments, const SystemOptions& options, io::SequenceKind kind,
@@ -224,6 +239,8 @@ int run(const RunArguments& arguments) {
     sequence = io::open_sequence(arguments.path, reading);
     if (!sequence) return fail_with(sequence.error());
   }
+  if (const auto bounded = bound_memory(arguments, (*sequence)->camera(), options); !bounded)
+    return fail_with(bounded.error());
   storage::MapHeader header = storage::header_of((*sequence)->camera(), options.sensor, options.orb, vocabulary->get());
   const auto interval = check_saving(arguments, options, (*sequence)->kind());
   if (!interval) return fail_with(interval.error());
@@ -305,6 +322,10 @@ void add_run_command(CLI::App& app, int& exit_code) {
                    "save the map aside, to FILE.unfinished, after so many frames (500) or seconds (120s) each, so "
                    "that a kill loses no more; 0: never")
       ->capture_default_str();
+  command
+      ->add_option("--max-memory", arguments->max_memory,
+                   "MB that the run may take: the map loses key frames where that costs least (docs/places.md)")
+      ->check(CLI::Range(1, 1'000'000));
   command->add_flag("--keep-images", arguments->keep_images,
                     "keep the key frames' images in the folder FILE.images beside the saved map, for covis map export");
   command->add_flag("--no-colours", arguments->no_colours,

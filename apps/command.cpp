@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "covis/core/fields.h"
 #include "covis/core/log.h"
 #include "covis/version.h"
+#include "sandbox.h"
 
 namespace {
 
@@ -41,6 +43,16 @@ int covis_command(int argc, char** argv) {
   CLI::App app{"Covis: visual SLAM for monocular, stereo and RGB-D cameras"};
   app.set_version_flag("--version", std::string("covis ") + covis::version());
   app.require_subcommand(1);
+  // Options of the command itself take effect before those of its subcommands, which do the work.
+  app.add_option_function<std::vector<std::string>>(
+         "--sandbox",
+         [](const std::vector<std::string>& folders) {
+           if (const auto entered = covis::app::enter_sandbox(folders); !entered)
+             throw std::runtime_error(entered.error().message);
+         },
+         "folder that may be written to, and nothing else: for files from strangers (docs/security.md); may be "
+         "repeated, stands before COMMAND")
+      ->allow_extra_args(false);
   app.footer(
       "covis COMMAND --help shows details and examples.\nExit codes: 0 done; 1 the input or the result is not right; 2 "
       "wrong usage; 130 `run` ended by Ctrl-C, all its files written.");

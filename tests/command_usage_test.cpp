@@ -147,6 +147,7 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
       {{"run", gone, "--set", "orb.features"}, "NAME=VALUE"},
       {{"run", gone, "--set", "system.trajectory_frames=9"}, "it is for programs"},
       {{"run", gone, "--config", gone}, gone},
+      {{"run", gone, "--set", "mapper.max_map_mb=-1"}, "whole number from 0"},
       {{"run", gone, "--simd", "abacus"}, "no such instruction set here; there are best, "},
       {{"localize", gone, "--map", gone}, gone + ": it does not exist"},
       {{"localize", gone, "--map", gone, "--set", "orb.features"}, "NAME=VALUE"},

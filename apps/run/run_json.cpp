@@ -41,6 +41,7 @@ json to_json(const MappingReport& m) {
           {"points_fused", m.counts.points_fused},
           {"points_culled", m.counts.points_culled},
           {"key_frames_culled", m.counts.key_frames_culled},
+          {"key_frames_thinned", m.counts.key_frames_thinned},
           {"ba_key_frames", m.adjustment.key_frames},
           {"ba_points", m.adjustment.points},
           {"ba_observations", m.adjustment.observations},
@@ -169,11 +170,10 @@ class PosesInOrder {
 
 }  // namespace
 
-std::string stats_text(const RunRecord& run, const Snapshot& snapshot) {
-  std::string text;
+void append_stats(const RunRecord& run, const Snapshot& snapshot, FileSink& sink) {
   size_t next = 0;  // next mapping report; they are in the order of their frames
   PosesInOrder poses(snapshot.trajectory), online(snapshot.online);
-  for (const FrameStats& frame : run.frames) {
+  for (const FrameStats& frame : run.frames.all()) {
     const PoseOfFrame* pose = poses.of(frame.frame);
     json line = to_json(frame, pose ? snapshot.index_of(pose->submap) : std::nullopt);
     if (const PoseOfFrame* tracked = online.of(frame.frame)) line["online"] = online_json(*tracked);
@@ -181,10 +181,8 @@ std::string stats_text(const RunRecord& run, const Snapshot& snapshot) {
       if (run.mapping[next].frame == frame.frame) line["mapping"] = to_json(run.mapping[next]);
     }
     // A message may quote a file name that is not UTF-8.
-    text += line.dump(-1, ' ', false, json::error_handler_t::replace);
-    text += '\n';
+    sink.append(line.dump(-1, ' ', false, json::error_handler_t::replace) + '\n');
   }
-  return text;
 }
 
 json pinhole_json(const Pinhole& camera) {
@@ -217,6 +215,7 @@ json to_json(const RunSummary& s) {
            {"interrupted", s.interrupted},
            {"keyframes", s.map.key_frames},
            {"keyframes_made", s.map.key_frames_made},
+           {"keyframes_thinned", s.map.key_frames_thinned},
            {"map_points", s.map.points},
            {"refused_non_finite", s.map.refused_non_finite},
            {"tracking_ms", to_json(s.times.tracking)},

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <string>
 #include <vector>
 
 #include "apps/run/run_summary.h"
+#include "covis/core/atomic_file.h"
 #include "covis/geometry/camera.h"
 
 namespace covis::app {
@@ -15,6 +15,6 @@ nlohmann::json to_json(const RunSummary& summary);
 nlohmann::json pinhole_json(const Pinhole& camera);
 
 // A line for each frame, with the mapping done for it and the submap its pose belongs to.
-std::string stats_text(const RunRecord& run, const Snapshot& snapshot);
+void append_stats(const RunRecord& run, const Snapshot& snapshot, FileSink& sink);
 
 }  // namespace covis::app

@@ -20,6 +20,13 @@ std::vector<json> lines_of(const std::string& text) {
   return lines;
 }
 
+std::string stats_of(const RunRecord& run, const Snapshot& snapshot) {
+  std::string text;
+  FileSink sink(text);
+  append_stats(run, snapshot, sink);
+  return text;
+}
+
 TEST(RunJson, SummaryHasTheKeysThatScriptsRead) {
   const Snapshot snapshot = made_snapshot();
   const Trajectory truth = main_submap(snapshot).trajectory;
@@ -63,7 +70,7 @@ TEST(RunJson, EveryFrameHasALine) {
   run.mapping[0].frame = 2;
   run.mapping[1].frame = 8;
   run.mapping[1].counts.points_created = 17;
-  const auto lines = lines_of(stats_text(run, made_snapshot()));
+  const auto lines = lines_of(stats_of(run, made_snapshot()));
   ASSERT_EQ(lines.size(), 10u);
   for (size_t k = 0; k < lines.size(); ++k) {
     EXPECT_EQ(lines[k]["frame"], k);
@@ -81,7 +88,7 @@ TEST(RunJson, EveryFrameHasALine) {
 TEST(RunJson, ReasonsNeedNotBeUtf8) {
   RunRecord run = made_record();
   run.frames[7].reason = "\xff.png: it can't be read";
-  EXPECT_EQ(lines_of(stats_text(run, {})).size(), 10u);
+  EXPECT_EQ(lines_of(stats_of(run, {})).size(), 10u);
 }
 
 }  // namespace

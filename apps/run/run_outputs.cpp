@@ -27,7 +27,7 @@ std::vector<Trajectory> by_submap(const Snapshot& snapshot) {
 
 std::vector<ReportFrame> report_frames(const RunRecord& run) {
   std::vector<ReportFrame> frames;
-  for (const FrameStats& f : run.frames) {
+  for (const FrameStats& f : run.frames.all()) {
     frames.push_back({f.frame, std::string(f.state == FrameState::tracking ? "" : name(f.state)), f.reason,
                       f.processed() ? f.tracking_ms() : 0, f.track.inliers, f.track.key_frame});
   }
@@ -63,7 +63,10 @@ Result<void> write_outputs(const RunRecord& run, const Snapshot& snapshot, const
   keep_first(io::write_trajectory(out / "trajectory_online.txt", results.online_trajectory, options.format));
   keep_first(io::write_trajectory(out / "keyframes.txt", results.key_frames, options.format));
   keep_first(io::write_ply(out / "map.ply", results.points));
-  keep_first(write_atomically(out / "stats.jsonl", stats_text(run, snapshot)));
+  keep_first(write_atomically(out / "stats.jsonl", [&](FileSink& sink) {
+    append_stats(run, snapshot, sink);
+    return Result<void>();
+  }));
   keep_first(write_atomically(out / "summary.json",
                               to_json(summary).dump(2, ' ', false, json::error_handler_t::replace) + "\n"));
   const view::ViewState seen = view_state(run, snapshot, summary, options.title);

@@ -65,14 +65,14 @@ FrameStats skipped_frame(int64_t frame, Timestamp stamp, FrameState state, std::
   return stats;
 }
 
-void settle_states(const Snapshot& snapshot, RunMode mode, std::vector<FrameStats>& frames) {
+void settle_states(const Snapshot& snapshot, RunMode mode, SpilledArray<FrameStats>& frames) {
   // All of these come in the order of their frames.
   const auto has = [](const std::vector<PoseOfFrame>& poses, auto& pose, int64_t frame) {
     while (pose != poses.end() && pose->frame < frame) ++pose;
     return pose != poses.end() && pose->frame == frame;
   };
   auto now = snapshot.trajectory.begin(), then = snapshot.online.begin();
-  for (FrameStats& frame : frames) {
+  for (FrameStats& frame : frames.all()) {
     const bool has_pose = has(snapshot.trajectory, now, frame.frame);
     const bool had_pose = has(snapshot.online, then, frame.frame);
     if (has_pose && !had_pose) {

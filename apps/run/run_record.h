@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The record of one `covis run`, filled during the run: one row per frame.
+// The record of one `covis run`, filled during the run: one row per frame. Older rows are in a temporary file.
 #pragma once
 
 #include <array>
@@ -12,6 +12,7 @@
 
 #include "apps/view/rows.h"
 #include "covis/core/sensor.h"
+#include "covis/core/spilled_array.h"
 #include "covis/core/time.h"
 #include "covis/io/sequence.h"
 #include "covis/slam/system.h"
@@ -73,7 +74,7 @@ struct RunRecord {
   Pinhole given;                           // the recording's camera, as it was before any refinement
   std::optional<CameraEstimate> estimate;  // tells how `given` was found; nullopt: the recording has it
   int image_width = 0, image_height = 0;   // pixels
-  std::vector<FrameStats> frames;
+  SpilledArray<FrameStats> frames;
   std::vector<MappingReport> mapping;
   std::vector<view::LoopPaths> loops;
   std::vector<std::string> notes;  // frames of the recording that were passed over, and why
@@ -91,6 +92,6 @@ FrameStats tracked_frame(const io::Frame& frame, const FrameReport& report, RunM
 FrameStats skipped_frame(int64_t frame, Timestamp stamp, FrameState state, std::string reason);
 // At the end of a run: frames whose poses were retracted after they were tracked lose their state `tracking`, and those
 // that got their pose afterwards have it.
-void settle_states(const Snapshot& snapshot, RunMode mode, std::vector<FrameStats>& frames);
+void settle_states(const Snapshot& snapshot, RunMode mode, SpilledArray<FrameStats>& frames);
 
 }  // namespace covis::app

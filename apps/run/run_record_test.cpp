@@ -52,7 +52,7 @@ TEST(RunRecord, PosesTakenBackOrFoundAfterwardsShowInTheirRows) {
     pose.frame = frame;
     return pose;
   };
-  std::vector<FrameStats> frames;
+  SpilledArray<FrameStats> frames;
   for (int64_t frame = 0; frame < 6; ++frame) frames.push_back(skipped_frame(frame, 0, FrameState::lost, "why"));
   for (const size_t tracked : {0, 1, 2}) {
     frames[tracked].state = FrameState::tracking;

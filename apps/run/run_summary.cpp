@@ -2,6 +2,7 @@
 #include "apps/run/run_summary.h"
 
 #include <algorithm>
+#include <ranges>
 
 #include "covis/core/quantile.h"
 
@@ -10,10 +11,10 @@ namespace {
 
 Spread spread_of(const std::vector<double>& values) { return {quantile(values, 0.5), quantile(values, 0.95)}; }
 
-template <class Item, class Value>
-Spread spread(const std::vector<Item>& items, Value value) {
+template <class Items, class Value>
+Spread spread(Items&& items, Value value) {
   std::vector<double> values;
-  for (const Item& item : items) values.push_back(value(item));
+  for (const auto& item : items) values.push_back(value(item));
   return spread_of(values);
 }
 
@@ -28,7 +29,7 @@ Trajectory of_main_submap(const Poses& poses, const Snapshot& snapshot) {
 
 FrameCounts count_frames(const RunRecord& run, const Snapshot& snapshot) {
   FrameCounts counts;
-  for (const FrameStats& f : run.frames) {
+  for (const FrameStats& f : run.frames.all()) {
     counts.late += f.state == FrameState::late;
     counts.unreadable += f.state == FrameState::unreadable;
     counts.camera_gone += f.state == FrameState::camera_gone;
@@ -44,6 +45,7 @@ FrameCounts count_frames(const RunRecord& run, const Snapshot& snapshot) {
 MapCounts count_map(const RunRecord& run, const Snapshot& snapshot) {
   MapCounts counts;
   counts.key_frames_made = run.mapping.size();
+  for (const MappingReport& m : run.mapping) counts.key_frames_thinned += static_cast<size_t>(m.counts.key_frames_thinned);
   counts.refused_non_finite = snapshot.refused_non_finite;
   counts.submaps = snapshot.submaps;
   for (const SubmapSummary& submap : snapshot.submaps) {
@@ -54,9 +56,7 @@ MapCounts count_map(const RunRecord& run, const Snapshot& snapshot) {
 }
 
 FrameTimes times_of(const RunRecord& run) {
-  std::vector<FrameStats> done;
-  std::copy_if(run.frames.begin(), run.frames.end(), std::back_inserter(done),
-               [](const FrameStats& f) { return f.processed(); });
+  auto done = run.frames.all() | std::views::filter(&FrameStats::processed);
   FrameTimes times;
   times.tracking = spread(done, [](const FrameStats& f) { return f.tracking_ms(); });
   times.frame = spread(done, [](const FrameStats& f) { return f.timing.total_ms; });
@@ -87,10 +87,10 @@ void collect_loops(const std::vector<MappingReport>& mapping, RunSummary& summar
   }
 }
 
-std::vector<Loss> losses_of(const std::vector<FrameStats>& frames) {
+std::vector<Loss> losses_of(const SpilledArray<FrameStats>& frames) {
   std::vector<Loss> losses;
   FrameState before = FrameState::tracking;
-  for (const FrameStats& frame : frames) {
+  for (const FrameStats& frame : frames.all()) {
     if (frame.state != FrameState::tracking) {
       if (frame.state != before) losses.push_back({frame.frame, frame.frame, frame.state, frame.reason});
       losses.back().last = frame.frame;

@@ -38,7 +38,8 @@ struct FrameCounts {
 
 struct MapCounts {
   size_t key_frames = 0, points = 0;
-  size_t key_frames_made = 0;  // includes those removed later
+  size_t key_frames_made = 0;     // includes those removed later
+  size_t key_frames_thinned = 0;  // removed to keep the map within its bound of memory
   uint64_t refused_non_finite = 0;
   std::vector<SubmapSummary> submaps;
 };

@@ -64,6 +64,10 @@ std::string summary_text(const RunSummary& s, const std::filesystem::path& out) 
     text += std::to_string(s.map.submaps.size()) + " maps that could not be joined; trajectory.txt has the " +
             std::to_string(s.map.submaps.front().frames) + " frames of the first\n";
   }
+  if (s.map.key_frames_thinned > 0) {
+    text += std::to_string(s.map.key_frames_thinned) +
+            " key frames were given up to keep the map within its bound of memory\n";
+  }
   for (const SensorWarning& warning : s.warnings) text += "warning: " + describe(warning, s.sensor) + "\n";
   if (s.estimate) {
     text += "the camera is an estimate from the recording: focal length " + estimate_text(s) + " (" +
@@ -92,6 +96,7 @@ std::vector<std::pair<std::string, std::string>> summary_rows(const RunSummary& 
       {"peak memory", fixed(s.costs.peak_rss_mb, 0, " MB")}};
   if (const std::string live = live_text(s.frames); !live.empty()) rows.emplace_back("live camera", live);
   if (!s.failure.empty()) rows.emplace_back("ended early", s.failure);
+  if (s.map.key_frames_thinned > 0) rows.emplace_back("key frames given up", std::to_string(s.map.key_frames_thinned));
   if (s.map.submaps.size() > 1) rows.emplace_back("maps, not joined", std::to_string(s.map.submaps.size()));
   for (const SensorWarning& w : s.warnings)
     rows.emplace_back("warning, frame " + std::to_string(w.frame), describe(w, s.sensor));

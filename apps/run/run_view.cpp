@@ -47,7 +47,7 @@ view::ViewState view_state(const RunRecord& run, const Snapshot& snapshot, const
   info["summary"] = summary_rows(summary);
   state.info = info.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   auto online = snapshot.online.begin();
-  for (const FrameStats& stats : run.frames) {
+  for (const FrameStats& stats : run.frames.all()) {
     view::FrameRow row = row_of(stats);
     while (online != snapshot.online.end() && online->frame < stats.frame) ++online;
     if (online != snapshot.online.end() && online->frame == stats.frame) {

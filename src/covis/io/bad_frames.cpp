@@ -14,11 +14,11 @@ namespace fs = std::filesystem;
 // Returns what is wrong with the frame's files; empty: nothing.
 std::string missing_file(const FrameFiles& frame) {
   const auto missing = [](const fs::path& file) { return !file.empty() && !fs::exists(file); };
-  if (missing(frame.image)) return frame.image.string() + ": the file is listed but missing";
+  if (missing(frame.image)) return frame.image + ": the file is listed but missing";
   if (missing(frame.right))
-    return frame.right.string() + ": the right image of " + frame.image.string() + " is missing";
+    return frame.right + ": the right image of " + frame.image + " is missing";
   if (missing(frame.depth))
-    return frame.depth.string() + ": the depth image of " + frame.image.string() + " is missing";
+    return frame.depth + ": the depth image of " + frame.image + " is missing";
   return {};
 }
 
@@ -52,7 +52,7 @@ Result<void> leave_out_unstamped(Recording& recording, BadFrames bad_frames) {
   std::vector<Timestamp> stamps;
   for (const FrameFiles& frame : frames) {
     if (!is_usable_stamp(frame.stamp))
-      return fail(frame.image.string() + ": its stamp " + stamp_text(frame.stamp) + " s is too far from the epoch");
+      return fail(frame.image + ": its stamp " + stamp_text(frame.stamp) + " s is too far from the epoch");
     stamps.push_back(frame.stamp);
   }
   const std::vector<size_t> rising = longest_rise(stamps);
@@ -60,7 +60,7 @@ Result<void> leave_out_unstamped(Recording& recording, BadFrames bad_frames) {
   std::string first;
   for (size_t i = 1; i < frames.size() && first.empty(); ++i) {
     if (stamps[i] > stamps[i - 1]) continue;
-    first = frames[i].image.string() + ": its stamp " + stamp_text(stamps[i]) + " s is not later than " +
+    first = frames[i].image + ": its stamp " + stamp_text(stamps[i]) + " s is not later than " +
             stamp_text(stamps[i - 1]) + " s of the frame before it; stamps must rise";
   }
   const size_t all = frames.size(), bad = all - rising.size();

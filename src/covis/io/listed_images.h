@@ -15,7 +15,7 @@ namespace covis::io {
 struct ListedImage {
   Timestamp stamp = 0;
   std::string name;  // as written in the file
-  std::filesystem::path file;
+  std::string file;
 };
 using ListedRow = std::vector<ListedImage>;
 

@@ -19,7 +19,7 @@ namespace covis::io {
 // Names of a frame's images, which are files but for a bag.
 struct FrameFiles {
   Timestamp stamp = 0;
-  std::filesystem::path image, right, depth;  // right, depth: empty when the recording has none
+  std::string image, right, depth;  // paths; right, depth: empty when the recording has none
 };
 
 struct Recording {

@@ -107,7 +107,7 @@ Result<void> set_stamps(const fs::path& times, std::vector<FrameFiles>& frames) 
     const auto row = row_of(frames[i].image, i, frames.size(), stamps->size());
     if (!row) {
       return fail(times.string() + ": it has " + std::to_string(stamps->size()) + " stamps for " +
-                  std::to_string(frames.size()) + " images; none for " + frames[i].image.string());
+                  std::to_string(frames.size()) + " images; none for " + frames[i].image);
     }
     frames[i].stamp = (*stamps)[*row];
   }
@@ -147,8 +147,8 @@ Result<Recording> read_kitti(const Request& request) {
   if (images.empty()) return fail(left.string() + ": there is no image in it");
   for (const fs::path& image : images) {
     FrameFiles frame;
-    frame.image = image;
-    if (recording.sensor == Sensor::stereo) frame.right = right / image.filename();
+    frame.image = image.string();
+    if (recording.sensor == Sensor::stereo) frame.right = (right / image.filename()).string();
     recording.frames.push_back(std::move(frame));
   }
   const fs::path times = folder / "times.txt";

@@ -45,8 +45,8 @@ Result<void> add_depth(const fs::path& depth_folder, Recording& recording) {
   for (const fs::path& depth : list_images(depth_folder)) depths[depth.stem().string()] = depth;
   const size_t all = recording.frames.size();
   std::erase_if(recording.frames, [&](FrameFiles& frame) {
-    const auto depth = depths.find(frame.image.stem().string());
-    if (depth != depths.end()) frame.depth = depth->second;
+    const auto depth = depths.find(fs::path(frame.image).stem().string());
+    if (depth != depths.end()) frame.depth = depth->second.string();
     return depth == depths.end();
   });
   if (recording.frames.empty()) return fail(depth_folder.string() + ": no depth image in it has the name of an image");

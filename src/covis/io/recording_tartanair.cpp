@@ -100,10 +100,10 @@ Result<std::vector<FrameFiles>> tartan_frames(const fs::path& folder, const Tart
     const std::string name = image.stem().string();
     const std::string digits = name.substr(0, name.size() - layout.left.size());
     const size_t row = images.size() == poses ? frames.size() : *number;
-    FrameFiles frame{static_cast<Timestamp>(row) * kTartanAirStep, image, {}, {}};
+    FrameFiles frame{static_cast<Timestamp>(row) * kTartanAirStep, image.string(), {}, {}};
     if (sensor == Sensor::stereo)
-      frame.right = folder / layout.right_folder / (digits + layout.right + image.extension().string());
-    if (sensor == Sensor::rgbd) frame.depth = folder / layout.depth_folder / (digits + layout.depth);
+      frame.right = (folder / layout.right_folder / (digits + layout.right + image.extension().string())).string();
+    if (sensor == Sensor::rgbd) frame.depth = (folder / layout.depth_folder / (digits + layout.depth)).string();
     frames.push_back(std::move(frame));
   }
   return frames;

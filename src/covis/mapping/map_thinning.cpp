@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/mapping/map_thinning.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <queue>
@@ -9,13 +10,45 @@
 namespace covis {
 namespace {
 
-double cost_of(const Map& map, KeyFrameId id) {
-  double cost = 0;
-  for (const MapPointId& point : map.at(id).points) {
-    if (point.valid()) cost += std::ldexp(1.0, 1 - static_cast<int>(map.at(point).observations.size()));
+// How many key frames see each point, without those that were chosen to go.
+class Observers {
+ public:
+  explicit Observers(const Map& map) : map_(map) {
+    map.for_each_point([&](MapPointId id, const MapPoint& point) {
+      left_.resize(id.slot + size_t{1});
+      left_[id.slot] = static_cast<int>(point.observations.size());
+    });
+    map.for_each_key_frame([&](KeyFrameId id, const KeyFrame&) { gone_.resize(id.slot + size_t{1}); });
   }
-  return cost;
-}
+
+  double cost_of(KeyFrameId id) const {
+    double cost = 0;
+    for (const MapPointId& point : map_.at(id).points) {
+      if (point.valid() && left_[point.slot] > 0) cost += std::ldexp(1.0, 1 - left_[point.slot]);
+    }
+    return cost;
+  }
+
+  void let_go(KeyFrameId id) {
+    gone_[id.slot] = true;
+    for (const MapPointId& point : map_.at(id).points) {
+      if (!point.valid() || left_[point.slot] == 0) continue;
+      if (--left_[point.slot] == 1 && !is_held_by_one(map_.at(point))) left_[point.slot] = 0;
+    }
+  }
+
+ private:
+  // As Map::erase_observation() has it.
+  bool is_held_by_one(const MapPoint& point) const {
+    const auto last = std::ranges::find_if(point.observations,
+                                           [&](const Observation& o) { return !gone_[o.key_frame.slot]; });
+    return map_.at(last->key_frame).features->has_depth(static_cast<int>(last->feature));
+  }
+
+  const Map& map_;
+  std::vector<int> left_;   // by slot of the point; 0: it would be gone
+  std::vector<bool> gone_;  // by slot of the key frame
+};
 
 }  // namespace
 
@@ -46,22 +79,42 @@ void thin_points(Map& map, size_t points) {
   }
 }
 
-std::vector<ThinnedKeyFrame> thin_map(Map& map, size_t key_frames) {
-  using Entry = std::pair<double, uint32_t>;  // cost, slot: equal ones by slot
+std::vector<KeyFrameId> expendable_key_frames(const Map& map, size_t count,
+                                              const std::function<bool(KeyFrameId)>& may_go) {
+  struct Entry {
+    bool has_loop_edges;
+    double cost;
+    uint32_t slot;  // equal ones by slot
+    auto operator<=>(const Entry&) const = default;
+  };
+  Observers observers(map);
+  const auto entry_of = [&](KeyFrameId id) {
+    return Entry{!map.at(id).loop_edges.empty(), observers.cost_of(id), id.slot};
+  };
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   map.for_each_key_frame([&](KeyFrameId id, const KeyFrame&) {
-    if (!map.is_root(id)) open.emplace(cost_of(map, id), id.slot);
+    if (!map.is_root(id) && may_go(id)) open.push(entry_of(id));
   });
-  std::vector<ThinnedKeyFrame> erased;
-  while (map.key_frame_count() > key_frames && !open.empty()) {
-    const KeyFrameId id = map.key_frame_in(open.top().second);
+  std::vector<KeyFrameId> chosen;
+  while (chosen.size() < count && !open.empty()) {
+    const KeyFrameId id = map.key_frame_in(open.top().slot);
     open.pop();
-    // The others that went made it dearer since it was queued.
-    const double now = cost_of(map, id);
-    if (!open.empty() && now > open.top().first) {
-      open.emplace(now, id.slot);
+    // The others that go made it dearer since it was queued.
+    const Entry now = entry_of(id);
+    if (!open.empty() && now > open.top()) {
+      open.push(now);
       continue;
     }
+    chosen.push_back(id);
+    observers.let_go(id);
+  }
+  return chosen;
+}
+
+std::vector<ThinnedKeyFrame> thin_map(Map& map, size_t key_frames) {
+  std::vector<ThinnedKeyFrame> erased;
+  const size_t count = std::max(map.key_frame_count(), key_frames) - key_frames;
+  for (const KeyFrameId& id : expendable_key_frames(map, count, [](KeyFrameId) { return true; })) {
     const KeyFrame& key_frame = map.at(id);
     erased.push_back({key_frame.frame, key_frame.T_cw, key_frame.submap, key_frame.features});
     map.erase_key_frame(id);

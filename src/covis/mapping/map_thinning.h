@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thins a saved map to a number of key frames, or of points: those go first whose loss costs least.
+// Thins a map to a number of key frames, or of points: those go first whose loss costs least.
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "covis/map/map.h"
@@ -16,10 +17,15 @@ struct ThinnedKeyFrame {
   FeaturesPtr features;
 };
 
-// Erases key frames until so many are left, and points that too few see then (Map::erase_key_frame). Those go first
-// whose loss costs least: a point that n key frames see counts 2^-(n-1). A key frame that others made dearer is weighed
-// again before it goes; one that became cheaper, as its points were lost, keeps its old place in the order. Roots stay.
-// Returns what was erased, in that order.
+// Up to so many key frames for which `may_go` is true, those first whose loss costs least: a point that n key frames
+// see counts 2^-(n-1), without those that were chosen before. One that they made dearer is weighed again before it is
+// chosen; one that became cheaper, as its points would be lost, keeps its old place in the order. Roots are never
+// chosen, and those with loop edges last.
+std::vector<KeyFrameId> expendable_key_frames(const Map& map, size_t count,
+                                              const std::function<bool(KeyFrameId)>& may_go);
+
+// Erases such key frames until so many are left, and points that too few see then (Map::erase_key_frame). Returns what
+// was erased, in that order.
 std::vector<ThinnedKeyFrame> thin_map(Map& map, size_t key_frames);
 
 // Erases points until so many are left. Those go first that are matched seldom, that few key frames see, and these with

@@ -46,6 +46,34 @@ TEST(MapThinning, ABudgetThatIsKeptChangesNothing) {
   EXPECT_EQ(world.shared.read()->check(), "");
 }
 
+TEST(MapThinning, ExpendableKeyFramesAreThoseThatMayGoAndLoopsLast) {
+  const PointScene scene = PointScene::ring(1200, 120);
+  SceneMap world(scene);
+  world.add_key_frames(100);
+  world.shared.write()->add_loop_edge(world.frames[50], world.frames[90]);
+  const auto map = world.shared.read();
+  const auto any = [](KeyFrameId) { return true; };
+  EXPECT_TRUE(expendable_key_frames(*map, 0, any).empty());
+  const std::vector<KeyFrameId> chosen = expendable_key_frames(*map, 200, any);
+  ASSERT_EQ(chosen.size(), 99u) << "all but the root";
+  for (size_t k = 0; k < chosen.size(); ++k) EXPECT_EQ(map->at(chosen[k]).loop_edges.empty(), k < 97);
+  const auto first_half = [&](KeyFrameId id) { return map->at(id).serial < 50; };
+  for (const KeyFrameId& id : expendable_key_frames(*map, 8, first_half)) EXPECT_LT(map->at(id).serial, 50u);
+}
+
+// What is planned is what would happen one by one, as long as none becomes cheaper.
+TEST(MapThinning, APlanCountsWhatIsGoneAlready) {
+  const PointScene scene = PointScene::wall();
+  SceneMap world(scene);
+  world.add_key_frames(20);
+  const auto map = world.shared.write();
+  const auto any = [](KeyFrameId) { return true; };
+  for (const KeyFrameId& planned : expendable_key_frames(*map, 12, any)) {
+    EXPECT_EQ(expendable_key_frames(*map, 1, any), std::vector{planned});
+    map->erase_key_frame(planned);
+  }
+}
+
 TEST(MapThinning, PointsGoWhereThereAreMany) {
   const PointScene scene = PointScene::wall();
   SceneMap world(scene);

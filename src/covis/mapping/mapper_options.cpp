@@ -21,6 +21,8 @@ Fields fields(MapperOptions& o) {
        "RGB-D: estimate the noise of depth from the map, when the camera says nothing of it"},
       {"mapper.cull_redundancy", &o.cull_redundancy,
        "share of points seen by three others that makes a key frame redundant", 0, 1},
+      {"mapper.max_map_mb", &o.max_map_mb,
+       "MB that the map may take before it is thinned where that costs least; 0: no bound", 0, 1'000'000},
   };
 }
 

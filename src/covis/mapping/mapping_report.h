@@ -7,7 +7,7 @@
 namespace covis {
 
 struct MappingCounts {
-  int points_created = 0, points_fused = 0, points_culled = 0, key_frames_culled = 0;
+  int points_created = 0, points_fused = 0, points_culled = 0, key_frames_culled = 0, key_frames_thinned = 0;
 };
 
 // The local bundle adjustment; all 0 when there was none.

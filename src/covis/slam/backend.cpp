@@ -2,11 +2,13 @@
 #include "covis/slam/backend.h"
 
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "covis/core/log.h"
 #include "covis/core/time.h"
 #include "covis/loops/submap_adjustment.h"
+#include "covis/mapping/map_limit.h"
 #include "covis/tracking/backtrack.h"
 
 namespace covis {
@@ -36,6 +38,7 @@ MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic
   if (!request.doubted_depth) refine_focal(report.key_frame);
   forget_replaced_points(report.key_frame);
   report.loop_ms = watch.ms();
+  report.counts.key_frames_thinned = keep_within_bound(report.key_frame);
   using Pace = MotionDepthCheck::Pace;
   if (!interrupt || !*interrupt)
     report.depth_check = check_depth(report.key_frame, request.doubted_depth ? Pace::every_view : Pace::usual);
@@ -77,6 +80,16 @@ void Backend::refine_focal(KeyFrameId current) {
   if (!key_frames) return;
   auto job = FocalRefinement::of(*map_.read(), current, given_.fx);
   background_.start(std::move(job), *key_frames);
+}
+
+int Backend::keep_within_bound(KeyFrameId current) {
+  if (options_.mapper.max_map_mb == 0) return 0;
+  const int thinned = limit_map(map_, current, size_t{1'000'000} * static_cast<size_t>(options_.mapper.max_map_mb));
+  if (thinned > 0 && !std::exchange(thins_, true)) {
+    log(LogLevel::warning, "the map has reached " + std::to_string(options_.mapper.max_map_mb) +
+                               " MB: from here on it loses key frames where that costs least");
+  }
+  return thinned;
 }
 
 std::optional<DepthAgainstMotion> Backend::check_depth(KeyFrameId current, MotionDepthCheck::Pace pace) {

@@ -53,6 +53,7 @@ class Backend {
   void refine_focal(KeyFrameId current);
   std::optional<DepthAgainstMotion> check_depth(KeyFrameId current, MotionDepthCheck::Pace pace);
   void forget_replaced_points(KeyFrameId current);
+  int keep_within_bound(KeyFrameId current);
 
   SharedMap& map_;
   const BackendOptions options_;
@@ -62,6 +63,7 @@ class Backend {
   FocalSchedule focal_;
   MotionDepthCheck depth_check_;
   const Pinhole given_;  // the camera as it came
+  bool thins_ = false;   // the map has reached its bound
 };
 
 }  // namespace covis

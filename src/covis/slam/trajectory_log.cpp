@@ -2,13 +2,10 @@
 #include "covis/slam/trajectory_log.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <utility>
 
 namespace covis {
 namespace {
-
-constexpr size_t kFrames = 1 << 14;  // room made at first; pages of it are used only when frames come
 
 void take_back(FrameRecord& record) {
   record.pose.reset();
@@ -17,29 +14,22 @@ void take_back(FrameRecord& record) {
 
 }  // namespace
 
-TrajectoryLog::TrajectoryLog(size_t most) : most_(most) {
-  records_.reserve(most > 0 ? std::min(2 * most, kFrames) : kFrames);
-}
-
 void TrajectoryLog::append(const FrameRecord& record) {
   const std::lock_guard lock(mutex_);
   ++revision_;
-  if (most_ > 0 && records_.size() == 2 * most_)
-    records_.erase(records_.begin(), records_.end() - static_cast<std::ptrdiff_t>(most_));
+  if (most_ > 0 && records_.size() == 2 * most_) records_.erase_front(most_);
   records_.push_back(record);
 }
 
 void TrajectoryLog::make_room() {
   const std::lock_guard lock(mutex_);
-  const size_t room = records_.capacity();
-  if (2 * records_.size() <= room) return;
-  records_.reserve(most_ > 0 ? std::max(room, std::min(2 * room, 2 * most_)) : 2 * room);
+  records_.make_room();
 }
 
 FrameRecord* TrajectoryLog::find(int64_t frame) {
-  const auto record = std::lower_bound(records_.begin(), records_.end(), frame,
-                                       [](const FrameRecord& r, int64_t wanted) { return r.frame < wanted; });
-  return record == records_.end() || record->frame != frame ? nullptr : &*record;
+  const auto records = records_.all();
+  const auto record = std::ranges::lower_bound(records, frame, {}, &FrameRecord::frame);
+  return record == records.end() || (*record).frame != frame ? nullptr : &*record;
 }
 
 void TrajectoryLog::locate(const LocatedFrame& located) {
@@ -63,9 +53,9 @@ std::optional<Timestamp> TrajectoryLog::retract(int64_t from) {
   const std::lock_guard lock(mutex_);
   ++revision_;
   std::optional<Timestamp> first;
-  for (auto record = records_.rbegin(); record != records_.rend() && record->frame >= from; ++record) {
-    if (record->pose) first = record->stamp;
-    take_back(*record);
+  for (size_t k = records_.size(); k > 0 && records_[k - 1].frame >= from; --k) {
+    if (records_[k - 1].pose) first = records_[k - 1].stamp;
+    take_back(records_[k - 1]);
   }
   return first;
 }
@@ -73,11 +63,12 @@ std::optional<Timestamp> TrajectoryLog::retract(int64_t from) {
 void TrajectoryLog::forget(const Map& map, uint32_t submap) {
   const std::lock_guard lock(mutex_);
   ++revision_;
-  for (FrameRecord& record : records_) {
+  for (FrameRecord& record : records_.all()) {
     if (!record.pose) continue;
     const auto resolved = record.pose->resolved(map);
     if (resolved && map.at(resolved->key_frame).submap == submap) take_back(record);
   }
+  records_.page_out();
 }
 
 // The caller holds a read guard meanwhile: a look at each frame, once in so many erased key frames, and a chain of
@@ -86,10 +77,11 @@ std::optional<uint64_t> TrajectoryLog::reanchor(const Map& map) {
   constexpr uint64_t kEvery = 1024;  // erased key frames: some 200 kB of them
   const std::lock_guard lock(mutex_);
   if (map.erasures() < reanchored_at_ + kEvery) return std::nullopt;
-  for (FrameRecord& record : records_) {
+  for (FrameRecord& record : records_.all()) {
     if (!record.pose || map.find(record.pose->key_frame)) continue;
     if (const auto resolved = record.pose->resolved(map)) record.pose = resolved;
   }
+  records_.page_out();
   return std::exchange(reanchored_at_, map.erasures());
 }
 
@@ -100,7 +92,11 @@ std::optional<FrameRecord> TrajectoryLog::last() const {
 
 std::vector<FrameRecord> TrajectoryLog::records() const {
   const std::lock_guard lock(mutex_);
-  return records_;
+  std::vector<FrameRecord> records;
+  records.reserve(records_.size());
+  for (const FrameRecord& record : records_.all()) records.push_back(record);
+  records_.page_out();
+  return records;
 }
 
 uint64_t TrajectoryLog::revision() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The record of every frame: the pose it got when it was tracked, and the same pose relative to a key frame, which
-// carries every later correction (algorithms.md §6). The tracking thread writes; any thread may read.
+// carries every later correction (algorithms.md §6). Older frames are in a temporary file. The tracking thread writes;
+// any thread may read.
 //
 // Each call holds the log's own lock while it copies or changes plain values; poses are worked out by the reader, from
 // its copy and the map. Who needs the map's guard too takes it first.
@@ -11,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "covis/core/spilled_array.h"
 #include "covis/core/time.h"
 #include "covis/map/map_requests.h"
 
@@ -34,12 +36,11 @@ struct FrameRecord {
 class TrajectoryLog {
  public:
   // `most`: so many of the newest frames are kept at least, and at most twice as many; 0: all.
-  explicit TrajectoryLog(size_t most = 0);
+  explicit TrajectoryLog(size_t most = 0) : most_(most) {}
 
   // Frames rise.
   void append(const FrameRecord& record);
-  // Makes room for as many frames again when half of it is used up. Appending allocates nothing as long as this is
-  // called now and then.
+  // Appending allocates nothing as long as this is called now and then.
   void make_room();
   // A frame that became a key frame is its own reference from now on: `pose` is relative to itself. A frame that had no
   // pose until then gets `online` as the one it was tracked with.
@@ -67,7 +68,7 @@ class TrajectoryLog {
 
   const size_t most_;
   mutable std::mutex mutex_;  // guards what follows
-  std::vector<FrameRecord> records_;
+  SpilledArray<FrameRecord> records_;
   uint64_t revision_ = 0;
   uint64_t reanchored_at_ = 0;  // Map::erasures() of the last reanchor()
 };

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/run/memory_bound.h"
+
+#include <string>
+
+namespace covis::app {
+
+Result<int> map_megabytes(int megabytes, const Camera& camera, uint64_t vocabulary_bytes) {
+  constexpr double kProgram = 110;       // MB, of which libraries take two thirds
+  constexpr double kBytesAPixel = 40;    // of two images: decoded ahead, in pyramids, blurred
+  constexpr double kBesideTheMap = 3.2;  // memory of a map that is adjusted and saved, by its own size
+  constexpr double kLeastMap = 20;       // MB: the newest 50 key frames, which are not thinned, and some more
+  const double fixed = kProgram + (kBytesAPixel * camera.width * camera.height + static_cast<double>(vocabulary_bytes)) / 1e6;
+  const double map = (megabytes - fixed) / kBesideTheMap;
+  if (map < kLeastMap) {
+    return fail("--max-memory " + std::to_string(megabytes) + ": images of this size need at least " +
+                std::to_string(static_cast<int>(fixed + kLeastMap * kBesideTheMap) + 1) + " MB");
+  }
+  return static_cast<int>(map);
+}
+
+}  // namespace covis::app

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// --max-memory: how much of a run's memory its map may take.
+#pragma once
+
+#include <cstdint>
+
+#include "covis/core/error.h"
+#include "covis/geometry/camera.h"
+
+namespace covis::app {
+
+// Returns the map's part (mapper.max_map_mb) of `megabytes` for the whole process. The rest is for the program, images
+// in several stages, the vocabulary, and the adjustment and saving of a map beside it, which take more than the map
+// itself (docs/notes/014-memory-and-growth.md). An error when too little is left for a map.
+Result<int> map_megabytes(int megabytes, const Camera& camera, uint64_t vocabulary_bytes);
+
+}  // namespace covis::app

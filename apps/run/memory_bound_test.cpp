@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/run/memory_bound.h"
+
+#include <gmock/gmock.h>
+
+namespace covis::app {
+namespace {
+
+Camera camera_of(int width, int height) {
+  Camera camera;
+  camera.width = width;
+  camera.height = height;
+  return camera;
+}
+
+TEST(MemoryBound, TheMapGetsWhatImagesAndAdjustmentLeave) {
+  const auto small = map_megabytes(500, camera_of(640, 480), 0), large = map_megabytes(500, camera_of(3000, 2000), 0);
+  ASSERT_TRUE(small && large);
+  EXPECT_GT(*small, 100);
+  EXPECT_LT(*small, 500 / 3);
+  EXPECT_LT(*large, *small - 50);
+  EXPECT_LT(map_megabytes(500, camera_of(640, 480), 150'000'000).value(), *small - 40);
+}
+
+TEST(MemoryBound, TooLittleIsRefusedWithWhatIsNeeded) {
+  const auto refused = map_megabytes(100, camera_of(640, 480), 0);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, testing::HasSubstr("--max-memory 100: images of this size need at least 187 MB"));
+  EXPECT_EQ(map_megabytes(187, camera_of(640, 480), 0).value(), 20);
+}
+
+}  // namespace
+}  // namespace covis::app

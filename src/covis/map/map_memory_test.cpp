@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/map/map_memory.h"
+
+#include <gtest/gtest.h>
+
+#include "covis/map/test_point_scene.h"
+
+namespace covis {
+namespace {
+
+TEST(MapMemory, CountsWhatTheMapHolds) {
+  EXPECT_EQ(memory_of(Map()), 0u);
+  SceneMap world(PointScene::wall());
+  world.add_key_frames(1);
+  const size_t one = memory_of(*world.shared.read());
+  const Features& features = *world.shared.read()->at(world.frames[0]).features;
+  const auto size = static_cast<size_t>(features.size());
+  EXPECT_GT(one, size * (sizeof(Descriptor) + 5 * sizeof(float) + sizeof(MapPointId)));
+  world.add_key_frames(9, 1);
+  const size_t ten = memory_of(*world.shared.read());
+  EXPECT_GT(ten, 5 * one);
+  world.shared.write()->erase_key_frame(world.frames[9]);
+  EXPECT_LT(memory_of(*world.shared.read()), ten);
+}
+
+TEST(MapMemory, IsTheSameForTheSameMap) {
+  SceneMap one(PointScene::wall()), other(PointScene::wall());
+  one.add_key_frames(8);
+  other.add_key_frames(8);
+  EXPECT_EQ(memory_of(*one.shared.read()), memory_of(*other.shared.read()));
+}
+
+}  // namespace
+}  // namespace covis
