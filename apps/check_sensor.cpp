@@ -20,9 +20,10 @@ void SensorSample::add(const io::Frame& frame) {
                                                          : s.frontend.rgbd(frame.image.view(), frame.depth.view());
   s.monitor.add_frame(frame.index, *features, s.frontend.row_error());
   if (at % kCompareEvery == 0) {
-    if (const auto compared = s.check.add(features->for_key_frame(), with_depth_noise(camera_.pinhole, sensor_),
-                                          s.monitor.doubts_depth() ? Pace::every_view : Pace::usual))
-      s.monitor.add_comparison(frame.index, *compared);
+    for (const DepthAgainstMotion& compared :
+         s.check.add(features->for_key_frame(), with_depth_noise(camera_.pinhole, sensor_),
+                     s.monitor.doubts_depth() ? Pace::every_view : Pace::usual))
+      s.monitor.add_comparison(frame.index, compared);
     std::copy_if(features->depth.begin(), features->depth.end(), std::back_inserter(depths_),
                  [](float depth) { return depth > 0; });
   }

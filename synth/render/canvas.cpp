@@ -2,6 +2,8 @@
 #include "synth/render/canvas.h"
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 
 #include "covis/core/random.h"
 

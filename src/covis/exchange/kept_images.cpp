@@ -9,6 +9,7 @@
 #include "covis/core/atomic_file.h"
 #include "covis/exchange/text.h"
 #include "covis/io/files.h"
+#include "covis/io/images.h"
 
 namespace covis::exchange {
 namespace {

@@ -10,7 +10,8 @@ namespace {
 
 TEST(MapMemory, CountsWhatTheMapHolds) {
   EXPECT_EQ(memory_of(Map()), 0u);
-  SceneMap world(PointScene::wall());
+  const PointScene scene = PointScene::wall();
+  SceneMap world(scene);
   world.add_key_frames(1);
   const size_t one = memory_of(*world.shared.read());
   const Features& features = *world.shared.read()->at(world.frames[0]).features;
@@ -24,7 +25,8 @@ TEST(MapMemory, CountsWhatTheMapHolds) {
 }
 
 TEST(MapMemory, IsTheSameForTheSameMap) {
-  SceneMap one(PointScene::wall()), other(PointScene::wall());
+  const PointScene scene = PointScene::wall();
+  SceneMap one(scene), other(scene);
   one.add_key_frames(8);
   other.add_key_frames(8);
   EXPECT_EQ(memory_of(*one.shared.read()), memory_of(*other.shared.read()));

@@ -97,28 +97,36 @@ bool MotionDepthCheck::passes_over() const {
   return (answers_ >= kAnswers || attempts_ >= kAttempts) && passed_over_ < kPassedOver;
 }
 
-std::optional<DepthAgainstMotion> MotionDepthCheck::add(std::shared_ptr<const Features> view, const Pinhole& camera,
-                                                        Pace pace) {
+std::vector<DepthAgainstMotion> MotionDepthCheck::add(std::shared_ptr<const Features> view, const Pinhole& camera,
+                                                      Pace pace) {
   constexpr int kPatience = 4;  // views
+  std::vector<DepthAgainstMotion> answers;
   if (!last_) {
     last_ = std::move(view);
-    waited_ = 0;
-    return std::nullopt;
+    return answers;
   }
   if (pace == Pace::usual && passes_over()) {
-    if (++passed_over_ == kPassedOver) last_ = std::move(view);
-    return std::nullopt;
+    if (++passed_over_ == kPassedOver) step(std::move(view));
+    return answers;
   }
-  const auto seed = static_cast<uint64_t>(answers_);
-  const std::optional<DepthAgainstMotion> answer = compare_depth_with_motion(*last_, *view, camera, seed);
+  const auto compare = [&](const Features& earlier) {
+    const auto seed = static_cast<uint64_t>(answers_);
+    const auto answer = compare_depth_with_motion(earlier, *view, camera, seed);
+    if (!answer) return;
+    ++answers_;
+    answers.push_back(*answer);
+  };
   ++attempts_;
   passed_over_ = 0;
-  if (answer) ++answers_;
-  if (answer || ++waited_ >= kPatience) {
-    last_ = std::move(view);
-    waited_ = 0;
-  }
-  return answer;
+  compare(*last_);
+  if (!answers.empty() && before_last_) compare(*before_last_);
+  if (!answers.empty() || ++waited_ >= kPatience) step(std::move(view));
+  return answers;
+}
+
+void MotionDepthCheck::step(std::shared_ptr<const Features> view) {
+  before_last_ = std::exchange(last_, std::move(view));
+  waited_ = 0;
 }
 
 }  // namespace covis

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "covis/features/features.h"
 #include "covis/geometry/camera.h"
@@ -31,7 +32,8 @@ struct DepthAgainstMotion {
 std::optional<DepthAgainstMotion> compare_depth_with_motion(const Features& a, const Features& b, const Pinhole& camera,
                                                             uint64_t seed);
 
-// Compares views as they come, each with the last that was compared, until the camera has moved enough.
+// Compares views as they come, each with the last that was compared, until the camera has moved enough, and then also
+// with the one before that.
 class MotionDepthCheck {
  public:
   enum class Pace {
@@ -39,13 +41,15 @@ class MotionDepthCheck {
     every_view  // while depth is doubted, so that the doubt can end
   };
   // `view` is kept.
-  std::optional<DepthAgainstMotion> add(std::shared_ptr<const Features> view, const Pinhole& camera,
-                                        Pace pace = Pace::usual);
+  std::vector<DepthAgainstMotion> add(std::shared_ptr<const Features> view, const Pinhole& camera,
+                                      Pace pace = Pace::usual);
 
  private:
   bool passes_over() const;
 
-  std::shared_ptr<const Features> last_;
+  void step(std::shared_ptr<const Features> view);
+
+  std::shared_ptr<const Features> last_, before_last_;
   int waited_ = 0;  // views compared with the last in vain
   int attempts_ = 0, answers_ = 0;
   int passed_over_ = 0;  // views since the last attempt that were not looked at

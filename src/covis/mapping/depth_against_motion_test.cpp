@@ -108,27 +108,37 @@ TEST(DepthAgainstMotion, NoiseOfFarDepthsIsNoContradiction) {
 
 TEST(DepthAgainstMotion, ACameraThatStandsTellsNothing) { EXPECT_FALSE(Views(0, noisy).compare()); }
 
+// How many comparisons come of so many views, seen in turns from two places.
+size_t answers_of(MotionDepthCheck& check, const Views& views, int count,
+                  MotionDepthCheck::Pace pace = MotionDepthCheck::Pace::usual) {
+  size_t answers = 0;
+  for (int k = 0; k < count; ++k) answers += check.add(k % 2 ? views.a : views.b, kCamera, pace).size();
+  return answers;
+}
+
+// A view is compared with the last one, and with the one before, which was taken at the same place here.
 TEST(MotionDepthCheck, AsksEveryPairOnlyAtFirst) {
   const Views views(0.3, noisy);
   MotionDepthCheck check;
-  EXPECT_FALSE(check.add(views.a, kCamera)) << "the first view";
-  int answers = 0;
-  for (int k = 0; k < 10; ++k) answers += check.add(k % 2 ? views.a : views.b, kCamera).has_value();
-  EXPECT_EQ(answers, 10);
-  for (int k = 0; k < 10; ++k) answers += check.add(k % 2 ? views.a : views.b, kCamera).has_value();
-  EXPECT_EQ(answers, 12);
-  for (int k = 0; k < 10; ++k)
-    answers += check.add(k % 2 ? views.a : views.b, kCamera, MotionDepthCheck::Pace::every_view).has_value();
-  EXPECT_EQ(answers, 22) << "while depth is doubted";
+  EXPECT_TRUE(check.add(views.a, kCamera).empty()) << "the first view";
+  EXPECT_EQ(answers_of(check, views, 10), 10u);
+  EXPECT_EQ(answers_of(check, views, 10), 4u) << "two views of ten";
+  EXPECT_EQ(answers_of(check, views, 10, MotionDepthCheck::Pace::every_view), 10u) << "while depth is doubted";
+}
+
+TEST(MotionDepthCheck, ComparesWithTheTwoViewsBefore) {
+  const Views near(0.3, noisy), far(0.6, noisy);  // their first views are the same
+  MotionDepthCheck check;
+  EXPECT_EQ(check.add(near.a, kCamera).size(), 0u);
+  EXPECT_EQ(check.add(near.b, kCamera).size(), 1u);
+  EXPECT_EQ(check.add(far.b, kCamera).size(), 2u);
 }
 
 TEST(MotionDepthCheck, AsksSeldomOfACameraThatStands) {
   const Views still(0, noisy), views(0.3, noisy);
   MotionDepthCheck check;
-  for (int k = 0; k < 21; ++k) EXPECT_FALSE(check.add(k % 2 ? still.a : still.b, kCamera));
-  int answers = 0;
-  for (int k = 0; k < 20; ++k) answers += check.add(k % 2 ? views.a : views.b, kCamera).has_value();
-  EXPECT_EQ(answers, 4) << "one view in five";
+  for (int k = 0; k < 21; ++k) EXPECT_TRUE(check.add(k % 2 ? still.a : still.b, kCamera).empty());
+  EXPECT_EQ(answers_of(check, views, 20), 8u) << "one view in five";
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic
   report.counts.key_frames_thinned = keep_within_bound(report.key_frame);
   using Pace = MotionDepthCheck::Pace;
   if (!interrupt || !*interrupt)
-    report.depth_check = check_depth(report.key_frame, request.doubted_depth ? Pace::every_view : Pace::usual);
+    report.depth_checks = check_depth(report.key_frame, request.doubted_depth ? Pace::every_view : Pace::usual);
   report.located = backtrack(map_, {options_.sensor, options_.tracker, options_.seed}, request.unlocated);
   report.total_ms = total.ms();
   return report;
@@ -92,8 +92,8 @@ int Backend::keep_within_bound(KeyFrameId current) {
   return thinned;
 }
 
-std::optional<DepthAgainstMotion> Backend::check_depth(KeyFrameId current, MotionDepthCheck::Pace pace) {
-  if (options_.sensor == Sensor::monocular) return std::nullopt;
+std::vector<DepthAgainstMotion> Backend::check_depth(KeyFrameId current, MotionDepthCheck::Pace pace) {
+  if (options_.sensor == Sensor::monocular) return {};
   auto [features, camera] = [&] {
     const auto map = map_.read();
     return std::pair(map->at(current).features, map->camera());

@@ -51,7 +51,7 @@ class Backend {
   void apply_adjustment(MappingReport& report);
   void close_loop(MappingReport& report);
   void refine_focal(KeyFrameId current);
-  std::optional<DepthAgainstMotion> check_depth(KeyFrameId current, MotionDepthCheck::Pace pace);
+  std::vector<DepthAgainstMotion> check_depth(KeyFrameId current, MotionDepthCheck::Pace pace);
   void forget_replaced_points(KeyFrameId current);
   int keep_within_bound(KeyFrameId current);
 

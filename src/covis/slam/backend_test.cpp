@@ -127,7 +127,7 @@ TEST_F(BackendTest, DepthIsNotComparedWhileAnotherKeyFrameWaits) {
     const KeyFrameId first = asked.process(scene_request(scene, map, Sensor::rgbd, 0), &interrupt).key_frame;
     const MappingReport report = asked.process(scene_request(scene, map, Sensor::rgbd, 3, first), &interrupt);
     ASSERT_TRUE(report.key_frame.valid());
-    EXPECT_EQ(report.depth_check.has_value(), !waits);
+    EXPECT_EQ(report.depth_checks.empty(), waits);
   }
 }
 

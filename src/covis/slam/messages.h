@@ -33,7 +33,7 @@ struct MappingReport : MapperReport {
   double loop_ms = 0;                 // loop closing, and applying and starting jobs in the background
   double full_adjustment_ms = 0;      // the full bundle adjustment whose result was applied with this key frame
   double total_ms = 0;
-  std::optional<DepthAgainstMotion> depth_check = {};  // nullopt: depth was not compared
+  std::vector<DepthAgainstMotion> depth_checks = {};  // none: depth was not compared
 };
 
 }  // namespace covis

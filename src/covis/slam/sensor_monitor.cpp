@@ -15,6 +15,7 @@ constexpr float kNoDisparity = 1;       // pixels: the fractions of equal patche
 constexpr double kSameRow = 0.05;       // sigmas of a keypoint: no two cameras give it
 constexpr double kMostRowError = 0.85;  // sigmas of a keypoint
 constexpr double kLeastNear = 0.2;      // metres: no depth camera sees nearer
+constexpr double kLeastRelief = 0.001;  // noise alone is more, and a wall is not so straight ahead
 constexpr double kMostError = 0.85;     // DepthAgainstMotion::error()
 constexpr size_t kFew = 3;              // comparisons that suffice where the error is great
 constexpr double kMostErrorOfFew = 1.1;
@@ -41,6 +42,8 @@ std::string_view name(SensorDoubt doubt) {
       return "rows_differ";
     case SensorDoubt::depth_too_near:
       return "depth_too_near";
+    case SensorDoubt::no_relief:
+      return "no_relief";
     case SensorDoubt::depth_against_motion:
       return "depth_against_motion";
   }
@@ -73,6 +76,10 @@ std::string describe(const SensorWarning& warning, Sensor sensor) {
           "a tenth of the keypoints are nearer than %.2f m, where depth cameras see nothing: is depth_scale "
           "right?",
           warning.figure);
+    case SensorDoubt::no_relief:
+      return text(
+          "all keypoints have the same depth (eight of ten within a range of %.5f of it): are these images of depth?",
+          warning.figure);
     case SensorDoubt::depth_against_motion:
       return text(stereo ? "the depth of the stereo pair contradicts the motion of the images (error %.2f, where a "
                            "constant depth has 1 and a good pair 0.1): is the right image of the same moment, and the "
@@ -98,10 +105,15 @@ void SensorMonitor::add_frame(int64_t frame, const Features& f, double row_error
   } else if (++silence_.share >= kFrames) {
     forget_share();
   }
-  if (!depths_.empty()) {
-    add_depths(frame, f, row_error);
-  } else if (++silence_.depths >= kFrames) {
-    forget_depths();
+  if (depths_.empty()) {
+    if (++silence_.depths >= kFrames) forget_depths();
+    return;
+  }
+  silence_.depths = 0;
+  if (sensor_ == Sensor::stereo) {
+    add_disparities(frame, f, row_error);
+  } else {
+    add_depths(frame);
   }
 }
 
@@ -114,24 +126,30 @@ void SensorMonitor::add_share(int64_t frame, double share) {
         frame);
 }
 
-void SensorMonitor::add_depths(int64_t frame, const Features& f, double row_error) {
-  silence_.depths = 0;
-  if (sensor_ == Sensor::stereo) {
-    int zero = 0;
-    for (size_t i = 0; i < f.depth.size(); ++i) zero += f.depth[i] > 0 && f.x[i] - f.u_right[i] < kNoDisparity;
-    zero_.add(zero / static_cast<double>(depths_.size()));
-    rows_.add(row_error);
-    if (!rows_.full()) return;
-    const double share = zero_.median(kFrames), rows = rows_.median(kFrames);
-    judge(SensorDoubt::no_disparity, share > kMostZero && rows < kSameRow, share, frame);
-    judge(SensorDoubt::rows_differ, rows > kMostRowError, rows, frame);
-    return;
-  }
-  const auto tenth = depths_.begin() + static_cast<ptrdiff_t>(depths_.size() / 10);
-  std::nth_element(depths_.begin(), tenth, depths_.end());
-  near_.add(*tenth);
-  if (near_.full())
-    judge(SensorDoubt::depth_too_near, near_.median(kFrames) < kLeastNear, near_.median(kFrames), frame);
+void SensorMonitor::add_disparities(int64_t frame, const Features& f, double row_error) {
+  int zero = 0;
+  for (size_t i = 0; i < f.depth.size(); ++i) zero += f.depth[i] > 0 && f.x[i] - f.u_right[i] < kNoDisparity;
+  depth_figures_.zero.add(zero / static_cast<double>(depths_.size()));
+  depth_figures_.rows.add(row_error);
+  if (!depth_figures_.rows.full()) return;
+  const double share = depth_figures_.zero.median(kFrames), rows = depth_figures_.rows.median(kFrames);
+  judge(SensorDoubt::no_disparity, share > kMostZero && rows < kSameRow, share, frame);
+  judge(SensorDoubt::rows_differ, rows > kMostRowError, rows, frame);
+}
+
+void SensorMonitor::add_depths(int64_t frame) {
+  const auto after = [&](size_t tenths) {
+    const auto at = depths_.begin() + static_cast<ptrdiff_t>(depths_.size() * tenths / 10);
+    std::nth_element(depths_.begin(), at, depths_.end());
+    return *at;
+  };
+  const double nearest = after(1), middle = after(5), farthest = after(9);
+  depth_figures_.near.add(nearest);
+  depth_figures_.relief.add((farthest - nearest) / middle);
+  if (!depth_figures_.near.full()) return;
+  const double near = depth_figures_.near.median(kFrames), relief = depth_figures_.relief.median(kFrames);
+  judge(SensorDoubt::depth_too_near, near < kLeastNear, near, frame);
+  judge(SensorDoubt::no_relief, relief < kLeastRelief, relief, frame);
 }
 
 // The rule for few holds as long as there are few: later, two wrong motions of three are too likely.
@@ -152,6 +170,7 @@ void SensorMonitor::add_comparison(int64_t frame, const DepthAgainstMotion& comp
 // A wrong scale alone leaves poses right up to it, and few depths those that the images tell.
 bool SensorMonitor::doubts() const {
   return doubts_depth() || holds(SensorDoubt::no_disparity) || holds(SensorDoubt::rows_differ) ||
+         holds(SensorDoubt::no_relief) ||
          (sensor_ == Sensor::stereo && holds(SensorDoubt::few_depths));
 }
 
@@ -169,8 +188,9 @@ void SensorMonitor::forget_share() {
 }
 
 void SensorMonitor::forget_depths() {
-  zero_ = rows_ = near_ = {};
-  for (const SensorDoubt doubt : {SensorDoubt::no_disparity, SensorDoubt::rows_differ, SensorDoubt::depth_too_near})
+  depth_figures_ = {};
+  for (const SensorDoubt doubt : {SensorDoubt::no_disparity, SensorDoubt::rows_differ, SensorDoubt::depth_too_near,
+                                  SensorDoubt::no_relief})
     wrong_[static_cast<size_t>(doubt)] = false;
 }
 

@@ -25,9 +25,10 @@ enum class SensorDoubt {
   no_disparity,          // stereo; share of the matches at the same place of both images, in the same row
   rows_differ,           // stereo; median distance of the rows of matched keypoints, sigmas of a keypoint
   depth_too_near,        // RGB-D; metres, the depth that a tenth of the keypoints are nearer than
+  no_relief,             // RGB-D; the range of the middle eight tenths of all depths, by the median depth
   depth_against_motion,  // DepthAgainstMotion::error()
 };
-constexpr size_t kSensorDoubts = 5;
+constexpr size_t kSensorDoubts = 6;
 std::string_view name(SensorDoubt doubt);
 
 struct SensorWarning {
@@ -79,13 +80,19 @@ class SensorMonitor {
 
   bool holds(SensorDoubt doubt) const { return wrong_[static_cast<size_t>(doubt)]; }
   void add_share(int64_t frame, double share);
-  void add_depths(int64_t frame, const Features& features, double row_error);
+  void add_disparities(int64_t frame, const Features& features, double row_error);
+  void add_depths(int64_t frame);
   void forget_share();
   void forget_depths();
   void judge(SensorDoubt doubt, bool is_wrong, double figure, int64_t frame);
 
   const Sensor sensor_;
-  Window<kFrames> share_, zero_, rows_, near_;
+  Window<kFrames> share_;
+  struct DepthFigures {
+    Window<kFrames> zero, rows;    // of a pair
+    Window<kFrames> near, relief;  // of a depth camera
+  };
+  DepthFigures depth_figures_;
   Window<kComparisons> error_, spread_;
   struct Silence {
     size_t share = 0, depths = 0;

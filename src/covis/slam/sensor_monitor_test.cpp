@@ -11,13 +11,14 @@ namespace {
 
 using testing::HasSubstr;
 
-// Features of which a share has a disparity.
-Features features(double share, double disparity) {
+// Features of which a share has a disparity, which differs by up to a share of `relief` between them.
+Features features(double share, double disparity, double relief = 0.1) {
   Random random(1);
   Features f = no_features();
   for (int i = 0; i < 200; ++i) {
     const double x = random.uniform(100, 600);
-    add(f, {.x = x, .y = random.uniform(0, 480), .u_right = i < 200 * share ? x - disparity : -1});
+    const double own = disparity * random.uniform(1 - relief / 2, 1 + relief / 2);
+    add(f, {.x = x, .y = random.uniform(0, 480), .u_right = i < 200 * share ? x - own : -1});
   }
   finish(f);
   return f;
@@ -89,6 +90,19 @@ TEST(SensorMonitor, DepthsNearerThanCamerasSee) {
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0].doubt, SensorDoubt::depth_too_near);
   EXPECT_THAT(describe(warnings[0], Sensor::rgbd), HasSubstr("depth_scale"));
+}
+
+TEST(SensorMonitor, ImagesOfOneValueAreNoDepth) {
+  const auto warnings = warnings_of(Sensor::rgbd, features(0.6, 10, 0), 0);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].doubt, SensorDoubt::no_relief);
+  EXPECT_THAT(describe(warnings[0], Sensor::rgbd), HasSubstr("the same depth"));
+  EXPECT_TRUE(warnings_of(Sensor::rgbd, features(0.6, 10, 0.01), 0).empty()) << "a wall";
+  SensorMonitor monitor(Sensor::rgbd);
+  for (int i = 0; i < 20; ++i) monitor.add_frame(i, features(0.6, 10, 0), 0);
+  EXPECT_TRUE(monitor.doubts());
+  for (int i = 20; i < 40; ++i) monitor.add_frame(i, features(0.6, 10), 0);
+  EXPECT_FALSE(monitor.doubts());
 }
 
 TEST(SensorMonitor, DoubtsOfFramesEndWhereFramesSayNothing) {

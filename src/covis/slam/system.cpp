@@ -243,7 +243,7 @@ void System::apply_finished_mapping(FrameReport& report) {
 
 void System::apply(MappingReport made, FrameReport& report) {
   tracker_.key_frame_made(made);
-  if (made.depth_check) monitor_.add_comparison(made.frame, *made.depth_check);
+  for (const DepthAgainstMotion& check : made.depth_checks) monitor_.add_comparison(made.frame, check);
   if (made.key_frame.valid()) anchor(made);
   for (const LocatedFrame& located : made.located) log_.locate(located);
   report.mapping.push_back(std::move(made));

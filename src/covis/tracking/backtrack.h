@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "covis/map/map_requests.h"
 #include "covis/map/shared_map.h"
 #include "covis/tracking/tracking_options.h"
 
