@@ -58,8 +58,7 @@ bool holds(const Eigen::Vector3d& p_w, const Pinhole& camera, const View& a, uin
   if (!(distance_a > 0) || !(distance_b > 0)) return false;
   const ScalePyramid &of_a = *a.features->pyramid, &of_b = *b.features->pyramid;
   const double by_distance = distance_b / distance_a;
-  // A thing looks smaller from farther away.
-  const double by_level = of_a.scale[a.features->level[ia]] / of_b.scale[b.features->level[ib]];
+  const double by_level = of_b.scale[b.features->level[ib]] / of_a.scale[a.features->level[ia]];
   const double tolerance = 1.5 * static_cast<double>(of_a.factor);
   return by_distance < by_level * tolerance && by_distance * tolerance > by_level;
 }
