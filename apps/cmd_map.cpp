@@ -25,12 +25,20 @@ struct MapArguments {
   bool json = false;
 };
 
+nlohmann::json to_json(const std::vector<storage::OtherCamera>& cameras) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const storage::OtherCamera& camera : cameras)
+    list.push_back({{"camera", camera_json(camera.given)}, {"key_frames", camera.key_frames}});
+  return list;
+}
+
 nlohmann::json to_json(const std::string& file, const storage::MapInfo& info) {
   return {{"file", file},
           {"version", std::to_string(info.major) + "." + std::to_string(info.minor)},
           {"bytes", info.file_size},
           {"sensor", name(info.header.sensor)},
           {"camera", camera_json(info.header.camera)},
+          {"other_cameras", to_json(info.other_cameras)},
           {"pyramid", {{"levels", info.header.levels}, {"factor", info.header.factor}}},
           {"vocabulary", info.header.vocabulary},
           {"maps", info.submaps},
@@ -48,6 +56,10 @@ void print(const std::string& file, const storage::MapInfo& info, const nlohmann
   std::printf("size            %.2f MB\n", static_cast<double>(info.file_size) / 1e6);
   std::cout << "sensor          " << json["sensor"].get<std::string>() << "\n";
   std::cout << "camera          " << json["camera"].dump() << "\n";
+  for (const storage::OtherCamera& camera : info.other_cameras) {
+    std::cout << "other camera    " << camera_json(camera.given).dump() << ", of " << camera.key_frames
+              << " key frames\n";
+  }
   std::printf("pyramid         %d levels, factor %g\n", info.header.levels, static_cast<double>(info.header.factor));
   std::cout << "vocabulary      " << (info.header.vocabulary.empty() ? "none" : info.header.vocabulary) << "\n";
   if (info.submaps > 1)

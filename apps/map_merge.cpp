@@ -53,11 +53,7 @@ Result<Inputs> load(const std::vector<std::string>& files) {
     inputs.headers.push_back(loaded->header);
     if (const auto fits = storage::check_mergeable(inputs.headers.front(), loaded->header); !fits)
       return fail(file + ": it can't be merged with " + files.front() + ": " + fits.error().message);
-    const auto same = std::find_if(inputs.headers.begin(), inputs.headers.end(), [&](const storage::MapHeader& header) {
-      return storage::same_camera(header, loaded->header);
-    });
-    inputs.maps.push_back(
-        {loaded->map.state(), loaded->header.sensor, static_cast<size_t>(same - inputs.headers.begin())});
+    inputs.maps.push_back({loaded->map.state(), loaded->header.sensor, loaded->header.camera});
   }
   return inputs;
 }

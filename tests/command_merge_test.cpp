@@ -134,8 +134,17 @@ TEST_F(CommandMerge, CamerasAndSensorsMayDiffer) {
     EXPECT_GT(judged["associated"], 30);
     return judged["ate_m"]["rmse"].get<double>();
   };
-  const auto camera_of = [&](const fs::path& map) {
-    return nlohmann::json::parse(covis({"map", "info", map, "--json"}).out)["camera"]["width"].get<int>();
+  const auto info_of = [&](const fs::path& map) {
+    return nlohmann::json::parse(covis({"map", "info", map, "--json"}).out);
+  };
+  const auto camera_of = [&](const fs::path& map) { return info_of(map)["camera"]["width"].get<int>(); };
+  // All key frames name a camera of this width, or the map's.
+  const auto expect_other = [&](const fs::path& map, int width) {
+    const nlohmann::json info = info_of(map);
+    ASSERT_EQ(info["other_cameras"].size(), 1u) << info;
+    EXPECT_EQ(info["other_cameras"][0]["camera"]["width"], width);
+    EXPECT_GT(info["other_cameras"][0]["key_frames"], 2);
+    EXPECT_LT(info["other_cameras"][0]["key_frames"], info["key_frames"]);
   };
   ASSERT_EQ(covis({"synth", "room", "--sensor", "rgbd", "--frames", "90", "--fps", "8", "--width", "400", "--height",
                    "300", "--focal", "330", "--quiet", "--out", other})
@@ -151,6 +160,7 @@ TEST_F(CommandMerge, CamerasAndSensorsMayDiffer) {
     EXPECT_EQ(nlohmann::json::parse(merged.out)["maps"].size(), 1u) << merged.out;
     EXPECT_EQ(nlohmann::json::parse(covis({"map", "info", site, "--json"}).out)["sensor"], "rgbd");
     EXPECT_EQ(camera_of(site), 320);
+    expect_other(site, 400);
     EXPECT_LT(run({other, "--sensor", "mono", "--count", "40", "--map", site, "--localize"}), 0.03);
   }
   const Outcome refused =
@@ -160,8 +170,10 @@ TEST_F(CommandMerge, CamerasAndSensorsMayDiffer) {
   // A map that another camera continues is that camera's; the first one is found in it, and continues it in turn.
   EXPECT_LT(run({other, "--first", "50", "--map", one, "--save-map", on}), 0.02);
   EXPECT_EQ(camera_of(on), 400);
+  expect_other(on, 320);
   EXPECT_LT(run({recording, "--count", "60", "--map", on, "--save-map", on}), 0.02);
   EXPECT_EQ(camera_of(on), 320);
+  expect_other(on, 400);
   EXPECT_LT(run({other, "--map", on, "--localize"}), 0.02);
   // A camera without depth leaves a map in metres as it is.
   EXPECT_LT(run({other, "--sensor", "mono", "--count", "40", "--map", on, "--localize", "--save-map", on}), 0.03);

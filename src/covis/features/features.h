@@ -14,6 +14,7 @@
 
 #include "covis/core/aligned.h"
 #include "covis/features/small_image.h"
+#include "covis/geometry/camera.h"
 
 namespace covis {
 
@@ -86,7 +87,8 @@ struct Features {
   AlignedVector<Descriptor> descriptor;
   FeatureGrid grid;
   std::shared_ptr<const ScalePyramid> pyramid;
-  SmallImage small;  // for the next frame alone
+  std::shared_ptr<const RefinedCamera> made_by;  // the camera, where it is another one than the map's; else null
+  SmallImage small;                              // for the next frame alone
 
   // A copy for a key frame: without the small image, and without room for more keypoints.
   std::shared_ptr<Features> for_key_frame() const;

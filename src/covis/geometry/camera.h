@@ -56,6 +56,7 @@ struct Camera {
   Distortion distortion = Distortion::none;
   std::array<double, 5> coefficients{};  // brown_conrady: k1 k2 p1 p2 k3; kannala_brandt: k1 k2 k3 k4
 
+  friend bool operator==(const Camera&, const Camera&) = default;
   // Maps a point in camera coordinates to a (distorted) pixel. Returns nullopt when this lens cannot see the point (z
   // <= 0 for pinhole kinds). J: the 2x3 Jacobian d pixel / d point.
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& p_c, Eigen::Matrix<double, 2, 3>* J = nullptr) const;
@@ -63,6 +64,13 @@ struct Camera {
   std::optional<Eigen::Vector3d> unproject(const Eigen::Vector2d& pixel) const;
   // Maps a (distorted) pixel to that of the ideal pinhole camera. Returns nullopt for rays at 90 degrees and beyond.
   std::optional<Eigen::Vector2d> undistort(const Eigen::Vector2d& pixel) const;
+};
+
+// A camera as it was given, and the model of its undistorted pixels as it was refined.
+struct RefinedCamera {
+  Camera given;
+  Pinhole pinhole;
+  friend bool operator==(const RefinedCamera&, const RefinedCamera&) = default;
 };
 
 // Lists as text how `other` differs from `camera` by more than the rounding of a file ("fx 718.9 instead of 707.1, …");

@@ -17,7 +17,7 @@ namespace covis {
 // frames, whose keypoints were expressed in this one's focal length.
 std::optional<int> FocalSchedule::ask(const Map& map) {
   if (map.next_serial() < next_ || map.key_frame_count() > kLargest || map.submaps().size() != 1 ||
-      has_other_pixels(map))
+      has_other_cameras(map))
     return std::nullopt;
   next_ = map.next_serial() + std::max(kLeastStep, map.next_serial() / kStepShare);
   return kLeastAge + static_cast<int>(map.key_frame_count()) / kAgeShare;

@@ -44,7 +44,7 @@ Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& 
   std::vector<uint32_t> first_serials;
   std::vector<size_t> to_adjust;  // inputs whose camera is another one from now on
   MapState all;
-  const size_t kind = maps[report.camera_of].camera;
+  const Camera given = maps[report.camera_of].given;
   const Sensor sensor = maps[report.camera_of].sensor;
   for (size_t i = 0; i < maps.size(); ++i) {
     MapState& map = maps[i].map;
@@ -52,8 +52,9 @@ Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& 
     const bool refined = map.camera.fx != camera.fx || map.camera.fy != camera.fy;
     // Keypoints of other cameras were expressed in what the camera was refined to, and would not fit another focal
     // length.
-    if (maps[i].camera != kind || (refined && has_other_pixels(map))) {
-      if (auto fits = express_in(map, camera); !fits) return tl::unexpected(fits.error());
+    const bool is_same = maps[i].sensor == sensor && difference(given, maps[i].given).empty();
+    if (!is_same || (refined && (has_other_pixels(map) || !other_cameras(map).empty()))) {
+      if (auto fits = express_in(map, maps[i].given, {given, camera}); !fits) return tl::unexpected(fits.error());
     } else if (refined) {
       to_adjust.push_back(i);
     }

@@ -19,7 +19,7 @@ namespace covis {
 struct MergeSource {
   MapState map;
   Sensor sensor = Sensor::monocular;
-  size_t camera = 0;  // maps of the same number were given the same camera; each may have refined it
+  Camera given = {};  // the camera as it was given; the map may have refined it
 };
 
 // One of the maps that were merged.

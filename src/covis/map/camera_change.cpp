@@ -30,7 +30,7 @@ struct PixelChange {
 
 using Pyramids = std::map<const ScalePyramid*, std::shared_ptr<const ScalePyramid>>;
 
-FeaturesPtr changed(const Features& of, const PixelChange& change, double bf, Pyramids& pyramids) {
+std::shared_ptr<Features> changed(const Features& of, const PixelChange& change, double bf, Pyramids& pyramids) {
   auto f = std::make_shared<Features>(of);
   f->raw_x = of.image_x();  // they stay where they are in their image
   f->raw_y = of.image_y();
@@ -49,9 +49,9 @@ FeaturesPtr changed(const Features& of, const PixelChange& change, double bf, Py
   return f;
 }
 
-}  // namespace
-
-Result<void> express_in(MapState& map, const Pinhole& camera) {
+// As express_in(); name(features) says which camera made those of each key frame.
+template <class Name>
+Result<void> express(MapState& map, const Pinhole& camera, Name&& name) {
   const PixelChange change(map.camera, camera);
   for (const KeyFrameState& k : map.key_frames) {
     const ImageBounds b = change(k.features->grid.bounds);
@@ -62,7 +62,11 @@ Result<void> express_in(MapState& map, const Pinhole& camera) {
     }
   }
   Pyramids pyramids;
-  for (KeyFrameState& k : map.key_frames) k.features = changed(*k.features, change, camera.bf, pyramids);
+  for (KeyFrameState& k : map.key_frames) {
+    const auto features = changed(*k.features, change, camera.bf, pyramids);
+    name(*features);
+    k.features = features;
+  }
   for (MapPointState& p : map.points) {
     p.d_min *= static_cast<float>(change.size());
     p.d_max *= static_cast<float>(change.size());
@@ -71,15 +75,46 @@ Result<void> express_in(MapState& map, const Pinhole& camera) {
   return {};
 }
 
+}  // namespace
+
+Result<void> express_in(MapState& map, const Pinhole& camera) {
+  return express(map, camera, [](Features&) {});
+}
+
+Result<void> express_in(MapState& map, const Camera& made_by, const RefinedCamera& to) {
+  const auto own = std::make_shared<const RefinedCamera>(RefinedCamera{made_by, map.camera});
+  const auto is_target = [&](const RefinedCamera& camera) {
+    const Pinhole &a = camera.pinhole, &b = to.pinhole;
+    return difference(camera.given, to.given).empty() && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
+  };
+  return express(map, to.pinhole, [&](Features& features) {
+    if (!features.made_by) features.made_by = own;
+    if (is_target(*features.made_by)) features.made_by = nullptr;
+  });
+}
+
+std::vector<RefinedCamera> other_cameras(const MapState& map) {
+  std::vector<RefinedCamera> cameras;
+  const RefinedCamera* last = nullptr;
+  for (const KeyFrameState& k : map.key_frames) {
+    const RefinedCamera* camera = k.features->made_by.get();
+    if (!camera || camera == last) continue;
+    last = camera;
+    if (std::find(cameras.begin(), cameras.end(), *camera) == cameras.end()) cameras.push_back(*camera);
+  }
+  return cameras;
+}
+
 bool has_other_pixels(const MapState& map) {
   return std::any_of(map.key_frames.begin(), map.key_frames.end(),
                      [](const KeyFrameState& k) { return k.features->pyramid->base != 1; });
 }
 
-bool has_other_pixels(const Map& map) {
+bool has_other_cameras(const Map& map) {
   bool found = false;
-  map.for_each_key_frame(
-      [&](KeyFrameId, const KeyFrame& key_frame) { found = found || key_frame.features->pyramid->base != 1; });
+  map.for_each_key_frame([&](KeyFrameId, const KeyFrame& key_frame) {
+    found = found || key_frame.features->made_by || key_frame.features->pyramid->base != 1;
+  });
   return found;
 }
 

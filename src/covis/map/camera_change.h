@@ -15,9 +15,18 @@ namespace covis {
 // more than 64 times as large as those of the other, or images would lie beyond all bounds.
 Result<void> express_in(MapState& map, const Pinhole& camera);
 
+// The same for a map of the camera `made_by`, whose key frames name their camera from then on (Features::made_by),
+// unless it is `to` itself, refined in the same way.
+Result<void> express_in(MapState& map, const Camera& made_by, const RefinedCamera& to);
+
+// The cameras that key frames name, each once, in the order of their first key frames.
+std::vector<RefinedCamera> other_cameras(const MapState& map);
+
+// Some key frame names its camera, or has pixels of another size than the map's.
+bool has_other_cameras(const Map& map);
+
 // Some key frame was made by a camera with pixels of another size than the map's.
 bool has_other_pixels(const MapState& map);
-bool has_other_pixels(const Map& map);
 
 // The submaps in which a key frame has a measured depth, so that lengths are metres; rising.
 std::vector<uint32_t> metric_submaps(const Map& map);

@@ -71,6 +71,40 @@ TEST_F(CameraChange, ThereAndBackIsTheSame) {
   }
 }
 
+Camera camera_of(const Pinhole& pinhole) {
+  Camera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.pinhole = pinhole;
+  return camera;
+}
+
+TEST_F(CameraChange, KeyFramesNameTheirCameraUnlessItIsTheMapsOwn) {
+  const Camera first = camera_of(scene.camera), fine = camera_of(kFine);
+  MapState state = world.shared.read()->state();
+  EXPECT_TRUE(other_cameras(state).empty());
+  state.camera.fx *= 1.01;  // as it was refined
+  const Pinhole refined = state.camera;
+  ASSERT_TRUE(express_in(state, first, {fine, kFine}));
+  EXPECT_EQ(other_cameras(state), (std::vector<RefinedCamera>{{first, refined}}));
+  const auto map = Map::from_state(state);
+  ASSERT_TRUE(map);
+  EXPECT_TRUE(has_other_cameras(*map));
+  // A third camera: the first key frames still name the first.
+  Camera third = first;
+  third.distortion = Distortion::brown_conrady;
+  third.coefficients[0] = -0.1;
+  state.key_frames.back().features = state.key_frames.back().features->for_key_frame();
+  std::const_pointer_cast<Features>(state.key_frames.back().features)->made_by = nullptr;
+  ASSERT_TRUE(express_in(state, fine, {third, third.pinhole}));
+  EXPECT_EQ(other_cameras(state), (std::vector<RefinedCamera>{{first, refined}, {fine, kFine}}));
+  // And back: they are the map's own again where it is refined as it was.
+  ASSERT_TRUE(express_in(state, third, {first, refined}));
+  EXPECT_EQ(other_cameras(state), (std::vector<RefinedCamera>{{fine, kFine}}));
+  EXPECT_EQ(state.key_frames.front().features->made_by, nullptr);
+  EXPECT_FALSE(has_other_cameras(*world.shared.read()));
+}
+
 TEST_F(CameraChange, CamerasThatDifferByTooMuchAreRefused) {
   MapState state = world.shared.read()->state();
   for (const Pinhole& camera :

@@ -59,7 +59,7 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
     log(LogLevel::info, "the map was made by another camera (" + other + "); it is expressed in the present one");
     MapState state = map.state();
     map = Map();  // so that features are not held twice
-    if (auto fits = express_in(state, camera); !fits) return fits;
+    if (auto fits = express_in(state, made_by, {given_, camera}); !fits) return fits;
     auto expressed = Map::from_state(std::move(state));
     if (!expressed) return tl::unexpected(expressed.error());
     map = std::move(*expressed);

@@ -69,10 +69,6 @@ Result<void> check_mergeable(const MapHeader& first, const MapHeader& other) {
   return fail("it was made otherwise (" + differs + "): a map has one kind of features");
 }
 
-bool same_camera(const MapHeader& a, const MapHeader& b) {
-  return a.sensor == b.sensor && difference(a.camera, b.camera).empty();
-}
-
 Result<SavedMap> load_compatible_map(const std::filesystem::path& file, const MapHeader& run, MapUse use) {
   auto saved = load_map(file);
   if (!saved) return saved;

@@ -31,8 +31,6 @@ Result<void> check_compatible(const MapHeader& saved, const MapHeader& run, MapU
 
 // Succeeds when a map can become one with another: their features are of one kind. The error names all that differs.
 Result<void> check_mergeable(const MapHeader& first, const MapHeader& other);
-// Both were given the same camera.
-bool same_camera(const MapHeader& a, const MapHeader& b);
 
 // Loads a map for a run; fails when it does not fit or has no key frames. Errors name the file.
 Result<SavedMap> load_compatible_map(const std::filesystem::path& file, const MapHeader& run, MapUse use);

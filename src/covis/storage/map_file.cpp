@@ -10,6 +10,7 @@
 #include "covis/core/atomic_file.h"
 #include "covis/core/log.h"
 #include "covis/storage/load_cost.h"
+#include "covis/storage/map_cameras.h"
 #include "covis/storage/map_colours.h"
 #include "covis/storage/map_file_format.h"
 #include "covis/storage/map_file_layout.h"
@@ -89,10 +90,25 @@ Result<std::vector<float>> read_pixel_sizes(SectionFile& file, size_t key_frames
   return sizes;
 }
 
+// Files without several cameras have none.
+Result<KeyFrameCameras> read_key_frame_cameras(SectionFile& file, size_t key_frames) {
+  KeyFrameCameras cameras;
+  if (!file.has(kCameras)) return cameras;
+  const auto bytes = file.read(kCameras, "cameras");
+  if (!bytes) return tl::unexpected(bytes.error());
+  if (const std::string problem = read_cameras(*bytes, key_frames, cameras); !problem.empty())
+    return fail(file.error(problem));
+  return cameras;
+}
+
 Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& records,
                            std::vector<KeyFrameState>& key_frames) {
   const auto sizes = read_pixel_sizes(file, records.size());
   if (!sizes) return tl::unexpected(sizes.error());
+  const auto cameras = read_key_frame_cameras(file, records.size());
+  if (!cameras) return tl::unexpected(cameras.error());
+  std::vector<std::shared_ptr<const RefinedCamera>> made_by{nullptr};
+  for (const RefinedCamera& camera : cameras->cameras) made_by.push_back(std::make_shared<RefinedCamera>(camera));
   const auto bytes = file.read(kFeatures, "features");
   if (!bytes) return tl::unexpected(bytes.error());
   FieldReader fields(*bytes);
@@ -113,6 +129,7 @@ Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& re
       f->raw_y = std::move(image_y);
     }
     f->pyramid = pyramid;
+    if (!cameras->of.empty()) f->made_by = made_by[cameras->of[i]];
     if (!valid_camera(r.camera)) return fail(file.error(name + "has no valid camera"));
     const std::string problem = covis::problem_of(*f, r.bounds);
     if (!problem.empty()) return fail(file.error(name + problem));
@@ -242,8 +259,21 @@ Result<MapInfo> read_map_info(const std::filesystem::path& path) {
   const auto key_frames = read_key_frames(*file, about->counts.key_frames, records);
   if (!key_frames) return tl::unexpected(key_frames.error());
   const Counts& c = about->counts;
-  MapInfo info{about->header, file->major(), file->minor(),  file->size(),
-               c.key_frames,  c.points,      c.observations, c.features};
+  MapInfo info;
+  info.header = about->header;
+  info.major = file->major();
+  info.minor = file->minor();
+  info.file_size = file->size();
+  info.key_frames = c.key_frames;
+  info.points = c.points;
+  info.observations = c.observations;
+  info.features = c.features;
+  const auto cameras = read_key_frame_cameras(*file, key_frames->size());
+  if (!cameras) return tl::unexpected(cameras.error());
+  for (size_t k = 0; k < cameras->cameras.size(); ++k) {
+    const auto count = std::count(cameras->of.begin(), cameras->of.end(), static_cast<uint32_t>(k + 1));
+    info.other_cameras.push_back({cameras->cameras[k].given, static_cast<uint64_t>(count)});
+  }
   info.submaps = static_cast<uint64_t>(std::count_if(
       key_frames->begin(), key_frames->end(), [](const KeyFrameState& k) { return k.parent == MapState::kNone; }));
   if (key_frames->empty()) return info;

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "covis/core/error.h"
 #include "covis/core/sensor.h"
@@ -32,11 +33,18 @@ struct SavedMap {
   Map map;
 };
 
+// A camera that made some of a map's key frames, and is not the map's own.
+struct OtherCamera {
+  Camera given;
+  uint64_t key_frames = 0;
+};
+
 struct MapInfo {
   MapHeader header;
   uint16_t major = 0, minor = 0;  // version of the format
   uint64_t file_size = 0;         // bytes
   uint64_t key_frames = 0, points = 0, observations = 0, features = 0;
+  std::vector<OtherCamera> other_cameras;            // those of the other key frames are the header's
   uint64_t submaps = 0;                              // number of maps that are not joined
   Eigen::Vector3d extent = Eigen::Vector3d::Zero();  // sides of the box around the key frames' centres, metres
   double seconds = 0;                                // time from the first to the last key frame's stamp

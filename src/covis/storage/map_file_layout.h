@@ -38,13 +38,18 @@ void pinhole_fields(Fields& fields, P& p) {
   for (auto* value : {&p.fx, &p.fy, &p.cx, &p.cy, &p.bf}) fields(*value);
 }
 
+template <class Fields, class C>
+void camera_fields(Fields& fields, C& camera) {
+  fields(camera.width);
+  fields(camera.height);
+  pinhole_fields(fields, camera.pinhole);
+  fields(camera.distortion);
+  fields.array(camera.coefficients.data(), camera.coefficients.size());
+}
+
 template <class Fields, class H, class C>
 void about_fields(Fields& fields, H& h, C& c) {
-  fields(h.camera.width);
-  fields(h.camera.height);
-  pinhole_fields(fields, h.camera.pinhole);
-  fields(h.camera.distortion);
-  fields.array(h.camera.coefficients.data(), h.camera.coefficients.size());
+  camera_fields(fields, h.camera);
   fields(h.sensor);
   fields(h.levels);
   fields(h.factor);

@@ -9,6 +9,7 @@
 #include "covis/core/log.h"
 #include "covis/core/test_folder.h"
 #include "covis/map/camera_change.h"
+#include "covis/storage/map_cameras.h"
 #include "covis/storage/test_maps.h"
 #include "covis/storage/test_sections.h"
 
@@ -209,7 +210,7 @@ TEST_F(MapFile, PixelSizesAreInFilesOfSeveralCamerasAlone) {
   ASSERT_TRUE(save_map(file(), state, header));
   auto opened = SectionFile::open(file());
   ASSERT_TRUE(opened) << opened.error().message;
-  EXPECT_EQ(opened->minor(), kMapFileMinor);
+  EXPECT_EQ(opened->minor(), kMapFileMinorWithSizes);
   const auto loaded = load_map(file());
   ASSERT_TRUE(loaded) << loaded.error().message;
   for (const KeyFrameId& id : loaded->map.key_frames()) EXPECT_EQ(loaded->map.at(id).features->pyramid->base, 2);
@@ -224,6 +225,43 @@ TEST_F(MapFile, PixelSizesAreInFilesOfSeveralCamerasAlone) {
   expect_refused(with(sizes + "x"), "length");
   expect_refused(with(std::string(sizes.size(), '\0')), "no valid size of its pixels");
   expect_refused(with(std::string(sizes.size(), '\xff')), "no valid size of its pixels");
+}
+
+TEST_F(MapFile, CamerasOfKeyFramesAreInFilesOfSeveralAlone) {
+  MapState state = random_map(3, 60, 12).state();
+  const MapHeader made_by = test_header();
+  MapHeader header = made_by;
+  header.camera.distortion = Distortion::none;
+  header.camera.width += 100;
+  const Pinhole before = state.camera;
+  ASSERT_TRUE(express_in(state, made_by.camera, {header.camera, before}));  // another lens, pixels of the same size
+  ASSERT_TRUE(save_map(file(), state, header));
+  const std::string bytes = read_file(file());
+  auto opened = SectionFile::open(file());
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ(opened->minor(), kMapFileMinor);
+  auto loaded = load_map(file());
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(other_cameras(loaded->map.state()), (std::vector<RefinedCamera>{{made_by.camera, before}}));
+  ASSERT_TRUE(save_map(file(), loaded->map.state(), header));
+  EXPECT_EQ(read_file(file()), bytes);
+  const auto info = read_map_info(file());
+  ASSERT_TRUE(info) << info.error().message;
+  ASSERT_EQ(info->other_cameras.size(), 1u);
+  EXPECT_EQ(info->other_cameras[0].given, made_by.camera);
+  EXPECT_EQ(info->other_cameras[0].key_frames, info->key_frames);
+  const std::string cameras = *opened->read(kCameras, "cameras");
+  std::vector<Section> sections;
+  for (uint32_t i = 1; i <= 5; ++i) sections.push_back({i, *opened->read(i, "any")});
+  const auto with = [&](std::string changed) {
+    std::vector<Section> all = sections;
+    all.push_back({kCameras, std::move(changed)});
+    return *pack_sections(all);
+  };
+  expect_refused(with(cameras + "x"), "length");
+  expect_refused(with(cameras.substr(0, cameras.size() - 1) + '\x7f'), "a camera that is not there");
+  expect_refused(with(std::string(4, '\xff') + cameras.substr(4)), "length");
+  expect_refused(with(cameras.substr(0, 4) + std::string(8, '\0') + cameras.substr(12)), "no image size");
 }
 
 TEST_F(MapFile, ColoursAreInFilesOfColouredMapsAlone) {

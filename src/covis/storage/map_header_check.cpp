@@ -6,19 +6,25 @@
 
 namespace covis::storage {
 
-std::string problem_of(const MapHeader& h) {
-  constexpr int kMaxSide = 1'000'000;       // pixels, as for positions of features
-  constexpr double kMaxCoefficient = 1e9;   // no lens is near
-  constexpr size_t kVocabularyDigits = 16;  // hexadecimal digits of 64 bits
+std::string problem_of(const Camera& camera) {
+  constexpr int kMaxSide = 1'000'000;      // pixels, as for positions of features
+  constexpr double kMaxCoefficient = 1e9;  // no lens is near
   const auto bounded = [](double v) { return std::abs(v) <= kMaxCoefficient; };
-  if (!valid_camera(h.camera.pinhole) ||
-      !std::all_of(h.camera.coefficients.begin(), h.camera.coefficients.end(), bounded)) {
+  if (!valid_camera(camera.pinhole) ||
+      !std::all_of(camera.coefficients.begin(), camera.coefficients.end(), bounded)) {
     return "its camera is not valid";
   }
-  if (h.camera.width < 1 || h.camera.height < 1 || h.camera.width > kMaxSide || h.camera.height > kMaxSide)
+  if (camera.width < 1 || camera.height < 1 || camera.width > kMaxSide || camera.height > kMaxSide)
     return "its camera has no image size";
-  const int distortion = static_cast<int>(h.camera.distortion), sensor = static_cast<int>(h.sensor);
+  const int distortion = static_cast<int>(camera.distortion);
   if (distortion < 0 || distortion > static_cast<int>(Distortion::kannala_brandt)) return "its lens is unknown";
+  return {};
+}
+
+std::string problem_of(const MapHeader& h) {
+  constexpr size_t kVocabularyDigits = 16;  // hexadecimal digits of 64 bits
+  if (std::string problem = problem_of(h.camera); !problem.empty()) return problem;
+  const int sensor = static_cast<int>(h.sensor);
   if (sensor < 0 || sensor > static_cast<int>(Sensor::rgbd)) return "its sensor is unknown";
   if (!valid_pyramid(h.levels, h.factor)) return "its pyramid is not valid";
   // It is printed, so that nothing but digits may be in it.

@@ -7,6 +7,9 @@
 
 namespace covis::storage {
 
+// Returns what is wrong with a camera's values; empty: nothing.
+std::string problem_of(const Camera& camera);
+
 // Returns what is wrong with a header's values; empty: nothing. The names of enums are checked too.
 std::string problem_of(const MapHeader& header);
 

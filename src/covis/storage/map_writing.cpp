@@ -5,6 +5,7 @@
 
 #include "covis/map/camera_change.h"
 #include "covis/storage/load_cost.h"
+#include "covis/storage/map_cameras.h"
 #include "covis/storage/map_colours.h"
 #include "covis/storage/map_file_format.h"
 #include "covis/storage/map_file_layout.h"
@@ -83,8 +84,13 @@ Result<void> check_readable(const MapState& map, uint64_t size) {
 
 Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& header) {
   const bool noise = map.camera.depth_noise.known(), colours = has_colours(map), sizes = has_other_pixels(map);
-  const uint16_t minor = sizes ? kMapFileMinor : colours ? kMapFileMinorWithColours : kMapFileMinorLeast;
-  SectionWriter file(sink, 5u + noise + colours + sizes, kMapFileMajor, minor);
+  const KeyFrameCameras others = cameras_of(map);
+  const bool cameras = !others.cameras.empty();
+  const uint16_t minor = cameras   ? kMapFileMinor
+                         : sizes   ? kMapFileMinorWithSizes
+                         : colours ? kMapFileMinorWithColours
+                                   : kMapFileMinorLeast;
+  SectionWriter file(sink, 5u + noise + colours + sizes + cameras, kMapFileMajor, minor);
   FieldWriter about;
   const Counts counts = counts_of(map);
   about_fields(about, header, counts);
@@ -103,6 +109,7 @@ Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& hea
   }
   if (colours) file.write(kColours, colour_bytes(map));
   if (sizes) file.write(kPixelSizes, pixel_size_bytes(map));
+  if (cameras) file.write(kCameras, bytes_of(others));
   const auto size = file.finish();
   return size ? check_readable(map, *size) : tl::unexpected(size.error());
 }

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/storage/map_cameras.h"
+
+#include <algorithm>
+
+#include "covis/map/camera_change.h"
+#include "covis/storage/map_file_format.h"
+#include "covis/storage/map_file_layout.h"
+#include "covis/storage/map_header_check.h"
+
+namespace covis::storage {
+namespace {
+
+template <class Fields, class C>
+void refined_fields(Fields& fields, C& camera) {
+  camera_fields(fields, camera.given);
+  pinhole_fields(fields, camera.pinhole);
+}
+
+}  // namespace
+
+KeyFrameCameras cameras_of(const MapState& map) {
+  KeyFrameCameras all{other_cameras(map), {}};
+  if (all.cameras.empty()) return all;
+  all.of.reserve(map.key_frames.size());
+  for (const KeyFrameState& k : map.key_frames) {
+    const RefinedCamera* camera = k.features->made_by.get();
+    const auto at = camera ? std::find(all.cameras.begin(), all.cameras.end(), *camera) : all.cameras.end();
+    all.of.push_back(at == all.cameras.end() ? 0 : static_cast<uint32_t>(at - all.cameras.begin()) + 1);
+  }
+  return all;
+}
+
+std::string bytes_of(const KeyFrameCameras& all) {
+  FieldWriter fields;
+  fields(static_cast<uint32_t>(all.cameras.size()));
+  for (const RefinedCamera& camera : all.cameras) refined_fields(fields, camera);
+  fields.array(all.of.data(), all.of.size());
+  return fields.take();
+}
+
+std::string read_cameras(std::string_view bytes, size_t key_frames, KeyFrameCameras& all) {
+  FieldReader fields(bytes);
+  uint32_t count = 0;
+  fields(count);
+  for (uint32_t k = 0; k < count && fields.ok(); ++k) {
+    refined_fields(fields, all.cameras.emplace_back());
+    const RefinedCamera& camera = all.cameras.back();
+    if (!fields.ok()) break;
+    if (const std::string problem = problem_of(camera.given); !problem.empty()) return problem;
+    if (!valid_camera(camera.pinhole)) return "a key frame's camera is not valid";
+  }
+  fields.sized_list(all.of, key_frames);
+  if (!fields.whole()) return std::string(kNotRightLength);
+  if (std::any_of(all.of.begin(), all.of.end(), [&](uint32_t k) { return k > count; }))
+    return "a key frame has a camera that is not there";
+  return {};
+}
+
+}  // namespace covis::storage
