@@ -68,14 +68,13 @@ Result<void> write_poses(const std::vector<Scene>& scenes, const fs::path& file,
 }
 
 // The images go to the folder `images` of the export, if there are any. Error: those that were named are not there.
-Result<void> write_images(const ExportArguments& a, const Camera& given, const Pinhole& refined,
-                          std::vector<Scene>& scenes) {
+Result<void> write_images(const ExportArguments& a, std::vector<Scene>& scenes) {
   const fs::path kept = a.images.empty() ? exchange::image_folder(a.file) : fs::path(a.images);
   size_t views = 0, images = 0;
   for (Scene& scene : scenes) {
     views += scene.views.size();
     if (a.images.empty() && !fs::is_directory(kept)) continue;
-    const auto written = exchange::write_images(kept, given, refined, fs::path(a.out) / "images", scene);
+    const auto written = exchange::write_images(kept, fs::path(a.out) / "images", scene);
     if (!written) return tl::unexpected(written.error());
     images += *written;
   }
@@ -87,12 +86,11 @@ Result<void> write_images(const ExportArguments& a, const Camera& given, const P
   return {};
 }
 
-Result<void> write_folder(Format format, const ExportArguments& a, const Camera& given, std::vector<Scene>& scenes) {
-  const Pinhole refined = scenes.front().camera;
+Result<void> write_folder(Format format, const ExportArguments& a, std::vector<Scene>& scenes) {
   if (format == Format::bundler) {
     for (Scene& scene : scenes) scene = exchange::centred(scene);
   }
-  if (const auto written = write_images(a, given, refined, scenes); !written) return written;
+  if (const auto written = write_images(a, scenes); !written) return written;
   const fs::path out = a.out;
   for (size_t k = 0; k < scenes.size(); ++k) {
     Result<void> written;
@@ -123,7 +121,7 @@ Result<exchange::GeoReference> reference_of(const ExportArguments& a) {
   return reference;
 }
 
-Result<void> write(Format format, const ExportArguments& a, const Camera& given, std::vector<Scene>& scenes) {
+Result<void> write(Format format, const ExportArguments& a, std::vector<Scene>& scenes) {
   switch (format) {
     case Format::ply:
       return each(scenes, a.out,
@@ -142,7 +140,7 @@ Result<void> write(Format format, const ExportArguments& a, const Camera& given,
     case Format::colmap:
     case Format::nerfstudio:
     case Format::bundler:
-      return write_folder(format, a, given, scenes);
+      return write_folder(format, a, scenes);
   }
   return {};
 }
@@ -161,10 +159,9 @@ int run_export(const ExportArguments& a) {
     return fail_with(idle + ": it says nothing to the format " + a.to);
   const auto loaded = storage::load_map(a.file);
   if (!loaded) return fail_with(loaded.error());
-  const Camera& given = loaded->header.camera;
-  std::vector<Scene> scenes = exchange::scenes_of(loaded->map, given.width, given.height);
+  std::vector<Scene> scenes = exchange::scenes_of(loaded->map, loaded->header.camera);
   if (scenes.empty()) return fail_with(a.file + ": the map is empty, there is nothing to export");
-  if (const auto written = write(format, a, given, scenes); !written) return fail_with(written.error());
+  if (const auto written = write(format, a, scenes); !written) return fail_with(written.error());
   size_t views = 0, points = 0;
   for (const Scene& scene : scenes) {
     views += scene.views.size();

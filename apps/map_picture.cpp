@@ -61,7 +61,7 @@ Plot plot_of(const exchange::Scene& scene, const std::string& title) {
 
 std::string picture_from_above(const Map& map, const Camera& camera, const std::string& title) {
   std::vector<Plot> plots;
-  for (const exchange::Scene& scene : exchange::scenes_of(map, camera.width, camera.height)) {
+  for (const exchange::Scene& scene : exchange::scenes_of(map, camera)) {
     const std::string which = map.submaps().size() > 1 ? ", map " + std::to_string(plots.size()) : "";
     plots.push_back(plot_of(scene, title + which));
   }

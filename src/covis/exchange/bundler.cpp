@@ -10,13 +10,13 @@ namespace covis::exchange {
 namespace {
 
 std::string bundle_text(const Scene& scene) {
-  const Pinhole& c = scene.camera;
-  assert(c.fx == c.fy);
   const Eigen::Vector3d turned(1, -1, -1);  // turns the camera's axes
   Text text;
   text.line("# Bundle file v0.3");
   text.line(scene.views.size(), scene.points.size());
   for (const SceneView& view : scene.views) {
+    const Pinhole& c = scene.cameras[view.camera].pinhole;
+    assert(c.fx == c.fy);
     text.line(c.fx, 0, 0);
     for (int row = 0; row < 3; ++row) {
       const Eigen::Vector3d r = turned(row) * view.T_cw.R().row(row).transpose();
@@ -30,7 +30,9 @@ std::string bundle_text(const Scene& scene) {
     text.line(int{point.colour[0]}, int{point.colour[1]}, int{point.colour[2]});
     text(point.seen.size());
     for (const ScenePoint::Sight& sight : point.seen) {
-      const SceneView::Keypoint& keypoint = scene.views[sight.view].keypoints[sight.keypoint];
+      const SceneView& view = scene.views[sight.view];
+      const SceneView::Keypoint& keypoint = view.keypoints[sight.keypoint];
+      const Pinhole& c = scene.cameras[view.camera].pinhole;
       text(sight.view, sight.keypoint, keypoint.u - c.cx, c.cy - keypoint.v);
     }
     text.end_line();
@@ -41,7 +43,8 @@ std::string bundle_text(const Scene& scene) {
 std::string list_text(const Scene& scene, const std::string& images) {
   Text text;
   for (const SceneView& view : scene.views)
-    text.line(images + "/" + (view.image.empty() ? image_name(view.serial) : view.image), 0, scene.camera.fx);
+    text.line(images + "/" + (view.image.empty() ? image_name(view.serial) : view.image), 0,
+              scene.cameras[view.camera].pinhole.fx);
   return text.take();
 }
 

@@ -15,10 +15,12 @@ namespace {
 bool has_track(const ScenePoint& point) { return point.seen.size() >= 2; }
 
 std::string cameras_text(const Scene& scene) {
-  const Pinhole& c = scene.camera;
   Text text;
   text.line("# CAMERA_ID, MODEL, WIDTH, HEIGHT, fx, fy, cx, cy");
-  text.line(1, "PINHOLE", scene.width, scene.height, c.fx, c.fy, c.cx + kPixelCentre, c.cy + kPixelCentre);
+  for (size_t k = 0; k < scene.cameras.size(); ++k) {
+    const auto& [given, refined, c] = scene.cameras[k];
+    text.line(k + 1, "PINHOLE", given.width, given.height, c.fx, c.fy, c.cx + kPixelCentre, c.cy + kPixelCentre);
+  }
   return text.take();
 }
 
@@ -40,7 +42,7 @@ std::string images_text(const Scene& scene) {
   for (const SceneView& view : scene.views) {
     const Eigen::Quaterniond q = view.T_cw.q();
     const Eigen::Vector3d& t = view.T_cw.t();
-    text.line(view.serial + 1, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z(), 1,
+    text.line(view.serial + 1, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z(), view.camera + 1,
               view.image.empty() ? image_name(view.serial) : view.image);
     for (const SceneView::Keypoint& keypoint : view.keypoints) {
       if (has_track(scene.points[keypoint.point]))

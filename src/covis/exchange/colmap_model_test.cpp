@@ -15,8 +15,8 @@ TEST(ColmapModel, IsReadAsItWasWritten) {
   ASSERT_TRUE(write_colmap(folder.path(), scene));
   const auto model = read_colmap(folder.path());
   ASSERT_TRUE(model) << model.error().message;
-  EXPECT_EQ(model->camera.pinhole.fx, scene.camera.fx);
-  EXPECT_EQ(model->camera.pinhole.cy, scene.camera.cy);
+  EXPECT_EQ(model->camera.pinhole.fx, scene.cameras[0].pinhole.fx);
+  EXPECT_EQ(model->camera.pinhole.cy, scene.cameras[0].pinhole.cy);
   EXPECT_EQ(model->camera.width, 640);
   ASSERT_EQ(model->images.size(), scene.views.size());
   for (size_t i = 0; i < scene.views.size(); ++i) {

@@ -30,7 +30,7 @@ TEST(Colmap, AModelReadByItsFormatIsTheScene) {
   double width, height, fx, fy, cx, cy;
   camera >> id >> model >> width >> height >> fx >> fy >> cx >> cy;
   EXPECT_EQ(model, "PINHOLE");
-  EXPECT_EQ(cx, scene.camera.cx + 0.5) << "the centre of COLMAP's first pixel is at 0.5";
+  EXPECT_EQ(cx, scene.cameras[0].pinhole.cx + 0.5) << "the centre of COLMAP's first pixel is at 0.5";
 
   const std::vector<std::string> images = lines_of(folder / "sparse/images.txt");
   ASSERT_EQ(images.size(), 2 * scene.views.size());

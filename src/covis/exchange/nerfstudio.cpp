@@ -24,6 +24,13 @@ Eigen::Matrix4d camera_to_world(const SE3& T_cw, const SE3& T_nw) {
   return m;
 }
 
+nlohmann::json intrinsics(const SceneCamera& camera) {
+  const Pinhole& c = camera.pinhole;
+  return {{"w", camera.given.width}, {"h", camera.given.height}, {"fl_x", c.fx}, {"fl_y", c.fy},
+          {"cx", c.cx + kPixelCentre}, {"cy", c.cy + kPixelCentre}};
+}
+
+// Intrinsics are those of all frames, and each frame's own where there are several cameras.
 nlohmann::json transforms(const Scene& scene, const SE3& T_nw, const std::string& images, const std::string& cloud) {
   nlohmann::json frames = nlohmann::json::array();
   for (const SceneView& view : scene.views) {
@@ -31,16 +38,11 @@ nlohmann::json transforms(const Scene& scene, const SE3& T_nw, const std::string
     frames.push_back({{"file_path", images + "/" + view.image},
                       {"transform_matrix", rows_of(camera_to_world(view.T_cw, T_nw))},
                       {"timestamp", to_seconds(view.stamp)}});
+    if (scene.cameras.size() > 1) frames.back().update(intrinsics(scene.cameras[view.camera]));
   }
-  return {{"camera_model", "PINHOLE"},
-          {"w", scene.width},
-          {"h", scene.height},
-          {"fl_x", scene.camera.fx},
-          {"fl_y", scene.camera.fy},
-          {"cx", scene.camera.cx + kPixelCentre},
-          {"cy", scene.camera.cy + kPixelCentre},
-          {"ply_file_path", cloud},
-          {"frames", std::move(frames)}};
+  nlohmann::json all{{"camera_model", "PINHOLE"}, {"ply_file_path", cloud}, {"frames", std::move(frames)}};
+  all.update(intrinsics(scene.cameras.front()));
+  return all;
 }
 
 }  // namespace

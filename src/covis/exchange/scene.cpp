@@ -12,10 +12,6 @@
 namespace covis::exchange {
 namespace {
 
-bool inside(const Scene& scene, double u, double v) {
-  return u >= -0.5 && v >= -0.5 && u < scene.width - 0.5 && v < scene.height - 0.5;
-}
-
 // The points that the views see; they are numbered in the order in which they are met.
 class Points {
  public:
@@ -41,16 +37,31 @@ class Points {
   std::unordered_map<MapPointId, uint32_t> index_;
 };
 
+// The index of the camera that made a key frame; it is added where it is new.
+uint32_t camera_of(const KeyFrame& key_frame, Scene& scene) {
+  if (!key_frame.features->made_by) return 0;
+  const RefinedCamera& camera = *key_frame.features->made_by;
+  const auto at = std::find_if(scene.cameras.begin() + 1, scene.cameras.end(), [&](const SceneCamera& c) {
+    return c.given == camera.given && c.refined == camera.pinhole;
+  });
+  const auto index = static_cast<uint32_t>(at - scene.cameras.begin());
+  if (at == scene.cameras.end()) scene.cameras.push_back({camera.given, camera.pinhole, camera.pinhole});
+  return index;
+}
+
 void add_view(const Map& map, const KeyFrame& from, Points& points, Scene& scene) {
   SceneView& view = scene.views.emplace_back();
   view.serial = from.serial;
+  view.camera = camera_of(from, scene);
   view.stamp = from.stamp;
   view.T_cw = from.T_cw;
   view.image = image_name(from.serial);
+  const SceneCamera& camera = scene.cameras[view.camera];
   for (size_t f = 0; f < from.points.size(); ++f) {
-    const double u = from.features->x[f], v = from.features->y[f];
-    if (from.points[f].valid() && inside(scene, u, v))
-      view.keypoints.push_back({u, v, points.index_of(map, from.points[f])});
+    if (!from.points[f].valid()) continue;
+    Eigen::Vector2d at(from.features->x[f], from.features->y[f]);
+    if (view.camera > 0) at = camera.pinhole.project(map.camera().unproject(at.x(), at.y()));
+    if (camera.sees(at.x(), at.y())) view.keypoints.push_back({at.x(), at.y(), points.index_of(map, from.points[f])});
   }
 }
 
@@ -60,7 +71,7 @@ void find_sights(Scene& scene) {
     for (uint32_t k = 0; k < view.keypoints.size(); ++k) {
       const SceneView::Keypoint& keypoint = view.keypoints[k];
       ScenePoint& point = scene.points[keypoint.point];
-      const Eigen::Vector2d at = scene.camera.project(view.T_cw * point.position);
+      const Eigen::Vector2d at = scene.cameras[view.camera].pinhole.project(view.T_cw * point.position);
       point.error += (at - Eigen::Vector2d(keypoint.u, keypoint.v)).norm();
       point.seen.push_back({v, k});
     }
@@ -85,13 +96,15 @@ void find_colours(const Map& map, const std::vector<KeyFrameId>& key_frames, con
 
 std::string image_name(uint32_t serial) { return image_stem(serial) + ".png"; }
 
-std::vector<Scene> scenes_of(const Map& map, int width, int height) {
+bool SceneCamera::sees(double u, double v) const {
+  return u >= -0.5 && v >= -0.5 && u < given.width - 0.5 && v < given.height - 0.5;
+}
+
+std::vector<Scene> scenes_of(const Map& map, const Camera& given) {
   std::vector<Scene> scenes;
   for (const Submap& submap : map.submaps()) {
     Scene& scene = scenes.emplace_back();
-    scene.width = width;
-    scene.height = height;
-    scene.camera = map.camera();
+    scene.cameras.push_back({given, map.camera(), map.camera()});
     Points points(scene);
     const std::vector<KeyFrameId> key_frames = map.key_frames(submap.id);
     for (const KeyFrameId& id : key_frames) add_view(map, map.at(id), points, scene);
@@ -105,13 +118,16 @@ std::vector<Scene> scenes_of(const Map& map, int width, int height) {
 
 Scene centred(const Scene& scene) {
   Scene made = scene;
-  Pinhole& to = made.camera;
-  to.fy = to.fx;
-  to.cx = (scene.width - 1) / 2.0;
-  to.cy = (scene.height - 1) / 2.0;
+  for (SceneCamera& camera : made.cameras) {
+    Pinhole& to = camera.pinhole;
+    to.fy = to.fx;
+    to.cx = (camera.given.width - 1) / 2.0;
+    to.cy = (camera.given.height - 1) / 2.0;
+  }
   for (SceneView& view : made.views) {
+    const Pinhole &from = scene.cameras[view.camera].pinhole, &to = made.cameras[view.camera].pinhole;
     for (SceneView::Keypoint& keypoint : view.keypoints) {
-      const Eigen::Vector2d at = to.project(scene.camera.unproject(keypoint.u, keypoint.v));
+      const Eigen::Vector2d at = to.project(from.unproject(keypoint.u, keypoint.v));
       keypoint.u = at.x();
       keypoint.v = at.y();
     }

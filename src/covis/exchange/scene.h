@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A submap as other programs of the field want it: one pinhole camera, views with poses, and points with the pixels
-// they were seen at. Pixels are undistorted, with pixel centres at whole numbers; lengths are those of the map. Images
+// A submap as other programs of the field want it: pinhole cameras, views with poses, and points with the pixels they
+// were seen at. Pixels are undistorted, with pixel centres at whole numbers; lengths are those of the map. Images
 // are named, not held.
 #pragma once
 
@@ -21,8 +21,17 @@ namespace covis::exchange {
 // The centre of the first pixel for COLMAP and those who follow it; here it is at (0, 0).
 inline constexpr double kPixelCentre = 0.5;
 
+struct SceneCamera {
+  Camera given;     // the camera that took the images
+  Pinhole refined;  // its intrinsics as the map has them
+  Pinhole pinhole;  // the camera of the views, whose images have the size of those taken
+
+  bool sees(double u, double v) const;
+};
+
 struct SceneView {
   uint32_t serial = 0;  // that of the key frame
+  uint32_t camera = 0;  // index into Scene::cameras
   Timestamp stamp = 0;
   SE3 T_cw;
   std::string image;  // name of its image file, without a folder; empty: it has none (write_images())
@@ -45,20 +54,19 @@ struct ScenePoint {
 };
 
 struct Scene {
-  int width = 0, height = 0;  // pixels
-  Pinhole camera;             // as refined
+  std::vector<SceneCamera> cameras;  // the map's own first
   std::vector<SceneView> views;
   std::vector<ScenePoint> points;
 };
 
 // The submaps of a map, those with more key frames first; images are called by the serial of their key frame, in six
-// digits. Keypoints that lie outside the undistorted image are left out.
-std::vector<Scene> scenes_of(const Map& map, int width, int height);
+// digits. Keypoints that lie outside the undistorted image are left out. `given`: the map's own camera as it was given.
+std::vector<Scene> scenes_of(const Map& map, const Camera& given);
 
 // The name of a key frame's image, where nothing else is known of it.
 std::string image_name(uint32_t serial);
 
-// The scene through a camera of one focal length whose principal point is the image's centre.
+// The scene through cameras of one focal length each, whose principal points are their images' centres.
 Scene centred(const Scene& scene);
 
 // The direction away from the ground as the cameras were held: the mean of their upward axes.

@@ -11,11 +11,9 @@
 namespace covis::exchange {
 
 // Takes the images of the views from the folder in which `covis run --keep-images` left them, and writes them to
-// another folder, which is made, as scene.camera would have taken them; where that is how they were taken, they are
-// copied. `given`: the camera they were taken with; `refined`: its intrinsics as the map has them. Sets
-// SceneView::image, empty for views that have no image there. Returns how many have one. Error: a folder that is not
+// another folder, which is made, as the views' cameras would have taken them; where that is how they were taken, they
+// are copied. Sets SceneView::image, empty for views that have no image there. Returns how many have one. Error: a folder that is not
 // there or the one to write to, an image that is damaged or of another size than the camera's.
-Result<size_t> write_images(const std::filesystem::path& kept, const Camera& given, const Pinhole& refined,
-                            const std::filesystem::path& folder, Scene& scene);
+Result<size_t> write_images(const std::filesystem::path& kept, const std::filesystem::path& folder, Scene& scene);
 
 }  // namespace covis::exchange

@@ -17,9 +17,10 @@ class SceneImages : public testing::Test {
       view.serial = serial;
       view.image = image_name(serial);
     }
-    scene.camera = camera.pinhole;
+    use(camera);
     std::filesystem::create_directories(folder / "kept");
   }
+  void use(const Camera& by) { scene.cameras = {{by, by.pinhole, by.pinhole}}; }
   // A picture whose red is its column and whose green is its row.
   io::Picture ramp(int width) const {
     io::Picture picture{.width = width, .height = 60, .channels = 3, .bytes = {}};
@@ -31,13 +32,13 @@ class SceneImages : public testing::Test {
   }
 
   const TemporaryFolder folder;
-  Scene scene;
   Camera camera{80, 60, {70, 70, 40, 30}, Distortion::brown_conrady, {-0.2, 0.03, 0, 0, 0}};
+  Scene scene;
 };
 
 TEST_F(SceneImages, ShowEachPlaceWhereThePinholeCameraSeesIt) {
   ASSERT_TRUE(io::write_picture(folder / "kept/000003.png", ramp(80)));
-  const auto count = write_images(folder / "kept", camera, camera.pinhole, folder / "images", scene);
+  const auto count = write_images(folder / "kept", folder / "images", scene);
   ASSERT_TRUE(count) << count.error().message;
   EXPECT_EQ(*count, 1u);
   EXPECT_EQ(scene.views[0].image, "000003.png");
@@ -58,37 +59,47 @@ TEST_F(SceneImages, ShowTheSameThroughACentredCameraWithARefinedFocalLength) {
   ASSERT_TRUE(io::write_picture(folder / "kept/000003.png", ramp(80)));
   Pinhole refined = camera.pinhole;
   refined.fx = refined.fy = 77;
-  scene.width = 80;
-  scene.height = 60;
-  scene.camera = refined;
+  scene.cameras = {{camera, refined, refined}};
   scene = centred(scene);
-  ASSERT_TRUE(write_images(folder / "kept", camera, refined, folder / "images", scene));
+  ASSERT_TRUE(write_images(folder / "kept", folder / "images", scene));
   const auto made = io::read_picture(folder / "images/000003.png");
   ASSERT_TRUE(made) << made.error().message;
   // A pixel of the undistorted image stays where it is when the focal length is refined.
   const Eigen::Vector2d undistorted(25, 40), taken = *camera.project(camera.pinhole.unproject(25, 40));
-  const Eigen::Vector2d at = scene.camera.project(refined.unproject(undistorted.x(), undistorted.y()));
+  const Eigen::Vector2d at = scene.cameras[0].pinhole.project(refined.unproject(undistorted.x(), undistorted.y()));
   EXPECT_NEAR(made->row(static_cast<int>(std::lround(at.y())))[3 * std::lround(at.x())], 2 * taken.x(), 2.5);
 }
 
 TEST_F(SceneImages, AreCopiedWhereThereIsNoDistortion) {
   camera.distortion = Distortion::none;
+  use(camera);
   write_file(folder / "kept/000007.jpeg", "any bytes");
-  ASSERT_EQ(*write_images(folder / "kept", camera, camera.pinhole, folder / "images", scene), 1u);
+  ASSERT_EQ(*write_images(folder / "kept", folder / "images", scene), 1u);
   EXPECT_EQ(scene.views[1].image, "000007.jpeg");
   EXPECT_EQ(read_file(folder / "images/000007.jpeg"), "any bytes");
 }
 
+TEST_F(SceneImages, EachIsThatOfItsOwnCamera) {
+  Camera plain = camera;
+  plain.distortion = Distortion::none;
+  scene.cameras.push_back({plain, plain.pinhole, plain.pinhole});
+  scene.views[1].camera = 1;
+  for (const char* name : {"kept/000003.png", "kept/000007.png"}) ASSERT_TRUE(io::write_picture(folder / name, ramp(80)));
+  ASSERT_EQ(*write_images(folder / "kept", folder / "images", scene), 2u);
+  EXPECT_EQ(read_file(folder / "images/000007.png"), read_file(folder / "kept/000007.png")) << "copied";
+  EXPECT_NE(read_file(folder / "images/000003.png"), read_file(folder / "kept/000003.png")) << "undistorted";
+}
+
 TEST_F(SceneImages, ThatAreMissingOrDoNotFitAreNamed) {
   const auto error = [&](const std::string& kept) {
-    const auto written = write_images(folder / kept, camera, camera.pinhole, folder / "images", scene);
+    const auto written = write_images(folder / kept, folder / "images", scene);
     return written ? std::string() : written.error().message;
   };
   EXPECT_THAT(error("nowhere"), testing::HasSubstr("--keep-images"));
-  EXPECT_THAT(write_images(folder / "kept", camera, camera.pinhole, folder / "kept", scene).error().message,
+  EXPECT_THAT(write_images(folder / "kept", folder / "kept", scene).error().message,
               testing::HasSubstr("over those that they are made of"));
   ASSERT_TRUE(io::write_picture(folder / "kept/000003.png", ramp(50)));
-  EXPECT_THAT(error("kept"), testing::HasSubstr("000003.png: the image is 50x60, the map's camera 80x60"));
+  EXPECT_THAT(error("kept"), testing::HasSubstr("000003.png: the image is 50x60, the camera's that made the key frame 80x60"));
 }
 
 }  // namespace

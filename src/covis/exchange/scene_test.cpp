@@ -2,6 +2,7 @@
 #include "covis/exchange/scene.h"
 
 #include "covis/exchange/test_scene.h"
+#include "covis/map/camera_change.h"
 
 namespace covis::exchange {
 namespace {
@@ -33,10 +34,42 @@ TEST(Scene, LeavesOutWhatIsOutsideTheImage) {
   const PointScene points = PointScene::wall();
   SceneMap world(points, Sensor::rgbd);
   world.add_key_frames(2);
-  const size_t all = scenes_of(*world.shared.read(), 640, 480)[0].views[0].keypoints.size();
-  const Scene narrow = scenes_of(*world.shared.read(), 320, 480)[0];
+  const auto scene_of_width = [&](int width) {
+    return scenes_of(*world.shared.read(), Camera{width, 480, points.camera, Distortion::none, {}})[0];
+  };
+  const size_t all = scene_of_width(640).views[0].keypoints.size();
+  const Scene narrow = scene_of_width(320);
   EXPECT_LT(narrow.views[0].keypoints.size(), all);
   for (const SceneView::Keypoint& keypoint : narrow.views[0].keypoints) EXPECT_LT(keypoint.u, 319.5);
+}
+
+// As if some key frames were made by a camera of another focal length: their keypoints are in its own pixels again.
+TEST(Scene, HasTheCamerasThatKeyFramesName) {
+  const PointScene points = PointScene::wall();
+  SceneMap world(points, Sensor::rgbd);
+  world.add_key_frames(4);
+  const Camera own{640, 480, points.camera, Distortion::none, {}};
+  Camera other{1280, 960, {1000, 1000, 650, 470, 0}, Distortion::none, {}};
+  MapState state = world.shared.read()->state();
+  ASSERT_TRUE(express_in(state, own, {other, other.pinhole}));
+  state.key_frames[0].features = world.shared.read()->state().key_frames[0].features->for_key_frame();
+  const auto map = Map::from_state(std::move(state));
+  ASSERT_TRUE(map) << map.error().message;
+  const Scene scene = scenes_of(*map, other)[0];
+  ASSERT_EQ(scene.cameras.size(), 2u);
+  EXPECT_EQ(scene.cameras[0].given, other);
+  EXPECT_EQ(scene.cameras[1].given, own);
+  for (const SceneView& view : scene.views) EXPECT_EQ(view.camera, view.serial == 0 ? 0u : 1u);
+  const SceneView& view = scene.views[2];
+  ASSERT_GT(view.keypoints.size(), 100u);
+  for (const SceneView::Keypoint& keypoint : view.keypoints) {
+    const Eigen::Vector2d at = own.pinhole.project(view.T_cw * scene.points[keypoint.point].position);
+    EXPECT_NEAR((at - Eigen::Vector2d(keypoint.u, keypoint.v)).norm(), 0, 1e-3);
+    EXPECT_LT(keypoint.u, 640);
+  }
+  const Pinhole middle = centred(scene).cameras[1].pinhole;
+  EXPECT_EQ(middle.cx, 319.5);
+  EXPECT_EQ(centred(scene).cameras[0].pinhole.cx, 639.5);
 }
 
 TEST(Scene, HasAnUpwardDirectionAndAViewFromAbove) {
