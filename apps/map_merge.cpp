@@ -8,14 +8,17 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common.h"
 #include "covis/core/log.h"
+#include "covis/exchange/kept_images.h"
 #include "covis/loops/map_merging.h"
 #include "covis/storage/compatibility.h"
 #include "covis/storage/map_file.h"
+#include "merged_images.h"
 #include "places.h"
 
 namespace covis::app {
@@ -24,7 +27,7 @@ namespace {
 struct MergeArguments {
   std::vector<std::string> files, settings;
   std::string out, vocabulary;
-  bool json = false;
+  bool json = false, keep_images = false;
 };
 
 // The inputs must be left as they are, and none may count twice. The result must have a place before it is made.
@@ -217,6 +220,12 @@ int run_merge(const MergeArguments& a) {
   const auto vocabulary = open_vocabulary(a.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
   if (!*vocabulary) return fail_with("--vocabulary none: places can't be looked for without a vocabulary");
+  std::optional<exchange::KeptImages> images;
+  if (a.keep_images) {
+    auto opened = exchange::KeptImages::open_to_write(exchange::image_folder(a.out));
+    if (!opened) return fail_with(opened.error());
+    images = std::move(*opened);
+  }
   auto inputs = load(a.files);
   if (!inputs) return fail_with(inputs.error());
   log(LogLevel::info, std::to_string(a.files.size()) + " maps are loaded; places that they share are looked for");
@@ -229,6 +238,12 @@ int run_merge(const MergeArguments& a) {
   header.levels = of.levels;
   header.factor = of.factor;
   if (const auto saved = storage::save_map(a.out, map->state(), header); !saved) return fail_with(saved.error());
+  if (images) {
+    const auto kept = keep_merged_images(a.files, *report, *map, *images);
+    if (!kept) return fail_with(kept.error());
+    log(LogLevel::info, images->folder().string() + ": the images of " + std::to_string(*kept) + " of " +
+                            std::to_string(map->key_frame_count()) + " key frames");
+  }
   const Names names{a, *report};
   if (a.json) {
     print_json(to_json(names, *map));
@@ -252,6 +267,8 @@ void add_map_merge(CLI::App& map_command, int& exit_code) {
   command->add_option("--out", a->out, "file for the merged map")->required();
   command->add_option("--vocabulary", a->vocabulary, "vocabulary (default: the one that ships)");
   command->add_option("--set", a->settings, "one setting of loops, loop.NAME=VALUE; may be repeated");
+  command->add_flag("--keep-images", a->keep_images,
+                    "keep the images that were kept with the files in the folder OUT.images, for covis map export");
   command->add_flag("--json", a->json, "the report as JSON on stdout");
   command->footer(
       "Maps that share no place stay apart in the one file, and the report says why. The given maps are left as they "

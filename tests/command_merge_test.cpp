@@ -180,6 +180,39 @@ TEST_F(CommandMerge, CamerasAndSensorsMayDiffer) {
   EXPECT_LT(run({recording, "--count", "60", "--map", on, "--save-map", on}), 0.02);
 }
 
+// Two cameras of different lenses: what is exported of their map has both, and the image of every key frame.
+TEST_F(CommandMerge, ImagesAndCamerasAreExported) {
+  const fs::path other = folder / "other", site = folder / "site.m", model = folder / "model";
+  ASSERT_EQ(covis({"synth", "room", "--sensor", "rgbd", "--frames", "90", "--fps", "8", "--width", "400", "--height",
+                   "300", "--focal", "330", "--distortion", "1", "--quiet", "--out", other})
+                .code,
+            0);
+  for (const auto& [map, from, first] : {std::tuple(one, recording, "0"), std::tuple(two, other, "30")}) {
+    ASSERT_EQ(covis({"run", from, "--first", first, "--count", "50", "--quiet", "--out", folder / "out", "--save-map",
+                     map, "--keep-images"})
+                  .code,
+              0);
+  }
+  const Outcome merged = merge({one, two, "--out", site, "--keep-images", "--json"});
+  ASSERT_EQ(merged.code, 0) << merged.error;
+  const auto key_frames = json::parse(merged.out)["key_frames"].get<size_t>();
+  ASSERT_EQ(json::parse(merged.out)["maps"].size(), 1u);
+  const Outcome exported = covis({"map", "export", site, "--to", "nerfstudio", "--out", model});
+  ASSERT_EQ(exported.code, 0) << exported.error;
+  const json frames = parsed(model / "transforms.json")["frames"];
+  EXPECT_EQ(frames.size(), key_frames) << "each has its image";
+  std::map<int, int> widths;
+  for (const json& frame : frames) {
+    EXPECT_TRUE(fs::exists(model / frame["file_path"].get<std::string>()));
+    ++widths[frame["w"].get<int>()];
+  }
+  EXPECT_EQ(widths.size(), 2u);
+  EXPECT_GT(widths[320], 2);
+  EXPECT_GT(widths[400], 2);
+  ASSERT_EQ(covis({"map", "export", site, "--to", "colmap", "--out", model}).code, 0);
+  EXPECT_EQ(line_count(model / "sparse/0/cameras.txt"), 2);
+}
+
 TEST_F(CommandMerge, EndsAtOnceByCtrlC) {
   const fs::path site = folder / "site.m";
   const std::string before = text_of(one) + text_of(two);

@@ -25,11 +25,11 @@ size_t best_camera(const std::vector<MergeSource>& maps) {
 }
 
 // The submaps of each input: its key frames have the serials that follow those of the input before.
-void find_inputs(const Map& map, const std::vector<uint32_t>& first_serials, std::vector<MergedInput>& inputs) {
+void find_inputs(const Map& map, std::vector<MergedInput>& inputs) {
   for (const Submap& submap : map.submaps()) {
     const uint32_t serial = map.at(submap.root).serial;
-    const auto next = std::upper_bound(first_serials.begin(), first_serials.end(), serial);
-    inputs[static_cast<size_t>(next - first_serials.begin()) - 1].submaps.push_back(submap.id);
+    const auto next = std::ranges::upper_bound(inputs, serial, {}, &MergedInput::first_serial);
+    (next - 1)->submaps.push_back(submap.id);
   }
 }
 
@@ -41,14 +41,13 @@ Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& 
   if (maps.empty()) return report;
   report.camera_of = best_camera(maps);
   const Pinhole camera = maps[report.camera_of].map.camera;
-  std::vector<uint32_t> first_serials;
   std::vector<size_t> to_adjust;  // inputs whose camera is another one from now on
   MapState all;
   const Camera given = maps[report.camera_of].given;
   const Sensor sensor = maps[report.camera_of].sensor;
   for (size_t i = 0; i < maps.size(); ++i) {
     MapState& map = maps[i].map;
-    report.inputs.push_back({{}, map.key_frames.size(), map.points.size()});
+    report.inputs.push_back({{}, all.next_serial, map.key_frames.size(), map.points.size()});
     const bool refined = map.camera.fx != camera.fx || map.camera.fy != camera.fy;
     // Keypoints of other cameras were expressed in what the camera was refined to, and would not fit another focal
     // length.
@@ -58,13 +57,12 @@ Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& 
     } else if (refined) {
       to_adjust.push_back(i);
     }
-    first_serials.push_back(all.next_serial);
     if (const auto added = append_map(all, std::move(map)); !added) return tl::unexpected(added.error());
   }
   all.camera = camera;
   auto map = Map::from_state(std::move(all));
   if (!map) return tl::unexpected(map.error());
-  find_inputs(*map, first_serials, report.inputs);
+  find_inputs(*map, report.inputs);
   for (const KeyFrameId& id : map->key_frames())
     map->set_words(id, std::make_shared<const Words>(vocabulary.transform(map->at(id).features->descriptor)));
   *merged.write() = std::move(*map);
