@@ -77,8 +77,8 @@ Result<void> open_output_folder(const std::string& folder) {
   std::filesystem::create_directories(folder, error);
   if (error) return fail(folder + ": the output folder can't be made: " + error.message());
   // Tried, as permissions alone do not tell: of a read-only disk, in a sandbox.
-  if (!check_writable(std::filesystem::path(folder) / "trajectory.txt"))
-    return fail(folder + ": the output folder can't be written to");
+  if (const auto fits = check_writable(std::filesystem::path(folder) / "trajectory.txt"); !fits)
+    return fail("the output folder can't be written to: " + fits.error().message);
   return {};
 }
 
@@ -225,6 +225,8 @@ int run(const RunArguments& arguments) {
     return fail_with("--localize: it needs a map to localise in, --map FILE");
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
+  if (const auto bounded = bound_memory(arguments, (*sequence)->camera(), options); !bounded)
+    return fail_with(bounded.error());
   RunRecord record;
   if (lacks_calibration(**sequence)) {
     if (const auto opened = open_output_folder(arguments.out); !opened) return fail_with(opened.error());
@@ -239,8 +241,6 @@ int run(const RunArguments& arguments) {
     sequence = io::open_sequence(arguments.path, reading);
     if (!sequence) return fail_with(sequence.error());
   }
-  if (const auto bounded = bound_memory(arguments, (*sequence)->camera(), options); !bounded)
-    return fail_with(bounded.error());
   storage::MapHeader header = storage::header_of((*sequence)->camera(), options.sensor, options.orb, vocabulary->get());
   const auto interval = check_saving(arguments, options, (*sequence)->kind());
   if (!interval) return fail_with(interval.error());

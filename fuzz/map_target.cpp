@@ -8,6 +8,7 @@
 
 #include "covis/core/random.h"
 #include "covis/features/test_features.h"
+#include "covis/map/camera_change.h"
 #include "covis/storage/map_file.h"
 #include "covis/storage/test_sections.h"
 #include "scratch.h"
@@ -86,7 +87,9 @@ FeaturesPtr seed_features(Random& random, int count) {
   return f;
 }
 
-std::string seed_map(int key_frames, bool coloured) {
+enum class Cameras { one, several };
+
+std::string seed_map(int key_frames, bool coloured, Cameras cameras = Cameras::one) {
   Random random(7);
   Map map;
   map.set_camera({500, 500, 320, 240, 40});
@@ -110,10 +113,18 @@ std::string seed_map(int key_frames, bool coloured) {
   header.factor = 1.2f;
   header.vocabulary = "0123456789abcdef";
   const std::filesystem::path file = scratch_folder() / "seed.covis";
-  require(save_map(file, map.state(), header).has_value(), "a seed can be saved");
+  MapState state = map.state();
+  if (cameras == Cameras::several) {
+    RefinedCamera other{header.camera, {250, 250, 160, 120, 20}};
+    other.given.width = 320;
+    require(express_in(state, header.camera, other).has_value(), "a seed can be expressed in another camera");
+    state.key_frames.front().features = map.at(map.key_frames().front()).features;
+    header.camera = other.given;
+  }
+  require(save_map(file, state, header).has_value(), "a seed can be saved");
   auto opened = SectionFile::open(file);
   std::string input;
-  for (const uint8_t id : {1, 2, 3, 4, 5, 6, 7}) {
+  for (const uint8_t id : {1, 2, 3, 4, 5, 6, 7, 8, 9}) {
     if (!opened->has(id)) continue;
     const std::string section = *opened->read(id, "any");
     const auto length = static_cast<uint32_t>(section.size());
@@ -124,7 +135,7 @@ std::string seed_map(int key_frames, bool coloured) {
   return input;
 }
 
-std::vector<std::string> map_seeds() { return {seed_map(0, false), seed_map(2, true), seed_map(5, false)}; }
+std::vector<std::string> map_seeds() { return {seed_map(0, false), seed_map(2, true), seed_map(5, false), seed_map(4, false, Cameras::several)}; }
 
 std::vector<std::string> container_seeds() {
   return {*pack_sections({{1, "about"}, {2, std::string(100, 'x')}, {77, ""}}), *pack_sections({})};

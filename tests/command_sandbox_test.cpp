@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // --sandbox: what a process that reads files of strangers can't do any more, and that it still does its work.
+#include <sys/ioctl.h>
+#include <sys/ipc.h>
+#include <sys/resource.h>
+#include <sys/shm.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/xattr.h>
 
 #include <functional>
 #include <thread>
@@ -57,14 +63,77 @@ TEST_F(CommandSandbox, RunsNothingAndConnectsToNothing) {
   }));
   for (const int family : {AF_INET, AF_INET6, AF_UNIX, AF_NETLINK})
     EXPECT_FALSE(works_inside(inside, [&] { return ::socket(family, SOCK_DGRAM, 0) >= 0; })) << family;
-  const pid_t parent = ::getpid();
-  EXPECT_FALSE(works_inside(inside, [&] { return ::kill(parent, SIGCONT) == 0; }));
-  EXPECT_TRUE(works_inside(inside, [&] { return ::kill(parent, 0) == 0; })) << "asking is free";
   EXPECT_TRUE(works_inside(inside, [] {
     bool ran = false;
     std::thread([&] { ran = true; }).join();
     return ran;
   }));
+}
+
+// Each returns 0 outside.
+TEST_F(CommandSandbox, TouchesNoOtherProcess) {
+  const std::string inside = folder / "inside";
+  const pid_t parent = ::getpid();
+  const auto fails = [&](const std::function<long()>& act) { return !works_inside(inside, [&] { return act() == 0; }); };
+  EXPECT_TRUE(fails([&] { return ::kill(parent, SIGCONT); }));
+  EXPECT_TRUE(fails([&] { return ::syscall(SYS_tkill, parent, SIGCONT); }));
+  EXPECT_TRUE(fails([&] { return ::syscall(SYS_tgkill, parent, parent, SIGCONT); }));
+  EXPECT_TRUE(fails([&] {
+    siginfo_t info{};
+    info.si_code = SI_QUEUE;
+    return ::syscall(SYS_rt_sigqueueinfo, parent, SIGCONT, &info);
+  }));
+  EXPECT_TRUE(fails([&] { return ::setpriority(PRIO_PROCESS, static_cast<id_t>(parent), ::getpriority(PRIO_PROCESS, 0)); }));
+  EXPECT_TRUE(fails([&] {
+    rlimit limit{};
+    return ::prlimit(parent, RLIMIT_CORE, nullptr, &limit);
+  }));
+  EXPECT_TRUE(fails([&] { return ::shmget(IPC_PRIVATE, 4096, 0600) < 0; }));
+  EXPECT_TRUE(fails([&] { return ::syscall(SYS_clone, CLONE_NEWUSER | SIGCHLD, nullptr, nullptr, nullptr, 0) < 0; }));
+  EXPECT_TRUE(works_inside(inside, [&] { return ::kill(parent, 0) == 0; })) << "asking is free";
+  EXPECT_TRUE(works_inside(inside, [] { return ::setpriority(PRIO_PROCESS, 0, 19) == 0; })) << "its own weight";
+}
+
+TEST_F(CommandSandbox, LeavesPermissionsAndTimes) {
+  const std::string inside = folder / "inside", outside = folder / "outside.txt";
+  const auto fails = [&](const std::function<long()>& act) { return !works_inside(inside, [&] { return act() == 0; }); };
+  EXPECT_TRUE(fails([&] { return ::chmod(outside.c_str(), 0777); }));
+  EXPECT_TRUE(fails([&] { return ::fchmod(::open(outside.c_str(), O_RDONLY | O_CLOEXEC), 0777); }));
+  EXPECT_TRUE(fails([&] { return ::chown(outside.c_str(), ::getuid(), ::getgid()); }));
+  EXPECT_TRUE(fails([&] { return ::utimensat(AT_FDCWD, outside.c_str(), nullptr, 0); }));
+  EXPECT_TRUE(fails([&] { return ::setxattr(outside.c_str(), "user.covis", "x", 1, 0); }));
+  EXPECT_TRUE(fails([&] { return ::truncate(outside.c_str(), 0); }));
+  EXPECT_TRUE(fails([&] { return ::open(outside.c_str(), O_RDONLY | O_TRUNC | O_CLOEXEC) < 0; }));
+  EXPECT_EQ(text_of(outside), "precious");
+}
+
+// What is pushed into the terminal would be typed into the shell that reads it next.
+TEST_F(CommandSandbox, TypesNothingIntoItsTerminal) {
+  const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0) GTEST_SKIP() << "no terminal to be had";
+  const int shell = ::open(::ptsname(terminal), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  ASSERT_GE(shell, 0);
+  EXPECT_FALSE(works_inside(folder / "inside", [&] {
+    ::setsid();
+    ::ioctl(shell, TIOCSCTTY, 0);
+    char typed = 'x';
+    return ::ioctl(shell, TIOCSTI, &typed) == 0;
+  }));
+  ::close(shell);
+  ::close(terminal);
+}
+
+TEST_F(CommandSandbox, IsNotEnteredBesideOtherThreads) {
+  const pid_t child = fork();
+  if (child == 0) {
+    std::jthread other([](const std::stop_token& stop) {
+      while (!stop.stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    });
+    std::_Exit(app::enter_sandbox({(folder / "inside").string()}) ? 1 : 0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
 TEST_F(CommandSandbox, ARunIsTheSame) {
@@ -74,6 +143,8 @@ TEST_F(CommandSandbox, ARunIsTheSame) {
     return covis(words);
   };
   ASSERT_EQ(run({}, folder / "free").code, 0);
+  ASSERT_EQ(run({"--sandbox", inside}, inside + "/out").code, 0);
+  // Over what is there: files are replaced, though their permissions can't be set.
   ASSERT_EQ(run({"--sandbox", inside}, inside + "/out").code, 0);
   for (const char* file : {"trajectory.txt", "map.ply", "keyframes.txt", "room.m"})
     EXPECT_EQ(text_of(inside + "/out/" + file), text_of(folder / "free" / file)) << file;

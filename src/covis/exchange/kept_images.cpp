@@ -45,7 +45,9 @@ Result<KeptImages> KeptImages::read(const fs::path& folder) {
   std::ifstream list(folder / kList);
   std::string name;
   for (Timestamp stamp = 0; list >> name >> stamp;) {
-    if (fs::is_regular_file(folder / fs::path(name).filename())) kept.stamps_[name] = stamp;
+    // Names of this folder alone, and no links, which Covis does not make: they would lead to files of others.
+    const fs::path file = folder / fs::path(name).filename();
+    if (fs::is_regular_file(file) && !fs::is_symlink(file)) kept.stamps_[file.filename()] = stamp;
   }
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {

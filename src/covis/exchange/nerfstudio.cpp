@@ -30,7 +30,8 @@ nlohmann::json intrinsics(const SceneCamera& camera) {
           {"cx", c.cx + kPixelCentre}, {"cy", c.cy + kPixelCentre}};
 }
 
-// Intrinsics are those of all frames, and each frame's own where there are several cameras.
+// Intrinsics are those of all frames or, where there are several cameras, each frame's own: nerfstudio looks for them in
+// frames only if none are above.
 nlohmann::json transforms(const Scene& scene, const SE3& T_nw, const std::string& images, const std::string& cloud) {
   nlohmann::json frames = nlohmann::json::array();
   for (const SceneView& view : scene.views) {
@@ -41,7 +42,7 @@ nlohmann::json transforms(const Scene& scene, const SE3& T_nw, const std::string
     if (scene.cameras.size() > 1) frames.back().update(intrinsics(scene.cameras[view.camera]));
   }
   nlohmann::json all{{"camera_model", "PINHOLE"}, {"ply_file_path", cloud}, {"frames", std::move(frames)}};
-  all.update(intrinsics(scene.cameras.front()));
+  if (scene.cameras.size() == 1) all.update(intrinsics(scene.cameras.front()));
   return all;
 }
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/exchange/scene_images.h"
 
+#include <algorithm>
 #include <limits>
+#include <optional>
 #include <string>
-#include <vector>
 
 #include "covis/exchange/kept_images.h"
 #include "covis/features/rectification.h"
@@ -14,32 +15,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where the images of a camera are taken from.
-struct Undistortion {
-  const Camera* given = nullptr;
-  bool as_taken = false;  // they are copied
-  ResamplingMap map;      // else: for each pixel of the wanted image the place in the image as it was taken
-};
-
 // A pixel of the undistorted image shows the same in both given.pinhole and refined: refining the focal length leaves
 // pixels as they are.
-Undistortion undistortion(const SceneCamera& camera) {
+ResamplingMap undistortion(const SceneCamera& camera) {
   const auto& [given, refined, wanted] = camera;
-  if (given.distortion == Distortion::none && wanted == refined) return {&given, true, {}};
-  Undistortion made{&given, false, ResamplingMap(given.width, given.height, given.width, given.height)};
+  ResamplingMap map(given.width, given.height, given.width, given.height);
   constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
   for (int v = 0; v < given.height; ++v) {
     for (int u = 0; u < given.width; ++u) {
       const Eigen::Vector2d undistorted = refined.project(wanted.unproject(u, v));
       const auto at = given.project(given.pinhole.unproject(undistorted.x(), undistorted.y()));
-      made.map.set(u, v, at ? static_cast<float>(at->x()) : kNowhere, at ? static_cast<float>(at->y()) : kNowhere);
+      map.set(u, v, at ? static_cast<float>(at->x()) : kNowhere, at ? static_cast<float>(at->y()) : kNowhere);
     }
   }
-  return made;
+  return map;
 }
 
-Result<void> resample(const fs::path& from, const Undistortion& way, const fs::path& to) {
-  const Camera& given = *way.given;
+// `map` is made for the first image of a camera: that there is none must cost nothing.
+Result<void> resample(const fs::path& from, const SceneCamera& camera, std::optional<ResamplingMap>& map,
+                      const fs::path& to) {
+  const Camera& given = camera.given;
   auto picture = io::read_picture(from);
   if (!picture) return tl::unexpected(picture.error());
   if (picture->width != given.width || picture->height != given.height) {
@@ -47,7 +42,11 @@ Result<void> resample(const fs::path& from, const Undistortion& way, const fs::p
                 std::to_string(picture->height) + ", the camera's that made the key frame " + std::to_string(given.width) + "x" +
                 std::to_string(given.height));
   }
-  const auto apply = [&](ImageView<const uint8_t> image, ImageU8& made) { way.map.apply(image, made); };
+  if (std::max(given.width, given.height) > ResamplingMap::kLargestSide)
+    return fail(from.string() + ": images of more than " + std::to_string(ResamplingMap::kLargestSide) +
+                " pixels a side can't be undistorted");
+  if (!map) map = undistortion(camera);
+  const auto apply = [&](ImageView<const uint8_t> image, ImageU8& made) { map->apply(image, made); };
   return io::write_picture(to, io::resampled(*picture, apply));
 }
 
@@ -61,19 +60,22 @@ Result<size_t> write_images(const fs::path& folder_of_kept, const fs::path& fold
   if (error) return fail(folder.string() + ": the folder can't be made: " + error.message());
   if (fs::equivalent(folder_of_kept, folder, error))
     return fail(folder.string() + ": the images would be written over those that they are made of");
-  std::vector<Undistortion> ways;
-  for (const SceneCamera& camera : scene.cameras) ways.push_back(undistortion(camera));
   size_t count = 0;
-  for (SceneView& view : scene.views) {
-    const fs::path from = kept->find(view.serial, view.stamp);
-    view.image.clear();
-    if (from.empty()) continue;
-    const Undistortion& way = ways[view.camera];
-    view.image = way.as_taken || from.extension() == ".jpg" ? from.filename().string() : image_name(view.serial);
-    const auto written =
-        way.as_taken ? copy_image(from, folder / view.image) : resample(from, way, folder / view.image);
-    if (!written) return tl::unexpected(written.error());
-    ++count;
+  for (uint32_t k = 0; k < scene.cameras.size(); ++k) {
+    const SceneCamera& camera = scene.cameras[k];
+    const bool as_taken = camera.given.distortion == Distortion::none && camera.pinhole == camera.refined;
+    std::optional<ResamplingMap> map;
+    for (SceneView& view : scene.views) {
+      if (view.camera != k) continue;
+      const fs::path from = kept->find(view.serial, view.stamp);
+      view.image.clear();
+      if (from.empty()) continue;
+      view.image = as_taken || from.extension() == ".jpg" ? from.filename().string() : image_name(view.serial);
+      const fs::path to = folder / view.image;
+      if (auto written = as_taken ? copy_image(from, to) : resample(from, camera, map, to); !written)
+        return tl::unexpected(written.error());
+      ++count;
+    }
   }
   return count;
 }

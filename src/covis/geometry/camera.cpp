@@ -159,4 +159,10 @@ std::string difference(const Camera& camera, const Camera& other) {
   return text;
 }
 
+bool same_lens(const Camera& camera, const Camera& other) {
+  Camera of_equal_depth = camera;
+  of_equal_depth.pinhole.bf = other.pinhole.baseline() * camera.pinhole.fx;
+  return difference(of_equal_depth, other).empty();
+}
+
 }  // namespace covis

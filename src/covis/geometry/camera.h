@@ -66,7 +66,7 @@ struct Camera {
   std::optional<Eigen::Vector2d> undistort(const Eigen::Vector2d& pixel) const;
 };
 
-// A camera as it was given, and the model of its undistorted pixels as it was refined.
+// A camera as it was given, and the model of its undistorted pixels as it was refined. Without a noise of depth.
 struct RefinedCamera {
   Camera given;
   Pinhole pinhole;
@@ -76,5 +76,8 @@ struct RefinedCamera {
 // Lists as text how `other` differs from `camera` by more than the rounding of a file ("fx 718.9 instead of 707.1, …");
 // empty when they agree.
 std::string difference(const Camera& camera, const Camera& other);
+
+// They agree in all but what measures depth.
+bool same_lens(const Camera& camera, const Camera& other);
 
 }  // namespace covis

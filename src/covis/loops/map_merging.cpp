@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -60,6 +61,8 @@ Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& 
     if (const auto added = append_map(all, std::move(map)); !added) return tl::unexpected(added.error());
   }
   all.camera = camera;
+  if (other_cameras(all).size() > kMostCameras)
+    return fail("the maps name more than " + std::to_string(kMostCameras) + " cameras, which is the most for one map");
   auto map = Map::from_state(std::move(all));
   if (!map) return tl::unexpected(map.error());
   find_inputs(*map, report.inputs);

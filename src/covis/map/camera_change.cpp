@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <unordered_set>
 
 namespace covis {
 namespace {
@@ -49,7 +50,7 @@ std::shared_ptr<Features> changed(const Features& of, const PixelChange& change,
   return f;
 }
 
-// As express_in(); name(features) says which camera made those of each key frame.
+// As express_in(); name(before, after) says which camera made the features of each key frame.
 template <class Name>
 Result<void> express(MapState& map, const Pinhole& camera, Name&& name) {
   const PixelChange change(map.camera, camera);
@@ -64,7 +65,7 @@ Result<void> express(MapState& map, const Pinhole& camera, Name&& name) {
   Pyramids pyramids;
   for (KeyFrameState& k : map.key_frames) {
     const auto features = changed(*k.features, change, camera.bf, pyramids);
-    name(*features);
+    name(*k.features, *features);
     k.features = features;
   }
   for (MapPointState& p : map.points) {
@@ -78,28 +79,30 @@ Result<void> express(MapState& map, const Pinhole& camera, Name&& name) {
 }  // namespace
 
 Result<void> express_in(MapState& map, const Pinhole& camera) {
-  return express(map, camera, [](Features&) {});
+  return express(map, camera, [](const Features&, Features&) {});
 }
 
 Result<void> express_in(MapState& map, const Camera& made_by, const RefinedCamera& to) {
-  const auto own = std::make_shared<const RefinedCamera>(RefinedCamera{made_by, map.camera});
+  RefinedCamera from{made_by, map.camera};
+  from.given.pinhole.depth_noise = from.pinhole.depth_noise = {};  // no file has them
+  const auto own = std::make_shared<const RefinedCamera>(from);
   const auto is_target = [&](const RefinedCamera& camera) {
     const Pinhole &a = camera.pinhole, &b = to.pinhole;
-    return difference(camera.given, to.given).empty() && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
+    return same_lens(camera.given, to.given) && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
   };
-  return express(map, to.pinhole, [&](Features& features) {
-    if (!features.made_by) features.made_by = own;
-    if (is_target(*features.made_by)) features.made_by = nullptr;
+  return express(map, to.pinhole, [&](const Features& before, Features& features) {
+    // Files of version 1.4 do not name the cameras of key frames with other pixels: nobody knows them.
+    if (!features.made_by && before.pyramid->base == 1) features.made_by = own;
+    if (features.made_by && is_target(*features.made_by)) features.made_by = nullptr;
   });
 }
 
 std::vector<RefinedCamera> other_cameras(const MapState& map) {
   std::vector<RefinedCamera> cameras;
-  const RefinedCamera* last = nullptr;
+  std::unordered_set<const RefinedCamera*> seen;
   for (const KeyFrameState& k : map.key_frames) {
     const RefinedCamera* camera = k.features->made_by.get();
-    if (!camera || camera == last) continue;
-    last = camera;
+    if (!camera || !seen.insert(camera).second) continue;
     if (std::find(cameras.begin(), cameras.end(), *camera) == cameras.end()) cameras.push_back(*camera);
   }
   return cameras;

@@ -21,6 +21,7 @@ Result<void> express_in(MapState& map, const Camera& made_by, const RefinedCamer
 
 // The cameras that key frames name, each once, in the order of their first key frames.
 std::vector<RefinedCamera> other_cameras(const MapState& map);
+inline constexpr size_t kMostCameras = 1000;  // of a map, besides its own
 
 // Some key frame names its camera, or has pixels of another size than the map's.
 bool has_other_cameras(const Map& map);

@@ -94,8 +94,7 @@ TEST_F(CameraChange, KeyFramesNameTheirCameraUnlessItIsTheMapsOwn) {
   Camera third = first;
   third.distortion = Distortion::brown_conrady;
   third.coefficients[0] = -0.1;
-  state.key_frames.back().features = state.key_frames.back().features->for_key_frame();
-  std::const_pointer_cast<Features>(state.key_frames.back().features)->made_by = nullptr;
+  state.key_frames.back().features = world.shared.read()->state().key_frames.back().features;  // as if the map's own
   ASSERT_TRUE(express_in(state, fine, {third, third.pinhole}));
   EXPECT_EQ(other_cameras(state), (std::vector<RefinedCamera>{{first, refined}, {fine, kFine}}));
   // And back: they are the map's own again where it is refined as it was.

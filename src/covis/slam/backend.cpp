@@ -83,13 +83,16 @@ void Backend::refine_focal(KeyFrameId current) {
 }
 
 int Backend::keep_within_bound(KeyFrameId current) {
-  if (options_.mapper.max_map_mb == 0) return 0;
-  const int thinned = limit_map(map_, current, size_t{1'000'000} * static_cast<size_t>(options_.mapper.max_map_mb));
-  if (thinned > 0 && !std::exchange(thins_, true)) {
-    log(LogLevel::warning, "the map has reached " + std::to_string(options_.mapper.max_map_mb) +
-                               " MB: from here on it loses key frames where that costs least");
-  }
-  return thinned;
+  const int most = options_.mapper.max_map_mb;
+  if (most == 0) return 0;
+  const LimitReport report = limit_map(map_, current, size_t{1'000'000} * static_cast<size_t>(most));
+  const std::string bound = std::to_string(most) + " MB";
+  if (report.erased > 0 && !std::exchange(told_.thins, true))
+    log(LogLevel::warning,
+        "the map has reached " + bound + ": from here on it loses key frames where that costs least");
+  if (report.is_out_of_reach && !std::exchange(told_.out_of_reach, true))
+    log(LogLevel::warning, "the map takes more than " + bound + ", and tracking needs all that is left of it");
+  return report.erased;
 }
 
 std::vector<DepthAgainstMotion> Backend::check_depth(KeyFrameId current, MotionDepthCheck::Pace pace) {

@@ -63,7 +63,10 @@ class Backend {
   FocalSchedule focal_;
   MotionDepthCheck depth_check_;
   const Pinhole given_;  // the camera as it came
-  bool thins_ = false;   // the map has reached its bound
+  struct Told {
+    bool thins = false, out_of_reach = false;
+  };
+  Told told_;  // of the map's bound
 };
 
 }  // namespace covis

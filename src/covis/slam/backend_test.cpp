@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "covis/map/map_memory.h"
 #include "covis/map/test_point_scene.h"
 
 namespace covis {
@@ -129,6 +130,28 @@ TEST_F(BackendTest, DepthIsNotComparedWhileAnotherKeyFrameWaits) {
     ASSERT_TRUE(report.key_frame.valid());
     EXPECT_EQ(report.depth_checks.empty(), waits);
   }
+}
+
+TEST_F(BackendTest, AMapOnNewGroundStaysWithinItsBound) {
+  constexpr size_t kViews = 100;
+  const PointScene way = PointScene::wall(2500, 5 * kViews);
+  SharedMap map(way.camera);
+  BackendOptions options = rgbd();
+  options.mapper.max_map_mb = 1;
+  Backend bounded(map, options);
+  int made = 0, thinned = 0, culled = 0;
+  KeyFrameId last;
+  for (size_t k = 0; k < kViews; ++k) {
+    const MappingReport report = bounded.process(scene_request(way, map, Sensor::rgbd, 5 * k, last), nullptr);
+    last = report.key_frame;
+    made += last.valid();
+    culled += report.counts.key_frames_culled;
+    thinned += report.counts.key_frames_thinned;
+  }
+  EXPECT_GT(thinned, 10);
+  EXPECT_EQ(map.read()->check(), "");
+  EXPECT_EQ(map.read()->key_frame_count(), static_cast<size_t>(made - culled - thinned));
+  EXPECT_LT(memory_of(*map.read()), 1'150'000u) << "some key frames more until it is looked at again";
 }
 
 TEST_F(BackendTest, FinishingTwiceIsNoHarm) {

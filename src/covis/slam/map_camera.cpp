@@ -4,15 +4,6 @@
 #include "covis/map/camera_change.h"
 
 namespace covis {
-namespace {
-
-bool same_lens(const Camera& a, const Camera& b) {
-  Camera of_equal_depth = a;
-  of_equal_depth.pinhole.bf = b.pinhole.baseline() * a.pinhole.fx;
-  return difference(of_equal_depth, b).empty();
-}
-
-}  // namespace
 
 Result<void> check_continued(const Map& map, Sensor sensor) {
   if (sensor != Sensor::monocular || metric_submaps(map).empty()) return {};

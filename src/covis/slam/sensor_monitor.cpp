@@ -22,6 +22,7 @@ constexpr double kMostErrorOfFew = 1.1;
 constexpr double kMostExplained = 0.6;  // DepthAgainstMotion::explained of depth that may be wrong
 constexpr double kEndsBelow = 0.6;      // the error at which a doubt ends
 constexpr double kLeastSpread = 0.06;   // below it depth is right, however flat the scene
+constexpr size_t kLeastDepths = 50;     // of a frame whose relief is judged
 constexpr int kLeastFeatures = 100;     // keypoints without which a frame says nothing
 
 std::string text(const char* pattern, double figure) {
@@ -145,7 +146,7 @@ void SensorMonitor::add_depths(int64_t frame) {
   };
   const double nearest = after(1), middle = after(5), farthest = after(9);
   depth_figures_.near.add(nearest);
-  depth_figures_.relief.add((farthest - nearest) / middle);
+  depth_figures_.relief.add(depths_.size() < kLeastDepths ? 1 : (farthest - nearest) / middle);  // few have none
   if (!depth_figures_.near.full()) return;
   const double near = depth_figures_.near.median(kFrames), relief = depth_figures_.relief.median(kFrames);
   judge(SensorDoubt::depth_too_near, near < kLeastNear, near, frame);

@@ -98,6 +98,8 @@ TEST(SensorMonitor, ImagesOfOneValueAreNoDepth) {
   EXPECT_EQ(warnings[0].doubt, SensorDoubt::no_relief);
   EXPECT_THAT(describe(warnings[0], Sensor::rgbd), HasSubstr("the same depth"));
   EXPECT_TRUE(warnings_of(Sensor::rgbd, features(0.6, 10, 0.01), 0).empty()) << "a wall";
+  for (const SensorWarning& warning : warnings_of(Sensor::rgbd, features(0.02, 10, 0), 0))
+    EXPECT_NE(warning.doubt, SensorDoubt::no_relief) << "a few near things";
   SensorMonitor monitor(Sensor::rgbd);
   for (int i = 0; i < 20; ++i) monitor.add_frame(i, features(0.6, 10, 0), 0);
   EXPECT_TRUE(monitor.doubts());

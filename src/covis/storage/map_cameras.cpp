@@ -2,6 +2,7 @@
 #include "covis/storage/map_cameras.h"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "covis/map/camera_change.h"
 #include "covis/storage/map_file_format.h"
@@ -23,10 +24,15 @@ KeyFrameCameras cameras_of(const MapState& map) {
   KeyFrameCameras all{other_cameras(map), {}};
   if (all.cameras.empty()) return all;
   all.of.reserve(map.key_frames.size());
+  std::unordered_map<const RefinedCamera*, uint32_t> index{{nullptr, 0}};
   for (const KeyFrameState& k : map.key_frames) {
     const RefinedCamera* camera = k.features->made_by.get();
-    const auto at = camera ? std::find(all.cameras.begin(), all.cameras.end(), *camera) : all.cameras.end();
-    all.of.push_back(at == all.cameras.end() ? 0 : static_cast<uint32_t>(at - all.cameras.begin()) + 1);
+    const auto [at, added] = index.emplace(camera, 0);
+    if (added) {
+      const auto found = std::find(all.cameras.begin(), all.cameras.end(), *camera);
+      at->second = static_cast<uint32_t>(found - all.cameras.begin()) + 1;
+    }
+    all.of.push_back(at->second);
   }
   return all;
 }
@@ -43,17 +49,22 @@ std::string read_cameras(std::string_view bytes, size_t key_frames, KeyFrameCame
   FieldReader fields(bytes);
   uint32_t count = 0;
   fields(count);
+  if (count > kMostCameras) return "it names " + std::to_string(count) + " cameras, more than a map can have";
   for (uint32_t k = 0; k < count && fields.ok(); ++k) {
     refined_fields(fields, all.cameras.emplace_back());
     const RefinedCamera& camera = all.cameras.back();
     if (!fields.ok()) break;
-    if (const std::string problem = problem_of(camera.given); !problem.empty()) return problem;
-    if (!valid_camera(camera.pinhole)) return "a key frame's camera is not valid";
+    if (const std::string problem = problem_of(camera.given); !problem.empty()) return "of another camera: " + problem;
+    if (!valid_camera(camera.pinhole)) return "another camera is not valid";
   }
   fields.sized_list(all.of, key_frames);
   if (!fields.whole()) return std::string(kNotRightLength);
-  if (std::any_of(all.of.begin(), all.of.end(), [&](uint32_t k) { return k > count; }))
-    return "a key frame has a camera that is not there";
+  std::vector<bool> used(count + 1);
+  for (const uint32_t k : all.of) {
+    if (k > count) return "a key frame has a camera that is not there";
+    used[k] = true;
+  }
+  if (std::find(used.begin() + 1, used.end(), false) != used.end()) return "it names a camera that made no key frame";
   return {};
 }
 

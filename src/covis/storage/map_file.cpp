@@ -270,9 +270,9 @@ Result<MapInfo> read_map_info(const std::filesystem::path& path) {
   info.features = c.features;
   const auto cameras = read_key_frame_cameras(*file, key_frames->size());
   if (!cameras) return tl::unexpected(cameras.error());
-  for (size_t k = 0; k < cameras->cameras.size(); ++k) {
-    const auto count = std::count(cameras->of.begin(), cameras->of.end(), static_cast<uint32_t>(k + 1));
-    info.other_cameras.push_back({cameras->cameras[k].given, static_cast<uint64_t>(count)});
+  for (const RefinedCamera& camera : cameras->cameras) info.other_cameras.push_back({camera.given, 0});
+  for (const uint32_t k : cameras->of) {
+    if (k > 0) ++info.other_cameras[k - 1].key_frames;
   }
   info.submaps = static_cast<uint64_t>(std::count_if(
       key_frames->begin(), key_frames->end(), [](const KeyFrameState& k) { return k.parent == MapState::kNone; }));
