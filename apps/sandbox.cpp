@@ -174,8 +174,7 @@ Result<void> check_alone() {
   std::error_code error;
   const std::filesystem::directory_iterator tasks("/proc/self/task", error);
   if (!error && std::distance(begin(tasks), end(tasks)) == 1) return {};
-  return fail("--sandbox: this process has several threads already, which a library starts as it is loaded (for OpenBLAS "
-              "set OPENBLAS_NUM_THREADS=1)");
+  return fail("--sandbox: a library has started threads as it was loaded (of OpenBLAS: set OPENBLAS_NUM_THREADS=1)");
 }
 
 }  // namespace

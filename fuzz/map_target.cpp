@@ -135,7 +135,9 @@ std::string seed_map(int key_frames, bool coloured, Cameras cameras = Cameras::o
   return input;
 }
 
-std::vector<std::string> map_seeds() { return {seed_map(0, false), seed_map(2, true), seed_map(5, false), seed_map(4, false, Cameras::several)}; }
+std::vector<std::string> map_seeds() {
+  return {seed_map(0, false), seed_map(2, true), seed_map(5, false), seed_map(4, false, Cameras::several)};
+}
 
 std::vector<std::string> container_seeds() {
   return {*pack_sections({{1, "about"}, {2, std::string(100, 'x')}, {77, ""}}), *pack_sections({})};

@@ -43,8 +43,9 @@ bool works_inside(const std::string& writable, const std::function<bool()>& act)
 
 TEST_F(CommandSandbox, WritesIntoItsFoldersAlone) {
   const std::string inside = folder / "inside", outside = folder / "outside.txt";
-  const auto writes = [](const std::string& file) { return static_cast<bool>(std::ofstream(file) << "x" << std::flush); };
-  EXPECT_TRUE(works_inside(inside, [&] { return writes(inside + "/new.txt") && ::unlink((inside + "/new.txt").c_str()) == 0; }));
+  const auto writes = [](const std::string& file) { return bool(std::ofstream(file) << "x" << std::flush); };
+  const std::string made = inside + "/new.txt";
+  EXPECT_TRUE(works_inside(inside, [&] { return writes(made) && ::unlink(made.c_str()) == 0; }));
   EXPECT_FALSE(works_inside(inside, [&] { return writes(outside); }));
   EXPECT_FALSE(works_inside(inside, [&] { return writes(folder / "new.txt"); }));
   EXPECT_FALSE(works_inside(inside, [&] { return ::unlink(outside.c_str()) == 0; }));
@@ -70,11 +71,15 @@ TEST_F(CommandSandbox, RunsNothingAndConnectsToNothing) {
   }));
 }
 
-// Each returns 0 outside.
+// True when a call that returns 0 outside the sandbox does not inside.
+bool is_refused(const std::string& writable, const std::function<long()>& call) {
+  return !works_inside(writable, [&] { return call() == 0; });
+}
+
 TEST_F(CommandSandbox, TouchesNoOtherProcess) {
   const std::string inside = folder / "inside";
   const pid_t parent = ::getpid();
-  const auto fails = [&](const std::function<long()>& act) { return !works_inside(inside, [&] { return act() == 0; }); };
+  const auto fails = [&](const std::function<long()>& call) { return is_refused(inside, call); };
   EXPECT_TRUE(fails([&] { return ::kill(parent, SIGCONT); }));
   EXPECT_TRUE(fails([&] { return ::syscall(SYS_tkill, parent, SIGCONT); }));
   EXPECT_TRUE(fails([&] { return ::syscall(SYS_tgkill, parent, parent, SIGCONT); }));
@@ -83,7 +88,8 @@ TEST_F(CommandSandbox, TouchesNoOtherProcess) {
     info.si_code = SI_QUEUE;
     return ::syscall(SYS_rt_sigqueueinfo, parent, SIGCONT, &info);
   }));
-  EXPECT_TRUE(fails([&] { return ::setpriority(PRIO_PROCESS, static_cast<id_t>(parent), ::getpriority(PRIO_PROCESS, 0)); }));
+  const int weight = ::getpriority(PRIO_PROCESS, 0);
+  EXPECT_TRUE(fails([&] { return ::setpriority(PRIO_PROCESS, static_cast<id_t>(parent), weight); }));
   EXPECT_TRUE(fails([&] {
     rlimit limit{};
     return ::prlimit(parent, RLIMIT_CORE, nullptr, &limit);
@@ -96,7 +102,7 @@ TEST_F(CommandSandbox, TouchesNoOtherProcess) {
 
 TEST_F(CommandSandbox, LeavesPermissionsAndTimes) {
   const std::string inside = folder / "inside", outside = folder / "outside.txt";
-  const auto fails = [&](const std::function<long()>& act) { return !works_inside(inside, [&] { return act() == 0; }); };
+  const auto fails = [&](const std::function<long()>& call) { return is_refused(inside, call); };
   EXPECT_TRUE(fails([&] { return ::chmod(outside.c_str(), 0777); }));
   EXPECT_TRUE(fails([&] { return ::fchmod(::open(outside.c_str(), O_RDONLY | O_CLOEXEC), 0777); }));
   EXPECT_TRUE(fails([&] { return ::chown(outside.c_str(), ::getuid(), ::getgid()); }));

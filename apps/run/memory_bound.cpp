@@ -10,7 +10,8 @@ Result<int> map_megabytes(int megabytes, const Camera& camera, uint64_t vocabula
   constexpr double kBytesAPixel = 40;    // of two images: decoded ahead, in pyramids, blurred
   constexpr double kBesideTheMap = 3.2;  // memory of a map that is adjusted and saved, by its own size
   constexpr double kLeastMap = 20;       // MB: the newest 50 key frames, which are not thinned, and some more
-  const double fixed = kProgram + (kBytesAPixel * camera.width * camera.height + static_cast<double>(vocabulary_bytes)) / 1e6;
+  const double read = kBytesAPixel * camera.width * camera.height + static_cast<double>(vocabulary_bytes);
+  const double fixed = kProgram + read / 1e6;
   const double map = (megabytes - fixed) / kBesideTheMap;
   if (map < kLeastMap) {
     return fail("--max-memory " + std::to_string(megabytes) + ": images of this size need at least " +

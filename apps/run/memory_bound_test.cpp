@@ -25,7 +25,8 @@ TEST(MemoryBound, TheMapGetsWhatImagesAndAdjustmentLeave) {
 TEST(MemoryBound, TooLittleIsRefusedWithWhatIsNeeded) {
   const auto refused = map_megabytes(100, camera_of(640, 480), 0);
   ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message, testing::HasSubstr("--max-memory 100: images of this size need at least 187 MB"));
+  EXPECT_THAT(refused.error().message,
+              testing::HasSubstr("--max-memory 100: images of this size need at least 187 MB"));
   EXPECT_EQ(map_megabytes(187, camera_of(640, 480), 0).value(), 20);
 }
 

@@ -45,7 +45,8 @@ FrameCounts count_frames(const RunRecord& run, const Snapshot& snapshot) {
 MapCounts count_map(const RunRecord& run, const Snapshot& snapshot) {
   MapCounts counts;
   counts.key_frames_made = run.mapping.size();
-  for (const MappingReport& m : run.mapping) counts.key_frames_thinned += static_cast<size_t>(m.counts.key_frames_thinned);
+  for (const MappingReport& m : run.mapping)
+    counts.key_frames_thinned += static_cast<size_t>(m.counts.key_frames_thinned);
   counts.refused_non_finite = snapshot.refused_non_finite;
   counts.submaps = snapshot.submaps;
   for (const SubmapSummary& submap : snapshot.submaps) {

@@ -26,12 +26,12 @@ Eigen::Matrix4d camera_to_world(const SE3& T_cw, const SE3& T_nw) {
 
 nlohmann::json intrinsics(const SceneCamera& camera) {
   const Pinhole& c = camera.pinhole;
-  return {{"w", camera.given.width}, {"h", camera.given.height}, {"fl_x", c.fx}, {"fl_y", c.fy},
+  return {{"w", camera.given.width},   {"h", camera.given.height},  {"fl_x", c.fx}, {"fl_y", c.fy},
           {"cx", c.cx + kPixelCentre}, {"cy", c.cy + kPixelCentre}};
 }
 
-// Intrinsics are those of all frames or, where there are several cameras, each frame's own: nerfstudio looks for them in
-// frames only if none are above.
+// Intrinsics are those of all frames or, where there are several cameras, each frame's own: nerfstudio looks for them
+// in frames only if none are above.
 nlohmann::json transforms(const Scene& scene, const SE3& T_nw, const std::string& images, const std::string& cloud) {
   nlohmann::json frames = nlohmann::json::array();
   for (const SceneView& view : scene.views) {

@@ -39,8 +39,8 @@ Result<void> resample(const fs::path& from, const SceneCamera& camera, std::opti
   if (!picture) return tl::unexpected(picture.error());
   if (picture->width != given.width || picture->height != given.height) {
     return fail(from.string() + ": the image is " + std::to_string(picture->width) + "x" +
-                std::to_string(picture->height) + ", the camera's that made the key frame " + std::to_string(given.width) + "x" +
-                std::to_string(given.height));
+                std::to_string(picture->height) + ", the camera's that made the key frame " +
+                std::to_string(given.width) + "x" + std::to_string(given.height));
   }
   if (std::max(given.width, given.height) > ResamplingMap::kLargestSide)
     return fail(from.string() + ": images of more than " + std::to_string(ResamplingMap::kLargestSide) +

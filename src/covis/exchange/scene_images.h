@@ -12,8 +12,8 @@ namespace covis::exchange {
 
 // Takes the images of the views from the folder in which `covis run --keep-images` left them, and writes them to
 // another folder, which is made, as the views' cameras would have taken them; where that is how they were taken, they
-// are copied. Sets SceneView::image, empty for views that have no image there. Returns how many have one. Error: a folder that is not
-// there or the one to write to, an image that is damaged or of another size than the camera's.
+// are copied. Sets SceneView::image, empty for views that have no image there. Returns how many have one. Error: a
+// folder that is not there or the one to write to, an image that is damaged or of another size than its camera's.
 Result<size_t> write_images(const std::filesystem::path& kept, const std::filesystem::path& folder, Scene& scene);
 
 }  // namespace covis::exchange

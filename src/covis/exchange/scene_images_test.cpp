@@ -84,7 +84,8 @@ TEST_F(SceneImages, EachIsThatOfItsOwnCamera) {
   plain.distortion = Distortion::none;
   scene.cameras.push_back({plain, plain.pinhole, plain.pinhole});
   scene.views[1].camera = 1;
-  for (const char* name : {"kept/000003.png", "kept/000007.png"}) ASSERT_TRUE(io::write_picture(folder / name, ramp(80)));
+  for (const char* name : {"kept/000003.png", "kept/000007.png"})
+    ASSERT_TRUE(io::write_picture(folder / name, ramp(80)));
   ASSERT_EQ(*write_images(folder / "kept", folder / "images", scene), 2u);
   EXPECT_EQ(read_file(folder / "images/000007.png"), read_file(folder / "kept/000007.png")) << "copied";
   EXPECT_NE(read_file(folder / "images/000003.png"), read_file(folder / "kept/000003.png")) << "undistorted";
@@ -99,7 +100,8 @@ TEST_F(SceneImages, ThatAreMissingOrDoNotFitAreNamed) {
   EXPECT_THAT(write_images(folder / "kept", folder / "kept", scene).error().message,
               testing::HasSubstr("over those that they are made of"));
   ASSERT_TRUE(io::write_picture(folder / "kept/000003.png", ramp(50)));
-  EXPECT_THAT(error("kept"), testing::HasSubstr("000003.png: the image is 50x60, the camera's that made the key frame 80x60"));
+  EXPECT_THAT(error("kept"),
+              testing::HasSubstr("000003.png: the image is 50x60, the camera's that made the key frame 80x60"));
 }
 
 }  // namespace

@@ -46,7 +46,6 @@ class MotionDepthCheck {
 
  private:
   bool passes_over() const;
-
   void step(std::shared_ptr<const Features> view);
 
   std::shared_ptr<const Features> last_, before_last_;
