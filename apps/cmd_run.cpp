@@ -76,7 +76,7 @@ Result<void> open_output_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail(folder + ": the output folder can't be made: " + error.message());
-  // Tried, as permissions alone do not tell: of a read-only disk, in a sandbox.
+  // Permissions alone do not tell of a read-only disk or a sandbox.
   if (const auto fits = check_writable(std::filesystem::path(folder) / "trajectory.txt"); !fits)
     return fail("the output folder can't be written to: " + fits.error().message);
   return {};

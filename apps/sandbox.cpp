@@ -30,10 +30,10 @@ tl::unexpected<Error> problem(const std::string& what, int error) {
   return fail("--sandbox: " + what + ": " + std::generic_category().message(error));
 }
 
-// Files: Landlock (https://docs.kernel.org/userspace-api/landlock.html), which has no functions in the C library.
-// LANDLOCK_ACCESS_FS_REFER and LANDLOCK_ACCESS_FS_TRUNCATE, younger than some headers.
+// Landlock keeps files (https://docs.kernel.org/userspace-api/landlock.html). It has no functions in the C library, and
+// two of its rights, LANDLOCK_ACCESS_FS_REFER and LANDLOCK_ACCESS_FS_TRUNCATE, are younger than some headers.
 constexpr uint64_t kRefer = uint64_t{1} << 13, kTruncate = uint64_t{1} << 14;
-constexpr int kFchmodat2 = 452;  // the system call, likewise
+constexpr int kFchmodat2 = 452;  // number of a system call that is younger than some headers, too
 constexpr uint64_t kInsideFolders = LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_MAKE_REG |
                                     LANDLOCK_ACCESS_FS_MAKE_DIR | LANDLOCK_ACCESS_FS_REMOVE_FILE |
                                     LANDLOCK_ACCESS_FS_REMOVE_DIR;
@@ -72,7 +72,7 @@ Result<void> restrict_files(const std::vector<std::string>& writable) {
   return done;
 }
 
-// Everything else: calls of the system that Covis has no use for, and whoever took it over would.
+// A filter of the calls of the system that Covis has no use for, and whoever took it over would have.
 class CallFilter {
  public:
   CallFilter() : filter_(seccomp_init(SCMP_ACT_ALLOW)) {
@@ -84,7 +84,8 @@ class CallFilter {
   void refuse(std::initializer_list<int> calls) {
     for (const int call : calls) add(seccomp_rule_add(filter_, SCMP_ACT_ERRNO(EPERM), call, 0));
   }
-  // As a kernel without them answers: the C library makes do with older calls, which can be looked into.
+  // The answer is that of a kernel without these calls: the C library makes do with older ones, whose arguments can be
+  // looked into.
   void deny_existence(std::initializer_list<int> calls) {
     for (const int call : calls) add(seccomp_rule_add(filter_, SCMP_ACT_ERRNO(ENOSYS), call, 0));
   }
@@ -105,18 +106,18 @@ class CallFilter {
   int error_ = 0;  // errno of the first problem
 };
 
-// Programs, connections and shared memory.
+// Refuses programs, connections and shared memory.
 void refuse_others(CallFilter& filter) {
   filter.refuse({SCMP_SYS(execve), SCMP_SYS(execveat), SCMP_SYS(socket), SCMP_SYS(socketpair), SCMP_SYS(connect),
                  SCMP_SYS(bind), SCMP_SYS(listen)});
   filter.refuse({SCMP_SYS(shmget), SCMP_SYS(shmat), SCMP_SYS(shmctl), SCMP_SYS(semget), SCMP_SYS(msgget),
                  SCMP_SYS(mq_open), SCMP_SYS(mq_unlink)});
-  // What is typed into a terminal for the shell that reads it next.
+  // Two requests type text into a terminal, for the shell that reads it next.
   for (const unsigned request : {TIOCSTI, TIOCLINUX})
     filter.refuse_if(SCMP_SYS(ioctl), SCMP_A1(SCMP_CMP_MASKED_EQ, 0xffffffffu, request));
 }
 
-// Other processes. Signal 0 only asks whether one lives.
+// Refuses what reaches other processes. Signal 0 only asks if one lives.
 void refuse_processes(CallFilter& filter) {
   filter.refuse({SCMP_SYS(ptrace), SCMP_SYS(process_vm_readv), SCMP_SYS(process_vm_writev), SCMP_SYS(pidfd_getfd),
                  SCMP_SYS(pidfd_send_signal), SCMP_SYS(tkill), SCMP_SYS(rt_sigqueueinfo), SCMP_SYS(rt_tgsigqueueinfo),
@@ -133,7 +134,7 @@ void refuse_processes(CallFilter& filter) {
   filter.refuse_if(SCMP_SYS(setpriority), SCMP_A1(SCMP_CMP_NE, 0));
 }
 
-// Of files what Landlock does not know of, or not in each of its versions: owners, permissions, times, emptying.
+// Landlock does not know of owners, permissions and times of files, and its first versions not of emptying them.
 void refuse_attributes(CallFilter& filter) {
   filter.refuse({SCMP_SYS(chmod), SCMP_SYS(fchmod), SCMP_SYS(fchmodat), SCMP_SYS(chown), SCMP_SYS(lchown),
                  SCMP_SYS(fchown), SCMP_SYS(fchownat), SCMP_SYS(utime), SCMP_SYS(utimes), SCMP_SYS(futimesat),
@@ -146,7 +147,7 @@ void refuse_attributes(CallFilter& filter) {
   filter.refuse_if(SCMP_SYS(openat), SCMP_A2(SCMP_CMP_MASKED_EQ, kMode, O_RDONLY | O_TRUNC));
 }
 
-// The system itself, and rooms of it in which other rules would hold.
+// Refuses what changes the system, and namespaces in which other rules would hold.
 void refuse_system(CallFilter& filter) {
   filter.refuse({SCMP_SYS(mount), SCMP_SYS(umount2), SCMP_SYS(pivot_root), SCMP_SYS(chroot), SCMP_SYS(unshare),
                  SCMP_SYS(setns), SCMP_SYS(open_by_handle_at), SCMP_SYS(fsopen), SCMP_SYS(move_mount)});
@@ -191,7 +192,7 @@ Result<void> enter_sandbox(const std::vector<std::string>& writable) {
 #else
 
 Result<void> enter_sandbox(const std::vector<std::string>& /*writable*/) {
-  return fail("--sandbox: Covis was built without libseccomp");
+  return fail("--sandbox: Covis was built without libseccomp or without the headers of Landlock");
 }
 
 #endif

@@ -16,6 +16,8 @@ import pathlib
 import re
 import sys
 
+import checking
+
 # module: the modules it may include, bottom to top
 LAYERS = {
     'core': set(),
@@ -162,17 +164,5 @@ def check_tree(root):
     return count, problems
 
 
-def main():
-    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent).resolve()
-    count, problems = check_tree(root)
-    if count == 0:
-        print(f'{root}: no sources found')
-        return 1
-    for problem in problems:
-        print(problem)
-    print(f'{count} files, {len(problems)} broken rules')
-    return 1 if problems else 0
-
-
 if __name__ == '__main__':
-    sys.exit(main())
+    sys.exit(checking.run(check_tree, 'files', 'broken rules'))

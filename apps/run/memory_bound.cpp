@@ -7,7 +7,7 @@ namespace covis::app {
 
 Result<int> map_megabytes(int megabytes, const Camera& camera, uint64_t vocabulary_bytes) {
   constexpr double kProgram = 110;       // MB, of which libraries take two thirds
-  constexpr double kBytesAPixel = 40;    // of two images: decoded ahead, in pyramids, blurred
+  constexpr double kBytesAPixel = 40;    // bytes of two images: decoded ahead, in pyramids, blurred
   constexpr double kBesideTheMap = 3.2;  // memory of a map that is adjusted and saved, by its own size
   constexpr double kLeastMap = 20;       // MB: the newest 50 key frames, which are not thinned, and some more
   const double read = kBytesAPixel * camera.width * camera.height + static_cast<double>(vocabulary_bytes);

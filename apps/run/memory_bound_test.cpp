@@ -6,12 +6,7 @@
 namespace covis::app {
 namespace {
 
-Camera camera_of(int width, int height) {
-  Camera camera;
-  camera.width = width;
-  camera.height = height;
-  return camera;
-}
+Camera camera_of(int width, int height) { return {width, height, {}, Distortion::none, {}}; }
 
 TEST(MemoryBound, TheMapGetsWhatImagesAndAdjustmentLeave) {
   const auto small = map_megabytes(500, camera_of(640, 480), 0), large = map_megabytes(500, camera_of(3000, 2000), 0);

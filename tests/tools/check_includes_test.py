@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of tests/tools/check_includes.py: names with and without the header that declares them."""
+"""Tests of tools/check_includes.py: names with and without the header that declares them."""
 import pathlib
 import sys
 import tempfile
 import unittest
 
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / 'tools'))
 import check_includes  # noqa: E402
 
 FILES = {'src/covis/map/point.h': 'struct MapPoint {\n  struct Inner {};\n};\nconstexpr int kMost = 3;\nint count_points(const MapPoint& p);\n',

@@ -13,6 +13,10 @@ import re
 import sys
 import urllib.parse
 
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / 'tools'))
+import checking  # noqa: E402
+
 FENCE = re.compile(r' *(```+|~~~+)')
 INLINE_CODE = re.compile(r'(?<!`)(`+)(?!`)(.+?)(?<!`)\1(?!`)')
 LINK = re.compile(r'\[(?:[^\[\]]|\[[^\]]*\]|\\.)*\]\(\s*(?:<([^>]*)>|([^\s()]*(?:\([^\s()]*\)[^\s()]*)*))(?:\s+(?:"[^"]*"|\'[^\']*\'))?\s*\)')
@@ -128,17 +132,5 @@ def check_tree(root):
     return count, problems
 
 
-def main():
-    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[2]).resolve()
-    count, problems = check_tree(root)
-    if count == 0:
-        print(f'{root}: no links found')
-        return 1
-    for problem in problems:
-        print(problem)
-    print(f'{count} links, {len(problems)} lead nowhere')
-    return 1 if problems else 0
-
-
 if __name__ == '__main__':
-    sys.exit(main())
+    sys.exit(checking.run(check_tree, 'links', 'lead nowhere'))

@@ -109,7 +109,7 @@ int write_contents(int handle, const Contents& contents, Durability durability, 
   } catch (const std::bad_alloc&) {
     problem = ENOMEM;
   }
-  // Not allowed in a sandbox, where the new file has the permissions of any other.
+  // A sandbox does not allow it: there the new file has the permissions of any other.
   if (problem == 0 && mode != nullptr && ::fchmod(handle, *mode) != 0 && errno != EPERM) problem = errno;
   if (problem == 0 && durability == Durability::durable && ::fsync(handle) != 0) problem = errno;
   return problem;

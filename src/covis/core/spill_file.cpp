@@ -10,27 +10,28 @@
 
 namespace covis {
 
-SpillFile::~SpillFile() {
-  if (handle_ >= 0) ::close(handle_);
-}
+namespace {
 
-int SpillFile::open_file() const {
-  for (const char* folder : {folder_ ? folder_ : std::getenv("TMPDIR"), folder_ ? nullptr : "/var/tmp",
-                             folder_ ? nullptr : "/tmp"}) {
-    if (!folder) continue;
-    const int handle = ::open(folder, O_TMPFILE | O_RDWR | O_EXCL | O_CLOEXEC, 0600);
+int open_unnamed() {
+  for (const char* folder : {static_cast<const char*>(std::getenv("TMPDIR")), "/var/tmp", "/tmp"}) {
+    const int handle = folder ? ::open(folder, O_TMPFILE | O_RDWR | O_EXCL | O_CLOEXEC, 0600) : -1;
     if (handle >= 0) return handle;
   }
   return -1;
 }
 
+}  // namespace
+
+SpillFile::~SpillFile() {
+  if (handle_ && *handle_ != kNone) ::close(*handle_);
+}
+
 SpillFile::Block SpillFile::map(size_t bytes) {
-  if (!tried_) handle_ = open_file();
-  tried_ = true;
+  if (!handle_) handle_ = open_unnamed();
   const auto length = static_cast<off_t>(bytes);
   // Room is taken in advance: a page that the disk has no room for when it is written would end the process.
-  if (handle_ >= 0 && ::posix_fallocate(handle_, size_, length) == 0) {
-    void* memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, handle_, size_);
+  if (*handle_ != kNone && ::posix_fallocate(*handle_, size_, length) == 0) {
+    void* memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, *handle_, size_);
     if (memory != MAP_FAILED) {
       size_ += length;
       return {memory, bytes, true};

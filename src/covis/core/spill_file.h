@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 namespace covis {
@@ -19,9 +20,7 @@ class SpillFile {
   };
 
   SpillFile() = default;
-  explicit SpillFile(const char* folder) : folder_(folder) {}  // instead of those above
-  SpillFile(SpillFile&& other) noexcept
-      : folder_(other.folder_), handle_(std::exchange(other.handle_, -1)), tried_(other.tried_), size_(other.size_) {}
+  SpillFile(SpillFile&& other) noexcept : handle_(std::exchange(other.handle_, kNone)), size_(other.size_) {}
   SpillFile& operator=(SpillFile&&) = delete;
   ~SpillFile();
 
@@ -35,11 +34,9 @@ class SpillFile {
   static void unmap(const Block& block);
 
  private:
-  int open_file() const;
+  static constexpr int kNone = -1;
 
-  const char* const folder_ = nullptr;
-  int handle_ = -1;  // -1: not opened yet, or none can be had
-  bool tried_ = false;
+  std::optional<int> handle_;  // kNone: no file can be made; nullopt: it was not tried yet
   int64_t size_ = 0;
 };
 

@@ -20,7 +20,6 @@ class SpilledArray {
  public:
   // No file is made as long as one block is enough.
   SpilledArray() = default;
-  explicit SpilledArray(const char* folder) : file_(folder) {}
   SpilledArray(SpilledArray&& other) noexcept
       : file_(std::move(other.file_)),
         blocks_(std::exchange(other.blocks_, {})),
@@ -51,8 +50,8 @@ class SpilledArray {
     ::new (at(size_)) T(std::move(element));
     ++size_;
   }
-  // Makes room for a block of elements beyond the last one when there is less than half of it. push_back() allocates
-  // nothing as long as this is called now and then.
+  // Makes room for a block of elements beyond the last one when there is less than half of it: push_back() does not
+  // allocate as long as this is called now and then.
   void make_room() {
     if (blocks_.size() * kPerBlock - size_ < kPerBlock / 2) add_block();
   }
@@ -70,9 +69,8 @@ class SpilledArray {
  private:
   T* at(size_t k) const { return static_cast<T*>(blocks_[k / kPerBlock].memory) + k % kPerBlock; }
   void add_block() {
-    constexpr size_t kPage = 4096;
-    blocks_.reserve(blocks_.size() + 1);
-    constexpr size_t kBytes = (kPerBlock * sizeof(T) + kPage - 1) / kPage * kPage;
+    constexpr size_t kPage = 4096, kBytes = (kPerBlock * sizeof(T) + kPage - 1) / kPage * kPage;
+    blocks_.reserve(blocks_.size() + 1);  // so that no block is lost for want of memory
     blocks_.push_back(blocks_.empty() ? SpillFile::plain(kBytes) : file_.map(kBytes));
   }
   void shrink(size_t size) {

@@ -68,14 +68,7 @@ TEST(SpilledArray, OlderElementsTakeNoResidentMemory) {
   EXPECT_LT(resident_mb(), before + 20);
 }
 
-TEST(SpilledArray, StaysInMemoryWithoutAFile) {
-  Rows rows("/nonexistent");
-  fill(rows, 3 * Rows::kPerBlock);
-  rows.page_out();
-  expect_whole(rows);
-}
-
-TEST(SpilledArray, AFullDiskIsAsNone) {
+TEST(SpilledArray, StaysInMemoryWhereTheDiskIsFull) {
   rlimit before{};
   ::getrlimit(RLIMIT_FSIZE, &before);
   const rlimit little{1 << 20, before.rlim_max};

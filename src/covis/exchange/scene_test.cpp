@@ -43,7 +43,7 @@ TEST(Scene, LeavesOutWhatIsOutsideTheImage) {
   for (const SceneView::Keypoint& keypoint : narrow.views[0].keypoints) EXPECT_LT(keypoint.u, 319.5);
 }
 
-// As if some key frames were made by a camera of another focal length: their keypoints are in its own pixels again.
+// Some key frames are of a camera of another focal length: their keypoints are in its own pixels again.
 TEST(Scene, HasTheCamerasThatKeyFramesName) {
   const PointScene points = PointScene::wall();
   SceneMap world(points, Sensor::rgbd);

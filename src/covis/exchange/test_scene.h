@@ -21,11 +21,7 @@ inline std::vector<Scene> ring_scenes() {
     const size_t count = world.shared.read()->at(id).points.size();
     world.shared.write()->set_colours(id, std::make_shared<const std::vector<Colour>>(count, Colour{200, 100, 50}));
   }
-  Camera given;
-  given.width = 640;
-  given.height = 480;
-  given.pinhole = scene.camera;
-  return scenes_of(*world.shared.read(), given);
+  return scenes_of(*world.shared.read(), {640, 480, scene.camera, Distortion::none, {}});
 }
 
 }  // namespace covis::exchange

@@ -53,7 +53,7 @@ Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& 
     // Keypoints of other cameras were expressed in what the camera was refined to, and would not fit another focal
     // length.
     const bool is_same = maps[i].sensor == sensor && difference(given, maps[i].given).empty();
-    if (!is_same || (refined && (has_other_pixels(map) || !other_cameras(map).empty()))) {
+    if (!is_same || (refined && has_other_cameras(map))) {
       if (auto fits = express_in(map, maps[i].given, {given, camera}); !fits) return tl::unexpected(fits.error());
     } else if (refined) {
       to_adjust.push_back(i);

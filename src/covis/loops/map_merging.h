@@ -25,7 +25,7 @@ struct MergeSource {
 // One of the maps that were merged.
 struct MergedInput {
   std::vector<uint32_t> submaps;  // its submaps by the ids of JoinReport, before any was joined
-  uint32_t first_serial = 0;      // what was added to the serials of its key frames
+  uint32_t first_serial = 0;      // offset that was added to the serials of its key frames
   size_t key_frames = 0, points = 0;
 };
 

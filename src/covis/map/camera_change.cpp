@@ -50,10 +50,16 @@ std::shared_ptr<Features> changed(const Features& of, const PixelChange& change,
   return f;
 }
 
-// As express_in(); name(before, after) says which camera made the features of each key frame.
-template <class Name>
-Result<void> express(MapState& map, const Pinhole& camera, Name&& name) {
-  const PixelChange change(map.camera, camera);
+bool is_of_another(const Features& features) { return features.made_by || features.pyramid->base != 1; }
+
+bool same_pixels(const Pinhole& a, const Pinhole& b) {
+  return a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
+}
+
+}  // namespace
+
+Result<void> express_in(MapState& map, const Camera& made_by, const RefinedCamera& to) {
+  const PixelChange change(map.camera, to.pinhole);
   for (const KeyFrameState& k : map.key_frames) {
     const ImageBounds b = change(k.features->grid.bounds);
     const auto within = [](float x) { return std::abs(x) <= kMostPixels; };  // false for what is not a number
@@ -62,39 +68,24 @@ Result<void> express(MapState& map, const Pinhole& camera, Name&& name) {
       return fail("the cameras differ by too much: the images of one have no place in those of the other");
     }
   }
+  RefinedCamera from{made_by, map.camera};
+  from.given.pinhole.depth_noise = from.pinhole.depth_noise = {};  // no file has them
+  const auto own = std::make_shared<const RefinedCamera>(from);
   Pyramids pyramids;
   for (KeyFrameState& k : map.key_frames) {
-    const auto features = changed(*k.features, change, camera.bf, pyramids);
-    name(*k.features, *features);
+    const auto features = changed(*k.features, change, to.pinhole.bf, pyramids);
+    // Files of version 1.4 do not name the cameras of key frames with other pixels: nobody knows them.
+    auto& name = features->made_by;
+    if (!name && k.features->pyramid->base == 1) name = own;
+    if (name && same_lens(name->given, to.given) && same_pixels(name->pinhole, to.pinhole)) name = nullptr;
     k.features = features;
   }
   for (MapPointState& p : map.points) {
     p.d_min *= static_cast<float>(change.size());
     p.d_max *= static_cast<float>(change.size());
   }
-  map.camera = camera;
+  map.camera = to.pinhole;
   return {};
-}
-
-}  // namespace
-
-Result<void> express_in(MapState& map, const Pinhole& camera) {
-  return express(map, camera, [](const Features&, Features&) {});
-}
-
-Result<void> express_in(MapState& map, const Camera& made_by, const RefinedCamera& to) {
-  RefinedCamera from{made_by, map.camera};
-  from.given.pinhole.depth_noise = from.pinhole.depth_noise = {};  // no file has them
-  const auto own = std::make_shared<const RefinedCamera>(from);
-  const auto is_target = [&](const RefinedCamera& camera) {
-    const Pinhole &a = camera.pinhole, &b = to.pinhole;
-    return same_lens(camera.given, to.given) && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
-  };
-  return express(map, to.pinhole, [&](const Features& before, Features& features) {
-    // Files of version 1.4 do not name the cameras of key frames with other pixels: nobody knows them.
-    if (!features.made_by && before.pyramid->base == 1) features.made_by = own;
-    if (features.made_by && is_target(*features.made_by)) features.made_by = nullptr;
-  });
 }
 
 std::vector<RefinedCamera> other_cameras(const MapState& map) {
@@ -113,11 +104,15 @@ bool has_other_pixels(const MapState& map) {
                      [](const KeyFrameState& k) { return k.features->pyramid->base != 1; });
 }
 
+bool has_other_cameras(const MapState& map) {
+  return std::any_of(map.key_frames.begin(), map.key_frames.end(),
+                     [](const KeyFrameState& k) { return is_of_another(*k.features); });
+}
+
 bool has_other_cameras(const Map& map) {
   bool found = false;
-  map.for_each_key_frame([&](KeyFrameId, const KeyFrame& key_frame) {
-    found = found || key_frame.features->made_by || key_frame.features->pyramid->base != 1;
-  });
+  map.for_each_key_frame(
+      [&](KeyFrameId, const KeyFrame& key_frame) { found = found || is_of_another(*key_frame.features); });
   return found;
 }
 

@@ -10,20 +10,18 @@
 
 namespace covis {
 
-// Expresses all key frames in the pixels and the baseline of `camera`. Poses, points and depths are those of before; a
-// measured depth has the noise that the new camera's has. An error, and nothing done, where the pixels of one would be
-// more than 64 times as large as those of the other, or images would lie beyond all bounds.
-Result<void> express_in(MapState& map, const Pinhole& camera);
-
-// The same for a map of the camera `made_by`, whose key frames name their camera from then on (Features::made_by),
-// unless it is `to` itself, refined in the same way.
+// Expresses all key frames of a map that `made_by` made in the pixels and the baseline of `to`. Poses, points and depths
+// are those of before; a measured depth has the noise that the new camera's has. Key frames name their camera from then
+// on (Features::made_by), unless it is `to` itself, refined in the same way. An error, and nothing done, where the
+// pixels of one would be more than 64 times as large as those of the other, or images would lie beyond all bounds.
 Result<void> express_in(MapState& map, const Camera& made_by, const RefinedCamera& to);
 
 // The cameras that key frames name, each once, in the order of their first key frames.
 std::vector<RefinedCamera> other_cameras(const MapState& map);
-inline constexpr size_t kMostCameras = 1000;  // of a map, besides its own
+inline constexpr size_t kMostCameras = 1000;  // greatest number of them that a map can have
 
 // Some key frame names its camera, or has pixels of another size than the map's.
+bool has_other_cameras(const MapState& map);
 bool has_other_cameras(const Map& map);
 
 // Some key frame was made by a camera with pixels of another size than the map's.

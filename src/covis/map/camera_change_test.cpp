@@ -11,11 +11,13 @@ namespace {
 // A camera of another size, focal length and baseline, that sees twice as many pixels of the same.
 const Pinhole kFine{1000, 1000, 650, 470, 200};
 
+RefinedCamera camera_of(const Pinhole& pinhole) { return {{640, 480, pinhole, Distortion::none, {}}, pinhole}; }
+
 struct CameraChange : testing::Test {
   CameraChange() { world.add_key_frames(8); }
   MapState expressed(const Pinhole& camera) const {
     MapState state = world.shared.read()->state();
-    EXPECT_TRUE(express_in(state, camera));
+    EXPECT_TRUE(express_in(state, camera_of(state.camera).given, camera_of(camera)));
     return state;
   }
   const PointScene scene = PointScene::wall();
@@ -60,7 +62,7 @@ TEST_F(CameraChange, LevelsAndNoiseAreThoseOfTheOldPixels) {
 
 TEST_F(CameraChange, ThereAndBackIsTheSame) {
   MapState state = expressed(kFine);
-  EXPECT_TRUE(express_in(state, scene.camera));
+  EXPECT_TRUE(express_in(state, camera_of(state.camera).given, camera_of(scene.camera)));
   const MapState before = world.shared.read()->state();
   ASSERT_EQ(state.points.size(), before.points.size());
   for (size_t p = 0; p < before.points.size(); ++p) EXPECT_NEAR(state.points[p].d_max, before.points[p].d_max, 1e-4);
@@ -71,16 +73,8 @@ TEST_F(CameraChange, ThereAndBackIsTheSame) {
   }
 }
 
-Camera camera_of(const Pinhole& pinhole) {
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.pinhole = pinhole;
-  return camera;
-}
-
 TEST_F(CameraChange, KeyFramesNameTheirCameraUnlessItIsTheMapsOwn) {
-  const Camera first = camera_of(scene.camera), fine = camera_of(kFine);
+  const Camera first = camera_of(scene.camera).given, fine = camera_of(kFine).given;
   MapState state = world.shared.read()->state();
   EXPECT_TRUE(other_cameras(state).empty());
   state.camera.fx *= 1.01;  // as it was refined
@@ -108,17 +102,17 @@ TEST_F(CameraChange, CamerasThatDifferByTooMuchAreRefused) {
   MapState state = world.shared.read()->state();
   for (const Pinhole& camera :
        {Pinhole{500e3, 500e3, 320, 240, 50}, Pinhole{1, 1, 0, 0, 50}, Pinhole{500, 500, 1e9, 240, 50}}) {
-    const auto done = express_in(state, camera);
+    const auto done = express_in(state, camera_of(state.camera).given, camera_of(camera));
     ASSERT_FALSE(done);
     EXPECT_EQ(state.camera, scene.camera);
     EXPECT_EQ(state.key_frames[0].features, world.shared.read()->state().key_frames[0].features);
   }
   EXPECT_FALSE(has_other_pixels(state));
-  EXPECT_TRUE(express_in(state, kFine));
+  EXPECT_TRUE(express_in(state, camera_of(state.camera).given, camera_of(kFine)));
   EXPECT_TRUE(has_other_pixels(state));
   Pinhole shifted = scene.camera;
   shifted.cx += 5;
-  EXPECT_TRUE(express_in(state, shifted));
+  EXPECT_TRUE(express_in(state, camera_of(state.camera).given, camera_of(shifted)));
   EXPECT_FALSE(has_other_pixels(state)) << "there and back again";
 }
 

@@ -17,7 +17,7 @@ constexpr uint32_t kEvery = 8;    // key frames between two looks
 constexpr uint32_t kRecent = 50;  // newest key frames that stay
 constexpr double kAtATime = 64;   // key frames erased at a look: a map that is far too large shrinks step by step
 
-// nullopt: the map is within its bound.
+// Returns the key frames to erase; nullopt: the map is within its bound.
 std::optional<std::vector<KeyFrameId>> choose(const Map& map, KeyFrameId current, size_t most) {
   const size_t bytes = memory_of(map);
   if (bytes <= most) return std::nullopt;
@@ -39,7 +39,7 @@ LimitReport limit_map(SharedMap& shared, KeyFrameId current, size_t most) {
     return map->at(current).serial % kEvery == 0 ? choose(*map, current, most) : std::nullopt;
   }();
   if (!chosen) return {};
-  // A guard for each, so that readers wait for one at most. Points keep normal and descriptor, as in culling.
+  // Each erasure has a guard of its own, so that readers wait for one at most. Points keep normal and descriptor.
   for (const KeyFrameId& id : *chosen) shared.write()->erase_key_frame(id);
   return {static_cast<int>(chosen->size()), chosen->empty()};
 }

@@ -8,14 +8,14 @@
 
 namespace covis {
 
-// When the map takes more than `most` bytes (map/map_memory.h), erases key frames until it takes some 5 % less, at most
-// 64 at a time. Those
-// that the newest ones need stay: what is tracked and mapped now is as it would be without a bound. `current`: the
-// newest key frame; it is looked at every so many of them alone. For the one thread that writes to the map.
 struct LimitReport {
   int erased = 0;                // key frames
-  bool is_out_of_reach = false;  // all that is left is needed
+  bool is_out_of_reach = false;  // the map is too large, and all that is left of it is needed
 };
+
+// When the map takes more than `most` bytes (map/map_memory.h), erases key frames until it takes some 5 % less, at most
+// 64 in a call. Those that the newest ones need stay: tracking and mapping go on as they would without a bound.
+// `current`: the newest key frame; the map is measured at every eighth. For the one thread that writes to the map.
 LimitReport limit_map(SharedMap& shared, KeyFrameId current, size_t most);
 
 }  // namespace covis

@@ -38,7 +38,7 @@ class Observers {
   }
 
  private:
-  // As Map::erase_observation() has it.
+  // The rule is that of Map::erase_observation().
   bool is_held_by_one(const MapPoint& point) const {
     const auto last = std::ranges::find_if(point.observations,
                                            [&](const Observation& o) { return !gone_[o.key_frame.slot]; });

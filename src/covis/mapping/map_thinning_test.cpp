@@ -61,7 +61,7 @@ TEST(MapThinning, ExpendableKeyFramesAreThoseThatMayGoAndLoopsLast) {
   for (const KeyFrameId& id : expendable_key_frames(*map, 8, first_half)) EXPECT_LT(map->at(id).serial, 50u);
 }
 
-// What is planned is what would happen one by one, as long as none becomes cheaper.
+// A plan is the same as choosing one by one, as long as none becomes cheaper.
 TEST(MapThinning, APlanCountsWhatIsGoneAlready) {
   const PointScene scene = PointScene::wall();
   SceneMap world(scene);

@@ -49,7 +49,7 @@ std::optional<Eigen::Vector3d> place(const Pinhole& camera, const View& a, uint3
   return depth_a < depth_b ? a.T_wc * unproject_depth(camera, fa, ia) : b.T_wc * unproject_depth(camera, fb, ib);
 }
 
-// In front of both, near its pixels in both, and of like distances and levels.
+// True when the point is in front of both, near its pixels in both, and seen from like distances at like levels.
 bool holds(const Eigen::Vector3d& p_w, const Pinhole& camera, const View& a, uint32_t ia, const View& b, uint32_t ib) {
   if (!p_w.allFinite()) return false;
   const Eigen::Vector3d in_a = a.T_cw * p_w, in_b = b.T_cw * p_w;
@@ -57,8 +57,9 @@ bool holds(const Eigen::Vector3d& p_w, const Pinhole& camera, const View& a, uin
   const double distance_a = in_a.norm(), distance_b = in_b.norm();
   if (!(distance_a > 0) || !(distance_b > 0)) return false;
   const ScalePyramid &of_a = *a.features->pyramid, &of_b = *b.features->pyramid;
-  // A thing looks smaller from farther away, so that this holds of points that are a level apart at most, and of few
-  // others: the other way round, with all right points, is no better (docs/notes/008-mapping-figures.md).
+  // The ratios would agree with by_level turned round, as things look smaller from farther away. So points pass that
+  // are seen at about one level, and few others: letting all right points pass makes no map better
+  // (docs/notes/008-mapping-figures.md).
   const double by_distance = distance_b / distance_a;
   const double by_level = of_b.scale[b.features->level[ib]] / of_a.scale[a.features->level[ia]];
   const double tolerance = 1.5 * static_cast<double>(of_a.factor);

@@ -66,7 +66,7 @@ class Backend {
   struct Told {
     bool thins = false, out_of_reach = false;
   };
-  Told told_;  // of the map's bound
+  Told told_;  // warnings about the bound of the map that were logged
 };
 
 }  // namespace covis

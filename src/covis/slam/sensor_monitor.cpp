@@ -22,7 +22,7 @@ constexpr double kMostErrorOfFew = 1.1;
 constexpr double kMostExplained = 0.6;  // DepthAgainstMotion::explained of depth that may be wrong
 constexpr double kEndsBelow = 0.6;      // the error at which a doubt ends
 constexpr double kLeastSpread = 0.06;   // below it depth is right, however flat the scene
-constexpr size_t kLeastDepths = 50;     // of a frame whose relief is judged
+constexpr size_t kLeastDepths = 50;     // depths without which a frame says nothing of its relief
 constexpr int kLeastFeatures = 100;     // keypoints without which a frame says nothing
 
 std::string text(const char* pattern, double figure) {
@@ -146,7 +146,7 @@ void SensorMonitor::add_depths(int64_t frame) {
   };
   const double nearest = after(1), middle = after(5), farthest = after(9);
   depth_figures_.near.add(nearest);
-  depth_figures_.relief.add(depths_.size() < kLeastDepths ? 1 : (farthest - nearest) / middle);  // few have none
+  depth_figures_.relief.add(depths_.size() < kLeastDepths ? 1 : (farthest - nearest) / middle);
   if (!depth_figures_.near.full()) return;
   const double near = depth_figures_.near.median(kFrames), relief = depth_figures_.relief.median(kFrames);
   judge(SensorDoubt::depth_too_near, near < kLeastNear, near, frame);
@@ -171,8 +171,7 @@ void SensorMonitor::add_comparison(int64_t frame, const DepthAgainstMotion& comp
 // A wrong scale alone leaves poses right up to it, and few depths those that the images tell.
 bool SensorMonitor::doubts() const {
   return doubts_depth() || holds(SensorDoubt::no_disparity) || holds(SensorDoubt::rows_differ) ||
-         holds(SensorDoubt::no_relief) ||
-         (sensor_ == Sensor::stereo && holds(SensorDoubt::few_depths));
+         holds(SensorDoubt::no_relief) || (sensor_ == Sensor::stereo && holds(SensorDoubt::few_depths));
 }
 
 void SensorMonitor::restart() {

@@ -88,9 +88,9 @@ class SensorMonitor {
 
   const Sensor sensor_;
   Window<kFrames> share_;
+  // A pair has the first two, a depth camera the others.
   struct DepthFigures {
-    Window<kFrames> zero, rows;    // of a pair
-    Window<kFrames> near, relief;  // of a depth camera
+    Window<kFrames> zero, rows, near, relief;
   };
   DepthFigures depth_figures_;
   Window<kComparisons> error_, spread_;

@@ -54,8 +54,9 @@ std::string read_cameras(std::string_view bytes, size_t key_frames, KeyFrameCame
     refined_fields(fields, all.cameras.emplace_back());
     const RefinedCamera& camera = all.cameras.back();
     if (!fields.ok()) break;
-    if (const std::string problem = problem_of(camera.given); !problem.empty()) return "of another camera: " + problem;
-    if (!valid_camera(camera.pinhole)) return "another camera is not valid";
+    const std::string problem = problem_of(camera.given);
+    if (!problem.empty()) return "a key frame's camera: " + problem;
+    if (!valid_camera(camera.pinhole)) return "a key frame's camera is not valid";
   }
   fields.sized_list(all.of, key_frames);
   if (!fields.whole()) return std::string(kNotRightLength);

@@ -198,15 +198,29 @@ TEST_F(MapFile, InfoSaysWhatIsInIt) {
   }
 }
 
+// The sections that every file has, and another one.
+std::string with_section(SectionFile& opened, uint32_t id, const std::string& bytes) {
+  std::vector<Section> sections;
+  for (uint32_t i = 1; i <= 5; ++i) sections.push_back({i, *opened.read(i, "any")});
+  sections.push_back({id, bytes});
+  return *pack_sections(sections);
+}
+
 TEST_F(MapFile, PixelSizesAreInFilesOfSeveralCamerasAlone) {
   constexpr uint32_t kPixelSizes = 8;
   MapState state = random_map(3, 60, 12).state();
   Pinhole other = state.camera;
   other.fx *= 2;
   other.fy *= 2;
-  ASSERT_TRUE(express_in(state, other));
   MapHeader header = test_header();
+  ASSERT_TRUE(express_in(state, header.camera, {header.camera, other}));
   header.camera.pinhole = other;
+  // Files of version 1.4 did not name cameras.
+  for (KeyFrameState& k : state.key_frames) {
+    auto unnamed = k.features->for_key_frame();
+    unnamed->made_by = nullptr;
+    k.features = unnamed;
+  }
   ASSERT_TRUE(save_map(file(), state, header));
   auto opened = SectionFile::open(file());
   ASSERT_TRUE(opened) << opened.error().message;
@@ -215,13 +229,7 @@ TEST_F(MapFile, PixelSizesAreInFilesOfSeveralCamerasAlone) {
   ASSERT_TRUE(loaded) << loaded.error().message;
   for (const KeyFrameId& id : loaded->map.key_frames()) EXPECT_EQ(loaded->map.at(id).features->pyramid->base, 2);
   const std::string sizes = *opened->read(kPixelSizes, "sizes");
-  std::vector<Section> sections;
-  for (uint32_t i = 1; i <= 5; ++i) sections.push_back({i, *opened->read(i, "any")});
-  const auto with = [&](std::string bytes) {
-    std::vector<Section> all = sections;
-    all.push_back({kPixelSizes, std::move(bytes)});
-    return *pack_sections(all);
-  };
+  const auto with = [&](const std::string& bytes) { return with_section(*opened, kPixelSizes, bytes); };
   expect_refused(with(sizes + "x"), "length");
   expect_refused(with(std::string(sizes.size(), '\0')), "no valid size of its pixels");
   expect_refused(with(std::string(sizes.size(), '\xff')), "no valid size of its pixels");
@@ -251,19 +259,13 @@ TEST_F(MapFile, CamerasOfKeyFramesAreInFilesOfSeveralAlone) {
   EXPECT_EQ(info->other_cameras[0].given, made_by.camera);
   EXPECT_EQ(info->other_cameras[0].key_frames, info->key_frames);
   const std::string cameras = *opened->read(kCameras, "cameras");
-  std::vector<Section> sections;
-  for (uint32_t i = 1; i <= 5; ++i) sections.push_back({i, *opened->read(i, "any")});
-  const auto with = [&](std::string changed) {
-    std::vector<Section> all = sections;
-    all.push_back({kCameras, std::move(changed)});
-    return *pack_sections(all);
-  };
+  const auto with = [&](const std::string& changed) { return with_section(*opened, kCameras, changed); };
   expect_refused(with(cameras + "x"), "length");
   expect_refused(with(cameras.substr(0, cameras.size() - 1) + '\x7f'), "a camera that is not there");
   expect_refused(with(std::string(4, '\xff') + cameras.substr(4)), "more than a map can have");
   const size_t camera = (cameras.size() - 4 - 4 * state.key_frames.size());
   expect_refused(with(std::string("\2\0\0\0", 4) + cameras.substr(4, camera) + cameras.substr(4)), "made no key frame");
-  expect_refused(with(cameras.substr(0, 4) + std::string(8, '\0') + cameras.substr(12)), "no image size");
+  expect_refused(with(cameras.substr(0, 4) + std::string(8, '\0') + cameras.substr(12)), "a key frame's camera: its camera has no image size");
 }
 
 TEST_F(MapFile, ColoursAreInFilesOfColouredMapsAlone) {

@@ -190,7 +190,7 @@ TEST_F(RelocaliserTest, AnImageOfAnotherCameraIsLocatedByThatCamera) {
   {
     const auto map = world.shared.write();
     MapState state = map->state();
-    ASSERT_TRUE(express_in(state, zoomed.camera));
+    ASSERT_TRUE(express_in(state, {}, {{}, zoomed.camera}));
     Map expressed = Map::from_state(std::move(state)).value();
     const std::vector<KeyFrameId> before = map->key_frames(), after = expressed.key_frames();
     for (size_t k = 0; k < before.size(); ++k) expressed.set_words(after[k], map->at(before[k]).words);

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Finds names of the project that a source uses without including, even by way of others, the header that declares them.
 
-  tests/tools/check_includes.py [ROOT]
+  tools/check_includes.py [ROOT]
 
 Sources of a module are compiled together in most builds, where an include that one of them lacks does not show; the presets `dev`, `release` and
 `bench` compile each by itself. Looked at are types and constants (`LocatedFrame`, `kMaxFeatures`) and functions at namespace level of more than one word that
@@ -13,11 +13,13 @@ import pathlib
 import re
 import sys
 
+import checking
+from check_layers import COMMENT_OR_STRING
+
 FOLDERS = ['src', 'include', 'synth', 'apps', 'bench', 'tests', 'fuzz', 'python', 'examples']
-COMMENT_OR_STRING = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"', re.DOTALL)
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 TEST_NAME = re.compile(r'^TEST\w*\(\w+', re.MULTILINE)
-# At namespace level, which is not indented.
+# Declarations at namespace level, which are not indented.
 TYPE = re.compile(r'^(?:template <[^>]*>\n)?(?:struct|class|enum class|enum)\s+([A-Z]\w+)(?:\s+final)?\s*[:{]|^using ([A-Z]\w+) =', re.MULTILINE)
 CONSTANT = re.compile(r'^(?:inline )?constexpr [\w:<>, ]+ (k[A-Z]\w*)\b', re.MULTILINE)
 FUNCTION = re.compile(r'^(?=\S)(?!using|return|else|namespace|static_assert)(?:inline )?[\w:<>,*& ]+[ *&](\w+)\([^;{]*[;{]', re.MULTILINE)
@@ -72,7 +74,7 @@ def check_tree(root):
     problems = []
     for file, source in sources.items():
         near = reached(file)
-        # What is declared nearby at any level: members, parameters of templates, forward declarations.
+        # Names are declared nearby at any level: members, parameters of templates, forward declarations.
         own = {name for other in near for match in ANY_DECLARATION.findall(sources[other].text) for name in match if name}
         used = set(WORD.findall(source.text)) - own
         for name in sorted(used):
@@ -87,17 +89,5 @@ def check_tree(root):
     return len(sources), problems
 
 
-def main():
-    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent.parent).resolve()
-    count, problems = check_tree(root)
-    if count == 0:
-        print(f'{root}: no sources found')
-        return 1
-    for problem in problems:
-        print(problem)
-    print(f'{count} files, {len(problems)} names without their header')
-    return 1 if problems else 0
-
-
 if __name__ == '__main__':
-    sys.exit(main())
+    sys.exit(checking.run(check_tree, 'files', 'names without their header'))
