@@ -162,6 +162,7 @@ Result<void> bound_memory(const RunArguments& arguments, const Camera& camera, S
   const auto map = map_megabytes(arguments.max_memory, camera, none ? 0 : vocabulary);
   if (!map) return tl::unexpected(map.error());
   if (options.mapper.max_map_mb == 0 || *map < options.mapper.max_map_mb) options.mapper.max_map_mb = *map;
+  return_memory_at_once();
   return {};
 }
 

@@ -3,6 +3,10 @@
 
 #include <string>
 
+#ifdef __GLIBC__  // defined by the headers above
+#include <malloc.h>
+#endif
+
 namespace covis::app {
 
 Result<int> map_megabytes(int megabytes, const Camera& camera, uint64_t vocabulary_bytes) {
@@ -18,6 +22,15 @@ Result<int> map_megabytes(int megabytes, const Camera& camera, uint64_t vocabula
                 std::to_string(static_cast<int>(fixed + kLeastMap * kBesideTheMap) + 1) + " MB");
   }
   return static_cast<int>(map);
+}
+
+void return_memory_at_once() {
+#ifdef __GLIBC__
+  constexpr int kPage = 4096;         // bytes
+  constexpr int kMostChunks = 30000;  // Linux allows a process 65530 mappings
+  mallopt(M_MMAP_THRESHOLD, kPage);
+  mallopt(M_MMAP_MAX, kMostChunks);
+#endif
 }
 
 }  // namespace covis::app
