@@ -2,13 +2,11 @@
 #include "covis/loops/join_claims.h"
 
 #include <algorithm>
-#include <functional>
-#include <limits>
-#include <queue>
 #include <span>
 #include <tuple>
 
 #include "covis/core/reserve.h"
+#include "covis/loops/key_frame_ways.h"
 #include "covis/loops/loop_consensus.h"
 #include "covis/loops/loop_detector.h"
 #include "covis/loops/loop_verifier.h"
@@ -127,38 +125,10 @@ JoinClaims JoinClaims::collect(const Map& map, Sensor sensor, const LoopOptions&
   return found;
 }
 
-std::vector<double> ways_from(const Map& map, KeyFrameId from, double longest) {
-  std::vector<double> way;
-  map.for_each_key_frame([&](KeyFrameId id, const KeyFrame&) {
-    way.resize(id.slot + size_t{1}, std::numeric_limits<double>::infinity());
-  });
-  using Step = std::pair<double, KeyFrameId>;
-  std::priority_queue<Step, std::vector<Step>, std::greater<>> open;
-  const auto reach = [&](KeyFrameId id, double length) {
-    if (length >= way[id.slot] || length > longest) return;
-    way[id.slot] = length;
-    open.emplace(length, id);
-  };
-  reach(from, 0);
-  while (!open.empty()) {
-    const auto [length, id] = open.top();
-    open.pop();
-    if (length > way[id.slot]) continue;
-    const KeyFrame& key_frame = map.at(id);
-    const Eigen::Vector3d centre = key_frame.T_cw.centre();
-    const auto step = [&](KeyFrameId next) { reach(next, length + (map.at(next).T_cw.centre() - centre).norm()); };
-    for (const Neighbour& n : key_frame.shared) {
-      if (n.weight >= kCovisibilityThreshold) step(n.key_frame);
-    }
-    if (key_frame.parent.valid()) step(key_frame.parent);
-    for (const KeyFrameId& child : key_frame.children) step(child);
-  }
-  return way;
-}
-
 std::vector<JoinGroup> group_claims(const Map& map, const std::vector<JoinClaim>& claims) {
   std::vector<JoinSides> sides;
   for (const JoinClaim& claim : claims) sides.emplace_back(map, claim);
+  const KeyFrameWays ways(map);
   Links links(claims.size());
   for (size_t a = 0; a < claims.size(); ++a) {
     std::vector<double> old_way, young_way;
@@ -167,8 +137,8 @@ std::vector<JoinGroup> group_claims(const Map& map, const std::vector<JoinClaim>
       if (map.at(sides[a].in_younger).submap != map.at(sides[b].in_younger).submap) continue;
       if (links.top(a) == links.top(b)) continue;
       if (old_way.empty()) {
-        old_way = ways_from(map, sides[a].in_older);
-        young_way = ways_from(map, sides[a].in_younger);
+        old_way = ways.from(sides[a].in_older);
+        young_way = ways.from(sides[a].in_younger);
       }
       if (agree(map, sides[a], sides[b], old_way[sides[b].in_older.slot], young_way[sides[b].in_younger.slot]))
         links.link(a, b);

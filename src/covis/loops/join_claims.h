@@ -59,11 +59,6 @@ struct JoinClaims {
   static JoinClaims collect(const Map& map, Sensor sensor, const LoopOptions& options, int seed);
 };
 
-// For each slot of the map the way from a key frame along edges of the covisibility graph and of the spanning tree, in
-// the submap's unit; infinite where none leads, or none of at most this length.
-std::vector<double> ways_from(const Map& map, KeyFrameId from,
-                              double longest = std::numeric_limits<double>::infinity());
-
 // Claims between two submaps that agree with one another on how these lie: with at least one of the others to what the
 // way between both explains. The submaps are those of `older` and `younger`.
 struct JoinGroup {

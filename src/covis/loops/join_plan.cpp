@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "covis/loops/key_frame_ways.h"
+
 namespace covis {
 namespace {
 
@@ -122,12 +124,13 @@ void SideBySide::look(const Map& map, const Pinhole& camera, uint32_t from, uint
     double way = std::numeric_limits<double>::infinity();
     const Link* link = nullptr;
   };
+  const KeyFrameWays ways(map);
   std::vector<Nearest> nearest;  // by slot: the link that says where a key frame is
   for (const Link& link : links) {
-    const std::vector<double> ways = ways_from(map, link.here, kWay * link.depth / link.S_there_here.scale());
-    nearest.resize(ways.size());
-    for (size_t slot = 0; slot < ways.size(); ++slot) {
-      if (ways[slot] < nearest[slot].way) nearest[slot] = {ways[slot], &link};
+    const std::vector<double> way = ways.from(link.here, kWay * link.depth / link.S_there_here.scale());
+    nearest.resize(way.size());
+    for (size_t slot = 0; slot < way.size(); ++slot) {
+      if (way[slot] < nearest[slot].way) nearest[slot] = {way[slot], &link};
     }
   }
   const std::vector<KeyFrameId> there = map.key_frames(to);

@@ -204,30 +204,29 @@ int fuse_matches(SharedMap& shared, KeyFrameId current, const std::vector<std::p
   return fused;
 }
 
-int fuse_around(SharedMap& shared, KeyFrameId current, const LoopPlace& place, PointFuser& fuser,
-                std::vector<KeyFrameId>& stale) {
-  std::vector<KeyFrameId> targets{current};
-  {
-    const auto map = shared.read();
-    for (const Neighbour& n : map->neighbours(current)) {
-      if (std::find(place.group.begin(), place.group.end(), n.key_frame) == place.group.end())
-        targets.push_back(n.key_frame);
-    }
+std::vector<KeyFrameId> beside(const Map& map, KeyFrameId current, const LoopPlace& place) {
+  std::vector<KeyFrameId> list{current};
+  for (const Neighbour& n : map.neighbours(current)) {
+    if (std::find(place.group.begin(), place.group.end(), n.key_frame) == place.group.end())
+      list.push_back(n.key_frame);
   }
+  return list;
+}
+
+int fuse_around(SharedMap& shared, const std::vector<KeyFrameId>& targets, const LoopPlace& place, PointFuser& fuser) {
   int fused = 0;
   for (const KeyFrameId& target : targets) {
     fused += fuser.fuse(shared, target, place.points.id,
                         {.window = 4, .keep = FuseKeep::given, .error = MatchError::not_asked});
   }
-  stale.insert(stale.end(), targets.begin(), targets.end());
   return fused;
 }
 
 int fuse_loop(SharedMap& shared, KeyFrameId current, const Loop& loop, PointFuser& fuser) {
-  std::vector<KeyFrameId> stale;
   const int matched = fuse_matches(shared, current, loop.matches);
-  const int around = fuse_around(shared, current, loop.place, fuser, stale);
-  refresh_points_of(shared, stale);
+  const std::vector<KeyFrameId> targets = beside(*shared.read(), current, loop.place);
+  const int around = fuse_around(shared, targets, loop.place, fuser);
+  refresh_points_of(shared, targets);
   return matched + around;
 }
 

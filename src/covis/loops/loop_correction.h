@@ -87,11 +87,12 @@ std::optional<JoinedSubmap> join_at_loop(SharedMap& map, KeyFrameId current, con
 // fused or observations added.
 int fuse_loop(SharedMap& map, KeyFrameId current, const Loop& loop, PointFuser& fuser);
 
-// Its two steps: what the loop's matches say is the same, and the place's points wherever else they are found. The
-// second leaves what is derived from the points' observations as it is: the key frames whose points want
-// refresh_points_of() are appended to `stale`, so that several loops share one.
+// Its two steps: what the loop's matches say is the same, and the place's points wherever else they are found among
+// `targets`. The second leaves what is derived from the points' observations as it is, so that several loops share one
+// refresh_points_of() the targets.
 int fuse_matches(SharedMap& map, KeyFrameId current, const std::vector<std::pair<uint32_t, MapPointId>>& matches);
-int fuse_around(SharedMap& map, KeyFrameId current, const LoopPlace& place, PointFuser& fuser,
-                std::vector<KeyFrameId>& stale);
+int fuse_around(SharedMap& map, const std::vector<KeyFrameId>& targets, const LoopPlace& place, PointFuser& fuser);
+// The current key frame and its neighbours, without those of the place.
+std::vector<KeyFrameId> beside(const Map& map, KeyFrameId current, const LoopPlace& place);
 
 }  // namespace covis

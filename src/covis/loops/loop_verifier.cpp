@@ -220,13 +220,15 @@ bool LoopVerifier::enough_for_neighbour(const LoopPlace& place, const Projection
 // five, or as many as there are; to join submaps there must be one at least.
 bool LoopVerifier::neighbours_agree(const LoopCandidate& candidate, const Sim3& S_cw) {
   constexpr int kWanted = 2;
+  const int least = candidate.relation == LoopRelation::other_submap ? 1 : 0;
+  const int wanted = std::max(std::min(static_cast<int>(candidate.neighbours.size()), kWanted), least);
   int agree = 0;
   for (const KeyFrameView& view : candidate.neighbours) {
+    if (agree == wanted) break;
     const Sim3 S_nw = Sim3(view.T_cw * candidate.current.T_cw.inverse()) * S_cw;
     agree += enough_for_neighbour(candidate.place, project(candidate.place, candidate.camera, view, S_nw.as_pose(), 8));
   }
-  const int least = candidate.relation == LoopRelation::other_submap ? 1 : 0;
-  return agree >= std::max(std::min(static_cast<int>(candidate.neighbours.size()), kWanted), least);
+  return agree == wanted;
 }
 
 // The other way around: the views of the place must find the points of the current key frame and of those around it. A

@@ -12,6 +12,7 @@
 #include "covis/core/time.h"
 #include "covis/loops/adjustment_in_pieces.h"
 #include "covis/loops/join_plan.h"
+#include "covis/loops/key_frame_ways.h"
 #include "covis/loops/loop_consensus.h"
 #include "covis/loops/loop_correction.h"
 #include "covis/loops/submap_adjustment.h"
@@ -134,7 +135,7 @@ uint32_t Joining::kept(uint32_t a, uint32_t b) const {
 bool Joining::consistent(const JoinClaim& claim) const {
   const auto map = map_.read();
   const Sim3 difference = claim.S_cw(*map) * Sim3(map->at(claim.current).T_cw).inverse();
-  return opinions_agree(difference, ways_from(*map, claim.current)[claim.place.slot], claim.depth(*map));
+  return opinions_agree(difference, KeyFrameWays(*map).from(claim.current)[claim.place.slot], claim.depth(*map));
 }
 
 void Joining::tie(uint32_t submap) {
@@ -166,7 +167,8 @@ int Joining::fuse(const JoinClaim& claim, std::vector<FusedPlace>& fused) {
   if (std::any_of(fused.begin(), fused.end(), done)) return matched;
   LoopPlace place(*map_.read(), claim.place);
   FusedPlace& now = fused.emplace_back();
-  const int around = fuse_around(map_, claim.current, place, fuser_, now.targets);
+  now.targets = beside(*map_.read(), claim.current, place);
+  const int around = fuse_around(map_, now.targets, place, fuser_);
   now.group = std::move(place.group);
   std::sort(now.targets.begin(), now.targets.end());
   std::sort(now.group.begin(), now.group.end());

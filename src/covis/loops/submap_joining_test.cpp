@@ -280,21 +280,5 @@ TEST(SubmapJoining, ClaimsAreCountedAgainWithoutUnsureOnes) {
   EXPECT_TRUE(plan.groups.empty());
 }
 
-TEST(SubmapJoining, TheWayLeadsAlongTheGraph) {
-  Pieces pieces(PointScene::ring(2400, LoopScene::kSteps));
-  pieces.add(0, 24);
-  pieces.add(0, 4);
-  const auto map = pieces.world.shared.read();
-  const std::vector<double> way = ways_from(*map, pieces.world.frames[0]);
-  EXPECT_EQ(way[pieces.world.frames[0].slot], 0);
-  const double chord =
-      (map->at(pieces.world.frames[23]).T_cw.centre() - map->at(pieces.world.frames[0]).T_cw.centre()).norm();
-  EXPECT_GT(way[pieces.world.frames[23].slot], 1.2 * chord) << "around the ring, not across it";
-  EXPECT_LT(way[pieces.world.frames[23].slot], 3.2 * 2);
-  EXPECT_TRUE(std::isinf(way[pieces.world.frames[24].slot])) << "another submap";
-  const std::vector<double> near = ways_from(*map, pieces.world.frames[0], 1.5);
-  for (size_t k = 0; k < near.size(); ++k) EXPECT_EQ(near[k], way[k] <= 1.5 ? way[k] : INFINITY);
-}
-
 }  // namespace
 }  // namespace covis

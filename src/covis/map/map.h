@@ -17,6 +17,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -54,6 +55,11 @@ struct MapPoint {
   KeyFrameId reference;  // the observer that gives d_min, d_max (erased: the next observer)
   uint32_t visible = 1;  // frames in which it was predicted in view
   uint32_t found = 1;    // frames in which it was matched
+
+  bool seen_by(KeyFrameId key_frame) const {
+    const auto at = std::ranges::lower_bound(observations, key_frame, {}, &Observation::key_frame);
+    return at != observations.end() && at->key_frame == key_frame;
+  }
 };
 
 // The members of MapPoint that follow from its observations, under the same names.

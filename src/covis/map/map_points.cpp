@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Map points: observations, replacement, and what is derived from the observers.
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include "covis/core/log.h"
 #include "covis/core/reserve.h"
@@ -104,14 +106,28 @@ bool Map::erase_point(MapPointId id) {
 bool Map::replace_point(MapPointId old, MapPointId by) {
   if (old == by || !points_.find(old) || !points_.find(by)) return false;
   if (at(at(old).reference).submap != at(at(by).reference).submap) return false;
-  const std::vector<Observation> observations = points_.at(old).observations;
-  const uint32_t visible = points_.at(old).visible, found = points_.at(old).found;
-  unlink_observations(old);
+  MapPoint& from = points_.at(old);
+  MapPoint& to = points_.at(by);
+  std::vector<Observation> moved, let_go;
+  for (const Observation& o : from.observations) (to.seen_by(o.key_frame) ? let_go : moved).push_back(o);
+  for (size_t k = 0; k < let_go.size(); ++k) {
+    key_frames_.at(let_go[k].key_frame).points[let_go[k].feature] = {};
+    for (const Observation& o : moved) add_weight(let_go[k].key_frame, o.key_frame, -1);
+    for (size_t j = 0; j < k; ++j) add_weight(let_go[k].key_frame, let_go[j].key_frame, -1);
+  }
+  // Pairs of those that are moved go on sharing one point.
+  for (const Observation& m : moved) {
+    key_frames_.at(m.key_frame).points[m.feature] = by;
+    for (const Observation& o : to.observations) add_weight(m.key_frame, o.key_frame, 1);
+  }
+  std::vector<Observation> all;
+  all.reserve(to.observations.size() + moved.size());
+  std::ranges::merge(to.observations, moved, std::back_inserter(all), {}, &Observation::key_frame,
+                     &Observation::key_frame);
+  to.observations = std::move(all);
+  to.visible += from.visible;
+  to.found += from.found;
   points_.erase(old);
-  for (const Observation& o : observations) add_observation(by, o.key_frame, o.feature);
-  MapPoint& point = points_.at(by);
-  point.visible += visible;
-  point.found += found;
   replaced_by_[old] = {by, next_serial_ - 1};
   refresh_point(by);
   return true;

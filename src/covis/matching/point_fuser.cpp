@@ -22,11 +22,10 @@ int PointFuser::fuse(SharedMap& shared, KeyFrameId target, const std::vector<Map
     const auto in_view = [&](const MapPoint& point) {
       return predict_view(ViewablePoint(point), T_cw, centre_w, camera, *features).has_value();
     };
-    const std::vector<MapPointId> observed = points_of(*map, {&target, 1});
     for (const MapPointId& held : points) {
       const MapPointId id = map->forwarded(held);
       const MapPoint* point = map->find(id);
-      if (!point || std::binary_search(observed.begin(), observed.end(), id)) continue;
+      if (!point || point->seen_by(target)) continue;
       // The points of a neighbourhood are many, and few of them are in view.
       if (in_view(*point)) candidates_.add(id, *point);
     }
