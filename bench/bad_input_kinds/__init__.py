@@ -2,7 +2,7 @@
 """Kinds of bad input, by groups."""
 import importlib
 
-MODULES = ('options', 'settings', 'cameras')
+MODULES = ('options', 'settings', 'cameras', 'recordings', 'images')
 
 
 def all_kinds():
