@@ -2,7 +2,7 @@
 """Kinds of bad input, by groups."""
 import importlib
 
-MODULES = ('options', 'settings', 'cameras', 'recordings', 'images')
+MODULES = ('options', 'settings', 'cameras', 'recordings', 'images', 'trajectories', 'maps', 'outputs')
 
 
 def all_kinds():

@@ -41,10 +41,11 @@ def _before_exec(kind):
 
 def execute(covis, words, folder, logs, kind=None, seconds=MOST_SECONDS):
     """Runs a command in `folder`; its output goes to files in `logs`. stdin is empty."""
+    limited = bool(kind and kind.file_limit)  # the messages must have room all the same
     with open(logs / 'stdout', 'wb') as out, open(logs / 'stderr', 'wb') as error:
         person = {'user': NOBODY, 'group': NOBODY, 'extra_groups': []} if kind and kind.as_nobody and os.getuid() == 0 else {}
-        process = subprocess.Popen([covis, *words], cwd=folder, stdin=subprocess.DEVNULL, stdout=out, stderr=error,
-                                   preexec_fn=_before_exec(kind), restore_signals=not (kind and kind.file_limit), **person)
+        process = subprocess.Popen([covis, *words], cwd=folder, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.PIPE if limited else error,
+                                   preexec_fn=_before_exec(kind), restore_signals=not limited, **person)
     until, killed = time.monotonic() + seconds, False
     while True:
         ended, status, usage = os.wait4(process.pid, os.WNOHANG)
@@ -55,6 +56,9 @@ def execute(covis, words, folder, logs, kind=None, seconds=MOST_SECONDS):
             killed = True
         time.sleep(0.002)
     process.returncode = os.waitstatus_to_exitcode(status)
+    if limited:
+        (logs / 'stderr').write_bytes(process.stderr.read())
+        process.stderr.close()
     return Outcome(process.returncode, killed, usage.ru_utime + usage.ru_stime, (logs / 'stdout').read_bytes(), (logs / 'stderr').read_bytes())
 
 
