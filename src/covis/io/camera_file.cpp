@@ -92,7 +92,7 @@ Result<DepthNoise> read_depth_noise(const std::filesystem::path& file, const std
 }  // namespace
 
 Result<CameraFile> load_camera(const std::filesystem::path& file) {
-  const auto root = load_yaml(file);
+  const auto root = load_only_yaml(file);
   if (!root) return tl::unexpected(root.error());
   if (!root->IsMap()) return fail(file.string() + ": it must be a map: width, height, fx, fy, cx, cy …");
   Values values;

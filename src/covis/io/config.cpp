@@ -44,7 +44,7 @@ std::string quoted(const std::string& text) {
 }  // namespace
 
 Result<void> load_settings(const std::filesystem::path& file, const Fields& fields) {
-  const auto root = load_yaml(file);
+  const auto root = load_only_yaml(file);
   if (!root) return tl::unexpected(root.error());
   if (root->IsNull()) return {};
   if (!root->IsMap()) return fail(file.string() + ": it must be a map of settings, NAME: VALUE");

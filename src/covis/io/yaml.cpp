@@ -1,10 +1,81 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/io/yaml.h"
 
+#include <yaml-cpp/depthguard.h>
+#include <yaml-cpp/eventhandler.h>
+
+#include <algorithm>
+#include <sstream>
+#include <string_view>
+
 #include "covis/io/files.h"
 
 namespace covis::io {
 namespace {
+
+constexpr size_t kMostNumbers = 1000;  // of a list: aliases make long lists of short files
+
+// Looks for an alias within the node that it stands for: YAML::Node would be endless.
+class Aliases : public YAML::EventHandler {
+ public:
+  int line() const { return line_; }  // of the first such alias, counted from 1; 0: there is none
+
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    if (line_ == 0 && std::find(open_.begin(), open_.end(), anchor) != open_.end()) line_ = mark.line + 1;
+  }
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    open_.push_back(anchor);
+  }
+  void OnSequenceEnd() override { open_.pop_back(); }
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
+    open_.push_back(anchor);
+  }
+  void OnMapEnd() override { open_.pop_back(); }
+
+ private:
+  std::vector<YAML::anchor_t> open_;  // those of the lists and maps around the present place
+  int line_ = 0;
+};
+
+int line_of_endless_alias(const std::string& text) {
+  Aliases aliases;
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  parser.HandleNextDocument(aliases);
+  return aliases.line();
+}
+
+// yaml-cpp reads UTF-16 and UTF-32 too, whose files begin with a mark.
+bool is_text(std::string_view text) {
+  using namespace std::literals;
+  const bool wide = text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") || text.starts_with("\0\0\xfe\xff"sv);
+  return wide || text.find('\0') == std::string_view::npos;
+}
+
+// Returns parse(text), which may throw what yaml-cpp throws.
+template <class Parse>
+auto parsed(const std::filesystem::path& file, Parse parse) -> Result<decltype(parse(std::string()))> {
+  auto text = read_text(file);
+  if (!text) return tl::unexpected(text.error());
+  if (!is_text(*text)) return fail(file.string() + ": not YAML: it is no text");
+  // OpenCV and EuRoC write "%YAML:1.0", which is not a valid YAML directive.
+  if (text->starts_with("%YAML:")) text->replace(0, 1, "#");
+  const auto place = [&](int line) { return file.string() + ":" + std::to_string(line); };
+  try {
+    if (const int line = line_of_endless_alias(*text); line > 0)
+      return fail(place(line) + ": not YAML that can be read: what an alias (*) stands for contains the alias itself");
+    return parse(*text);
+  } catch (const YAML::DeepRecursion& error) {
+    return fail(place(error.mark.line + 1) + ": not YAML that can be read: it is nested too deep");
+  } catch (const YAML::Exception& error) {
+    return fail(place(error.mark.line + 1) + ": not YAML: " + error.msg);
+  }
+}
 
 // Appends the numbers of a list and of the lists in it.
 Result<void> append_numbers(const std::filesystem::path& file, const YAML::Node& list, const char* key,
@@ -17,6 +88,8 @@ Result<void> append_numbers(const std::filesystem::path& file, const YAML::Node&
     const std::string text = item.IsScalar() ? item.Scalar() : "a map";
     const auto value = parse_double(text);
     if (!value) return fail(yaml_place(file, item) + ": " + key + ": '" + text + "' is not a finite number");
+    if (values.size() == kMostNumbers)
+      return fail(yaml_place(file, list) + ": " + key + " has more than " + std::to_string(kMostNumbers) + " numbers");
     values.push_back(*value);
   }
   return {};
@@ -25,15 +98,17 @@ Result<void> append_numbers(const std::filesystem::path& file, const YAML::Node&
 }  // namespace
 
 Result<YAML::Node> load_yaml(const std::filesystem::path& file) {
-  auto text = read_text(file);
-  if (!text) return tl::unexpected(text.error());
-  // OpenCV and EuRoC write "%YAML:1.0", which is not a valid YAML directive.
-  if (text->starts_with("%YAML:")) text->replace(0, 1, "#");
-  try {
-    return YAML::Load(*text);
-  } catch (const YAML::Exception& error) {
-    return fail(file.string() + ":" + std::to_string(error.mark.line + 1) + ": not YAML: " + error.msg);
+  return parsed(file, [](const std::string& text) { return YAML::Load(text); });
+}
+
+Result<YAML::Node> load_only_yaml(const std::filesystem::path& file) {
+  const auto documents = parsed(file, [](const std::string& text) { return YAML::LoadAll(text); });
+  if (!documents) return tl::unexpected(documents.error());
+  for (size_t k = 1; k < documents->size(); ++k) {
+    if (!(*documents)[k].IsNull())
+      return fail(yaml_place(file, (*documents)[k]) + ": a second document begins here (after ---); one is expected");
   }
+  return documents->empty() ? YAML::Node() : documents->front();
 }
 
 std::string yaml_place(const std::filesystem::path& file, const YAML::Node& node) {

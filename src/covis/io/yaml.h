@@ -12,7 +12,10 @@
 
 namespace covis::io {
 
+// Reads the first document of a file. What it holds is finite: a node that contains itself by an alias is refused.
 Result<YAML::Node> load_yaml(const std::filesystem::path& file);
+// The same, of a file that must have no other document, so that nothing of it is passed over.
+Result<YAML::Node> load_only_yaml(const std::filesystem::path& file);
 // Returns "file:line" of a node.
 std::string yaml_place(const std::filesystem::path& file, const YAML::Node& node);
 // Reads the finite numbers of a key: a list, lists in a list (the rows of a matrix), or the list `data` of a matrix as
