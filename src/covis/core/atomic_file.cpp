@@ -39,9 +39,10 @@ int write_device(const std::filesystem::path& file, const Contents& contents) {
   std::string bytes;
   FileSink sink(bytes);
   if (const int problem = contents(sink); problem != 0) return problem;
-  const int handle = ::open(file.c_str(), O_WRONLY | O_CLOEXEC);
+  // Opening a pipe would wait for its reader, perhaps for ever; O_NONBLOCK tells that there is none. Writing may wait.
+  const int handle = ::open(file.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
   if (handle < 0) return errno;
-  int problem = write_all(handle, bytes);
+  int problem = ::fcntl(handle, F_SETFL, O_WRONLY) == 0 ? write_all(handle, bytes) : errno;
   if (::close(handle) != 0 && problem == 0) problem = errno;
   return problem;
 }
@@ -203,6 +204,7 @@ int write_file(const std::filesystem::path& file, const Contents& contents, Dura
 }
 
 Result<void> cannot_be_written(const std::filesystem::path& file, int problem) {
+  if (problem == ENXIO) return fail(file.string() + ": it can't be written: it is a pipe that nobody reads");
   return fail(file.string() + ": it can't be written: " + std::generic_category().message(problem));
 }
 

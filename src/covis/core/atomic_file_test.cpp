@@ -7,6 +7,7 @@
 #include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <thread>
@@ -40,6 +41,20 @@ TEST_F(AtomicFile, HoldsTheBytesAndNothingIsLeftBeside) {
     EXPECT_EQ(read_file(folder / "out"), "");
     EXPECT_EQ(files(), 1);
   }
+}
+
+// A pipe without a reader would hold the writer up for ever.
+TEST_F(AtomicFile, APipeIsWrittenToIfSomebodyReads) {
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_THAT(problem(folder / "pipe", "abc"),
+              AllOf(HasSubstr("pipe: it can't be written"), HasSubstr("nobody reads")));
+  const int reader = open((folder / "pipe").c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  EXPECT_EQ(problem(folder / "pipe", "abc"), "");
+  char bytes[4] = {};
+  EXPECT_EQ(read(reader, bytes, sizeof bytes), 3);
+  EXPECT_STREQ(bytes, "abc");
+  close(reader);
 }
 
 TEST_F(AtomicFile, IsMadeOfPieces) {
