@@ -152,6 +152,18 @@ int conclude(const RunArguments& arguments, const RunSummary& summary, io::Seque
   return fail_with(arguments.path + ": no frame was tracked: " + why_nothing_is_tracked(summary, camera));
 }
 
+// Tells why there is nothing to save, which is not worth older results; nullopt: there is something.
+std::optional<std::string> why_nothing_was_read(const RunRecord& record) {
+  if (!record.failure.empty() || record.interrupted) return std::nullopt;
+  std::string first;
+  for (size_t k = 0; k < record.frames.size(); ++k) {
+    const FrameStats frame = record.frames[k];
+    if (frame.state != FrameState::unreadable) return std::nullopt;
+    if (first.empty()) first = "; of the first: " + frame.reason;
+  }
+  return first;
+}
+
 // Bounds the map so that the whole run stays within --max-memory.
 Result<void> bound_memory(const RunArguments& arguments, const Camera& camera, SystemOptions& options) {
   if (arguments.max_memory == 0) return {};
@@ -287,8 +299,8 @@ int run(const RunArguments& arguments) {
                          saver ? &*saver : nullptr),
             record);
   for (const std::string& note : record.notes) log(LogLevel::warning, note);
-  if (record.frames.empty() && record.failure.empty() && !record.interrupted)
-    return fail_with(arguments.path + ": no frame could be read");
+  if (const auto why = why_nothing_was_read(record))
+    return fail_with(arguments.path + ": no frame could be read" + *why);
 
   const auto summary = save(arguments, record, *system, **sequence, header, first_own, images);
   if (saver && summary && system->map_size().key_frames > 0) saver->finish();

@@ -10,8 +10,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -19,6 +22,7 @@
 #include "commands.h"
 #include "covis/core/fields.h"
 #include "covis/core/log.h"
+#include "covis/core/message_text.h"
 #include "covis/version.h"
 #include "sandbox.h"
 
@@ -32,14 +36,53 @@ void connect_log() {
   covis::set_log_sink([logger](covis::LogLevel level, std::string_view message) {
     static constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::debug, spdlog::level::info,
                                                             spdlog::level::warn, spdlog::level::err};
-    logger->log(kLevels[static_cast<int>(level)], message);
+    logger->log(kLevels[static_cast<int>(level)], covis::shown(message));
   });
+}
+
+// CLI11 alone would not name an unknown command. Returns the message about it.
+std::optional<std::string> unknown_command(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* at = &app;
+  std::string so_far = "covis";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    std::vector<std::string> names;
+    for (const CLI::App* command : at->get_subcommands(nullptr)) {
+      if (!command->get_name().empty()) names.push_back(command->get_name());  // a group of options has no name
+    }
+    if (names.empty() || word.starts_with('-')) return std::nullopt;
+    if (std::find(names.begin(), names.end(), word) == names.end())
+      return word + ": no such command; did you mean " + so_far + " " + covis::nearest_name(word, names) + "?";
+    at = at->get_subcommand(word);
+    so_far += " " + word;
+  }
+  return std::nullopt;
+}
+
+// An option with an empty value would count as one that is not given: `--camera "$FORGOTTEN"`.
+void refuse_empty_values(CLI::App& app) {
+  const CLI::Validator given([](std::string& text) { return std::string(text.empty() ? "its value is empty" : ""); },
+                             "");
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_items_expected_max() > 0) option->check(given);
+  }
+  for (CLI::App* command : app.get_subcommands(nullptr)) refuse_empty_values(*command);
+}
+
+// Writes help to stdout and errors to stderr. Returns the exit code.
+int say(const CLI::App& app, const CLI::ParseError& error) {
+  std::ostringstream out, wrong;
+  const int code = app.exit(error, out, wrong);
+  std::fputs(out.str().c_str(), stdout);
+  std::fputs(covis::shown(wrong.str()).c_str(), stderr);
+  return code == 0 ? 0 : 2;
 }
 
 }  // namespace
 
 int covis_command(int argc, char** argv) {
   connect_log();
+  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // a video that can't be read is told by Covis alone
   CLI::App app{"Covis: visual SLAM for monocular, stereo and RGB-D cameras"};
   app.set_version_flag("--version", std::string("covis ") + covis::version());
   app.require_subcommand(1);
@@ -66,20 +109,15 @@ int covis_command(int argc, char** argv) {
   add_map_command(app, exit_code);
   add_vocab_command(app, exit_code);
   add_localize_command(app, exit_code);
-  // CLI11 alone would not name the unknown word.
-  std::vector<std::string> commands;
-  for (const CLI::App* command : app.get_subcommands(nullptr)) commands.push_back(command->get_name());
-  if (const std::string word = argc > 1 ? argv[1] : "-";
-      !word.starts_with('-') && std::find(commands.begin(), commands.end(), word) == commands.end()) {
-    std::fprintf(stderr, "%s: no such command; did you mean covis %s?\nRun with --help for more information.\n",
-                 word.c_str(), covis::nearest_name(word, commands).c_str());
+  refuse_empty_values(app);
+  if (const auto problem = unknown_command(app, argc, argv)) {
+    std::fprintf(stderr, "%s\nRun with --help for more information.\n", covis::shown(*problem).c_str());
     return 2;
   }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : 2;
+    return say(app, error);
   } catch (const std::exception& error) {
     covis::log(covis::LogLevel::error, error.what());
     return 1;

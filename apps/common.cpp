@@ -14,6 +14,8 @@
 namespace covis::app {
 namespace {
 
+constexpr int kMostStride = 1'000'000'000;
+
 void on_signal(int signal) {
   interrupted = signal;
   std::signal(signal, SIG_DFL);
@@ -72,7 +74,7 @@ void add_reading_options(CLI::App& command, Reading& reading) {
   command.add_option("--depth-topic", reading.topics.depth, "depth topic of a bag, registered to the image");
   command.add_option("--first", reading.first, "index of the first frame")->check(whole_number_from(0));
   command.add_option("--count", reading.count, "frames at most; -1: all")->check(count_or_all());
-  command.add_option("--stride", reading.stride, "every n-th frame")->check(whole_number_from(1));
+  command.add_option("--stride", reading.stride, "every n-th frame")->check(whole_number_from(1, kMostStride));
   command.add_flag("--skip-bad", reading.skip_bad,
                    "leave out frames without their right image, depth or a stamp that rises, also where they are many");
 }
@@ -101,13 +103,16 @@ void print_json(const nlohmann::json& json) {
   std::cout << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
 }
 
-CLI::Validator whole_number_from(int64_t least) {
+CLI::Validator whole_number_from(int64_t least, int64_t most) {
   return CLI::Validator(
-      [least](std::string& text) {
+      [least, most](std::string& text) {
         int64_t value = 0;
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error == std::errc() && end == text.data() + text.size() && value >= least) return std::string();
-        return text + " is not a whole number from " + std::to_string(least) + " on";
+        if (error == std::errc() && end == text.data() + text.size() && value >= least && value <= most)
+          return std::string();
+        const bool bounded = most < std::numeric_limits<int64_t>::max();
+        return text + " is not a whole number from " + std::to_string(least) +
+               (bounded ? " to " + std::to_string(most) : " on");
       },
       "FROM " + std::to_string(least));
 }

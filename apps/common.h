@@ -3,6 +3,8 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -53,7 +55,7 @@ struct Reading {
 void add_reading_options(CLI::App& command, Reading& reading);
 
 // Checks of options; CLI11's own name no bounds that a person would, and let "nan" pass.
-CLI::Validator whole_number_from(int64_t least);
+CLI::Validator whole_number_from(int64_t least, int64_t most = std::numeric_limits<int64_t>::max());
 CLI::Validator positive_number();
 
 // Sets the fields that --set names, each as NAME=VALUE.

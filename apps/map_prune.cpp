@@ -174,6 +174,8 @@ Result<std::vector<Area>> areas_of(const SplitArguments& a) {
   for (const std::string& text : a.around) {
     const auto v = numbers("--around", text, 4);
     if (!v) return tl::unexpected(v.error());
+    if (!((*v)[3] > 0))
+      return fail("--around " + text + ": the fourth number is a radius, which must be greater than 0");
     const Eigen::Vector3d centre = v->head<3>();
     areas.emplace_back([centre, radius = (*v)[3]](const Eigen::Vector3d& p) { return (p - centre).norm() <= radius; });
   }

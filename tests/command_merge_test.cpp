@@ -279,6 +279,7 @@ TEST_F(CommandMerge, PartsOfAMapAreMaps) {
     words.insert(words.end(), areas.begin(), areas.end());
     return covis(words);
   };
+  EXPECT_THAT(split({"--around", "0,0,0,0"}).error, HasSubstr("--around 0,0,0,0: the fourth number is a radius"));
   const Outcome made = split({"--around", "-0.1,0,0,0.5", "--box", "-100,-100,-100,100,100,100"});
   ASSERT_EQ(made.code, 0) << made.error;
   const auto key_frames = [&](const fs::path& file) {

@@ -108,22 +108,28 @@ TEST_F(CommandUsage, WrongArgumentsAreNamedWithCode2) {
   const struct {
     std::vector<std::string> words;
     const char* message;
-  } cases[] = {{{}, "subcommand is required"},
-               {{"rnu", "somewhere"}, "rnu: no such command; did you mean covis run?"},
-               {{"run", "somewhere", "--sensor", "sonar"}, "sonar not in {mono,rgbd,stereo}"},
-               {{"run", "somewhere", "--features", "1"}, "not in range 50 to 30000"},
-               {{"run", "somewhere", "--stride", "0"}, "--stride: 0 is not a whole number from 1 on"},
-               {{"run", "somewhere", "--count", "-5"}, "--count: -5 is not a whole number from 1 on, or -1 for all"},
-               {{"run", "somewhere", "--first", "-1"}, "--first: -1 is not a whole number from 0 on"},
-               {{"eval", "a", "b", "--delta", "nan"}, "--delta: nan is not a positive number"},
-               {{"eval", "a", "b", "--max-difference", "inf"}, "--max-difference: inf is not a positive number"},
-               {{"run", "somewhere", "--frobnicate"}, "--frobnicate"},
-               {{"run", "--format", "csv"}, "csv not in"},
-               {{"eval", "trajectory.txt"}, "TRUTH is required"},
-               {{"eval", "a", "b", "--align", "affine"}, "affine not in"},
-               {{"check"}, "PATH is required"},
-               {{"localize", "somewhere"}, "--map is required"},
-               {{"synth", "room"}, "--out is required"}};
+  } cases[] = {
+      {{}, "subcommand is required"},
+      {{"rnu", "somewhere"}, "rnu: no such command; did you mean covis run?"},
+      {{"run", "somewhere", "--sensor", "sonar"}, "sonar not in {mono,rgbd,stereo}"},
+      {{"run", "somewhere", "--features", "1"}, "not in range 50 to 30000"},
+      {{"run", "somewhere", "--stride", "0"}, "--stride: 0 is not a whole number from 1 to 1000000000"},
+      {{"run", "somewhere", "--count", "-5"}, "--count: -5 is not a whole number from 1 on, or -1 for all"},
+      {{"run", "somewhere", "--first", "-1"}, "--first: -1 is not a whole number from 0 on"},
+      {{"run", "somewhere", "--stride", "99999999999"}, "--stride: 99999999999 is not a whole number from 1 to"},
+      {{"run", "somewhere", "--camera", ""}, "--camera: its value is empty"},
+      {{"synth", "room", "--out", ""}, "--out: its value is empty"},
+      {{"map", "inof", "a.m"}, "inof: no such command; did you mean covis map info?"},
+      {{"vocab", "trian", "a"}, "trian: no such command; did you mean covis vocab train?"},
+      {{"eval", "a", "b", "--delta", "nan"}, "--delta: nan is not a positive number"},
+      {{"eval", "a", "b", "--max-difference", "inf"}, "--max-difference: inf is not a positive number"},
+      {{"run", "somewhere", "--frobnicate"}, "--frobnicate"},
+      {{"run", "--format", "csv"}, "csv not in"},
+      {{"eval", "trajectory.txt"}, "TRUTH is required"},
+      {{"eval", "a", "b", "--align", "affine"}, "affine not in"},
+      {{"check"}, "PATH is required"},
+      {{"localize", "somewhere"}, "--map is required"},
+      {{"synth", "room"}, "--out is required"}};
   for (const auto& c : cases) {
     const Outcome outcome = covis(c.words);
     EXPECT_EQ(outcome.code, 2) << c.message;
@@ -152,6 +158,9 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
       {{"localize", gone, "--map", gone}, gone + ": it does not exist"},
       {{"localize", gone, "--map", gone, "--set", "orb.features"}, "NAME=VALUE"},
       {{"map", "info", gone}, gone},
+      {{"run", folder / "camera", "--kind", "camera"}, "a camera is named by its number"},
+      {{"run", gone, "--set", "orb.levels=\x1b[2J"}, "orb.levels: '\\x1b[2J' is not right"},
+      {{"run", "go\x1b[31mne"}, "go\\x1b[31mne: it does not exist"},
       {{"calibrate", gone, "--board", "9x6", "--square", "0.03"}, gone + ": there is no such video"},
       {{"calibrate", gone, "--board", "9by6", "--square", "0.03"}, "COLUMNSxROWS is wanted"},
       {{"calibrate", gone, "--board", "9x6", "--square", "0.03", "--marker", "0.02"}, "--charuco"},
@@ -240,6 +249,19 @@ TEST_F(CommandUsage, PipesAndDevicesAreNoFiles) {
   fs::remove(recording / "groundtruth.txt");
   fs::rename(pipe, recording / "groundtruth.txt");
   EXPECT_EQ(covis({"run", recording, "--quiet", "--out", out}).code, 0) << "it does without the truth";
+}
+
+// An empty trajectory is not worth an older one.
+TEST_F(CommandUsage, ARunWithoutAReadableFrameWritesNothing) {
+  const fs::path recording = render("rgbd", 3), out = folder / "out";
+  fs::create_directories(out);
+  std::ofstream(out / "trajectory.txt") << "older\n";
+  for (const auto& entry : fs::directory_iterator(recording / "depth")) std::ofstream(entry.path()) << "no image";
+  const Outcome run = covis({"run", recording, "--quiet", "--out", out});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.error, HasSubstr("no frame could be read; of the first: " + (recording / "depth").string()));
+  EXPECT_EQ(text_of(out / "trajectory.txt"), "older\n");
+  EXPECT_FALSE(fs::exists(out / "summary.json"));
 }
 
 TEST_F(CommandUsage, AFolderThatCantBeWrittenToIsSaidBeforeTheRun) {

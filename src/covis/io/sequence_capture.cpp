@@ -219,9 +219,9 @@ Result<std::unique_ptr<Sequence>> open_video(const std::string& path, const Requ
 Result<std::unique_ptr<Sequence>> open_camera(const std::string& path, const Request& request,
                                               const SequenceOptions& options) {
   if (const auto served = serves(path, request); !served) return tl::unexpected(served.error());
-  if (!request.given) return tl::unexpected(no_calibration(path, "--camera"));
   const std::optional<int> number = camera_number(path);
   if (!number) return fail(path + ": a camera is named by its number: 0, 1 …");
+  if (!request.given) return tl::unexpected(no_calibration(path, "--camera"));
   std::unique_ptr<CameraDevice> device = make_v4l2_camera(*number, *request.given);
   const auto format = device->open();
   if (!format) return fail(path + ": " + format.error().message);
