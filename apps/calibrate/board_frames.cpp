@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/calibrate/board_frames.h"
 
+#include <algorithm>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <utility>
 
 #include "covis/core/log.h"
 #include "covis/io/files.h"
+#include "covis/io/images.h"
 #include "covis/io/recording.h"
 
 namespace covis::app {
@@ -41,8 +42,13 @@ class Frames {
       cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
     } else {
       if (at_ == files_.size()) return false;
-      grey = cv::imread(files_[at_].string(), cv::IMREAD_GRAYSCALE);
-      if (grey.empty()) log(LogLevel::warning, files_[at_].string() + ": the image can't be read; it is passed over");
+      grey = cv::Mat();
+      if (const auto read = reader_.grey(files_[at_], image_); read) {
+        grey = cv::Mat(image_.height(), image_.width(), CV_8UC1);
+        for (int y = 0; y < grey.rows; ++y) std::copy_n(image_.row(y), grey.cols, grey.ptr(y));
+      } else {
+        log(LogLevel::warning, read.error().message + "; it is passed over");
+      }
     }
     ++at_;
     return true;
@@ -51,6 +57,8 @@ class Frames {
  private:
   std::vector<fs::path> files_;
   cv::VideoCapture video_;
+  io::ImageReader reader_;
+  ImageU8 image_;
   size_t at_ = 0;
 };
 

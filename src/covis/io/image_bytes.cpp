@@ -50,6 +50,14 @@ uint32_t crc32(std::string_view bytes) {
   return ~crc;
 }
 
+// The PNG specification, section 11.2.2. The decoder would tell of these on stderr.
+bool is_png_header(uint32_t depth, uint32_t colour, uint32_t compression, uint32_t filter, uint32_t interlace) {
+  const bool power = depth >= 1 && depth <= 16 && (depth & (depth - 1)) == 0;
+  const bool fits =
+      colour == 0 || (colour == 3 ? depth <= 8 : (colour == 2 || colour == 4 || colour == 6) && depth >= 8);
+  return power && fits && compression == 0 && filter == 0 && interlace <= 1;
+}
+
 // Walks through the chunks (the PNG specification, section 5). The decoder checks the sums of all but the header's.
 std::optional<std::string> problem_of_png(std::string_view bytes) {
   constexpr size_t kSignature = 8, kHeader = 13, kAround = 12;  // length, name and sum of a chunk
@@ -59,6 +67,8 @@ std::optional<std::string> problem_of_png(std::string_view bytes) {
       crc32(bytes.substr(kSignature + 4, 4 + kHeader)) != number(kSignature + 8 + kHeader, 4)) {
     return "the header of the image file is damaged";
   }
+  if (!is_png_header(number(24, 1), number(25, 1), number(26, 1), number(27, 1), number(28, 1)))
+    return "the header of the image file says what no PNG has";
   for (size_t at = kSignature; at + kAround <= bytes.size(); at += kAround + number(at, 4)) {
     if (number(at, 4) > bytes.size() - at - kAround) return too_short(bytes);
     if (bytes.substr(at + 4, 4) == "IEND") return problem_of_size(number(16, 4), number(20, 4));
@@ -91,6 +101,13 @@ std::optional<std::string> problem_of_jpeg(std::string_view bytes) {
   return std::nullopt;
 }
 
+// TIFF 6.0, sections 3, 22 and the registered codes (libtiff's tiff.h): of others the decoder makes empty images.
+bool is_tiff_coding(uint32_t bits, uint32_t compression) {
+  constexpr std::array kBits = {1u, 8u, 10u, 12u, 14u, 16u, 32u, 64u};
+  const bool known = compression <= 8 || (compression >= 32766 && compression <= 34934) || compression >= 50000;
+  return known && compression > 0 && std::find(kBits.begin(), kBits.end(), bits) != kBits.end();
+}
+
 // Checks the size, and that all strips or tiles lie in the file (TIFF 6.0, section 2), for the first image.
 std::optional<std::string> problem_of_tiff(std::string_view bytes) {
   const Numbers number(bytes, bytes[0] == 'I' ? Numbers::Order::little : Numbers::Order::big);
@@ -101,16 +118,22 @@ std::optional<std::string> problem_of_tiff(std::string_view bytes) {
     size_t size = 0, count = 0, at = 0;  // bytes of an item
   };
   std::array<Array, 2> pieces;  // their places, and their lengths, which the decoder can do without
-  uint32_t width = 0, height = 0;
+  uint32_t width = 0, height = 0, bits = 8, compression = 1;
   for (size_t e = list + 2; e < list + 2 + 12 * entries; e += 12) {
     const uint32_t tag = number(e, 2), type = number(e + 2, 2);
     const size_t size = type == 3 ? 2 : type == 4 ? 4 : 0, count = number(e + 4, 4);
     if (tag == 256) width = number(e + 8, size);
     if (tag == 257) height = number(e + 8, size);
+    if (tag == 258 && count == 1) bits = number(e + 8, size);
+    if (tag == 259) compression = number(e + 8, size);
     if (tag != 273 && tag != 324 && tag != 279 && tag != 325) continue;
     pieces[tag == 279 || tag == 325] = {size, count, size * count <= 4 ? e + 8 : number(e + 8, 4)};
   }
   if (const auto problem = problem_of_size(width, height)) return problem;
+  if (!is_tiff_coding(bits, compression)) {
+    return "its pixels have " + std::to_string(bits) + " bits and its compression is " + std::to_string(compression) +
+           "; such a TIFF can't be read";
+  }
   const auto& [places, lengths] = pieces;
   for (const Array& array : pieces) {
     if (array.at + array.size * array.count > bytes.size()) return too_short(bytes);
@@ -123,6 +146,64 @@ std::optional<std::string> problem_of_tiff(std::string_view bytes) {
   return std::nullopt;
 }
 
+// Reads the words of a PBM, PGM or PPM header (netpbm.sourceforge.net/doc/pgm.html); comments go from # to a line's
+// end.
+class PnmWords {
+ public:
+  explicit PnmWords(std::string_view bytes) : bytes_(bytes) {}
+  // Returns 0 where there is no positive number.
+  uint32_t number() {
+    while (at_ < bytes_.size() && (is_space(bytes_[at_]) || bytes_[at_] == '#')) {
+      if (bytes_[at_] == '#') at_ = std::min(bytes_.find('\n', at_), bytes_.size() - 1);
+      ++at_;
+    }
+    uint32_t value = 0;
+    for (; at_ < bytes_.size() && bytes_[at_] >= '0' && bytes_[at_] <= '9'; ++at_)
+      value = std::min(10 * value + static_cast<uint32_t>(bytes_[at_] - '0'), kMost);
+    return at_ < bytes_.size() && is_space(bytes_[at_]) ? value : 0;
+  }
+  size_t rest() const { return bytes_.size() - std::min(bytes_.size(), at_ + 1); }  // behind the white space after it
+
+ private:
+  static constexpr uint32_t kMost = 100'000'000;
+  static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+  const std::string_view bytes_;
+  size_t at_ = 2;
+};
+
+std::optional<std::string> problem_of_pnm(std::string_view bytes) {
+  const char kind = bytes[1];
+  PnmWords words(bytes);
+  const uint32_t width = words.number(), height = words.number();
+  const bool bitmap = kind == '1' || kind == '4';
+  const uint32_t greatest = bitmap ? 1 : words.number();
+  if (width == 0 || height == 0) return "the header of the image file has no size";
+  if (const auto problem = problem_of_size(width, height)) return problem;
+  if (greatest < 1 || greatest > 65535) return "the header of the image file has no greatest value from 1 to 65535";
+  const bool in_words = kind < '4';
+  const uint64_t row = kind == '4' ? (width + 7) / 8
+                       : in_words  ? width
+                                   : uint64_t{width} * (kind == '6' ? 3 : 1) * (greatest > 255 ? 2 : 1);
+  if (words.rest() < row * height) return too_short(bytes);
+  return std::nullopt;
+}
+
+// Checks that the rows of a BMP that is not compressed lie in the file (BITMAPINFOHEADER and its successors).
+std::optional<std::string> problem_of_bmp(std::string_view bytes) {
+  constexpr size_t kHeaders = 54;
+  const Numbers number(bytes, Numbers::Order::little);
+  if (bytes.size() < 26) return too_short(bytes);
+  if (number(14, 4) < 40) return std::nullopt;  // of OS/2
+  if (bytes.size() < kHeaders) return too_short(bytes);
+  const auto height = static_cast<int32_t>(number(22, 4));
+  const uint64_t width = number(18, 4), rows = height < 0 ? -int64_t{height} : height;
+  if (const auto problem = problem_of_size(static_cast<uint32_t>(width), static_cast<uint32_t>(rows))) return problem;
+  const uint64_t row = (width * number(28, 2) + 31) / 32 * 4;
+  if (number(30, 4) == 0 && number(10, 4) + row * rows > bytes.size()) return too_short(bytes);
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<std::string> problem_of_image(std::string_view bytes) {
@@ -130,6 +211,8 @@ std::optional<std::string> problem_of_image(std::string_view bytes) {
   if (bytes.starts_with("\x89PNG")) return problem_of_png(bytes);
   if (bytes.starts_with("\xff\xd8")) return problem_of_jpeg(bytes);
   if (bytes.starts_with("II*") || bytes.starts_with("MM")) return problem_of_tiff(bytes);
+  if (bytes.starts_with("BM")) return problem_of_bmp(bytes);
+  if (bytes.size() >= 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6') return problem_of_pnm(bytes);
   return std::nullopt;
 }
 

@@ -258,6 +258,31 @@ TEST_F(Images, ATiffMayLackTheLengthsOfItsStrips) {
   EXPECT_EQ(problem_of_image(tiff), std::nullopt);
 }
 
+// OpenCV would write to stderr about these, or make an empty image of them.
+TEST_F(Images, WhatNoDecoderReadsIsToldBeforeIt) {
+  const auto problem = [](std::string bytes) { return problem_of_image(bytes).value_or(""); };
+  for (const char* name : {"a.pgm", "a.ppm", "a.pbm", "a.bmp"}) {
+    const bool colour = std::string_view(name) == "a.ppm";
+    const std::string whole = saved(name, cv::Mat(kHeight, kWidth, colour ? CV_8UC3 : CV_8UC1, cv::Scalar::all(200)));
+    EXPECT_EQ(problem(whole), "") << name;
+    for (const size_t left : {whole.size() - 1, whole.size() / 2, size_t{15}})
+      EXPECT_THAT(problem(whole.substr(0, left)), HasSubstr("cut short")) << name << " " << left;
+  }
+  EXPECT_EQ(problem("P5 # a comment\n2 1\n255\nab"), "");
+  EXPECT_EQ(problem("P2\n2 1\n255\n1 2\n"), "");
+  EXPECT_THAT(problem("P5\nwide high\n255\n"), HasSubstr("has no size"));
+  EXPECT_THAT(problem("P5\n-3 2\n255\n"), HasSubstr("has no size"));
+  EXPECT_THAT(problem("P5"), HasSubstr("has no size"));
+  EXPECT_THAT(problem("P5\n99999999999 1\n255\n"), HasSubstr("sides of 1 to"));
+  EXPECT_THAT(problem("P5\n2 1\n0\nab"), HasSubstr("greatest value"));
+  EXPECT_THAT(problem("P5\n2 1\n256\nabc"), HasSubstr("cut short"));
+  std::string tiff = saved("a.tiff", noise());
+  const size_t compression = tiff.find(std::string("\x03\x01\x03\x00\x01\x00\x00\x00", 8));
+  ASSERT_NE(compression, std::string::npos);
+  tiff[compression + 8] = 99;
+  EXPECT_THAT(problem(tiff), HasSubstr("compression is 99"));
+}
+
 TEST_F(Images, ATiffWhosePixelsLieBehindItsEndIsTold) {
   std::string tiff = saved("a.tiff", noise());
   EXPECT_FALSE(problem_of_image(tiff));
