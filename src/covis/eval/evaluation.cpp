@@ -185,6 +185,7 @@ Result<Evaluation> evaluate(const Trajectory& estimate_in, const Trajectory& tru
   if (scale == Scale::free || mode == AlignMode::se3) {
     const auto found = align(from, to, scale);
     if (!found) return fail("the trajectory can't be aligned: all its positions are the same");
+    if (!(found->scale > 0)) return fail("there is no scale to align with: in the truth all positions are the same");
     alignment = *found;
   }
   if (mode == AlignMode::first || mode == AlignMode::first_sim3)

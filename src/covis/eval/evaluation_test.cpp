@@ -61,6 +61,18 @@ TEST(Evaluation, AKnownOffsetWithoutAlignment) {
   EXPECT_NEAR(e->ate.max, 5, 1e-9);
 }
 
+// Scaled to nothing every path fits.
+TEST(Evaluation, ATruthInOnePlaceHasNoScale) {
+  Trajectory path, place;
+  for (int i = 0; i < 5; ++i) {
+    path.push_back({i * 1'000'000'000LL, SE3(Eigen::Matrix3d::Identity(), {0.1 * i, 0, 0.05 * i * i})});
+    place.push_back({i * 1'000'000'000LL, SE3()});
+  }
+  const auto scaled = evaluate(path, place, {.align = AlignMode::sim3});
+  ASSERT_FALSE(scaled);
+  EXPECT_EQ(scaled.error().message, "there is no scale to align with: in the truth all positions are the same");
+}
+
 // Bent by one degree after its middle: aligned by the first pose the end is as far off as that swings it.
 TEST(Evaluation, ByTheFirstPoseAPathStrays) {
   const Trajectory truth = path(100);

@@ -11,6 +11,8 @@
 namespace covis::io {
 namespace {
 
+constexpr double kFarthest = 1e12;  // metres, as in maps; squares of greater numbers are soon infinite
+
 // Parses the numbers of a row from `first` on; nullopt when one is not a finite number.
 std::optional<std::vector<double>> numbers(const std::vector<std::string_view>& parts, size_t first) {
   std::vector<double> values;
@@ -96,9 +98,10 @@ Result<Trajectory> read_trajectory(const std::filesystem::path& file, Trajectory
   }
   Trajectory trajectory;
   std::string problem;
+  TrajectoryFormat row = format;  // the first row tells the format of all
   for_each_line(*text, [&](std::string_view line, int number) {
     const std::vector<std::string_view> parts = split(line);
-    const TrajectoryFormat row = format == TrajectoryFormat::automatic ? format_of(file, line, parts.size()) : format;
+    if (row == TrajectoryFormat::automatic) row = format_of(file, line, parts.size());
     const size_t least = row == TrajectoryFormat::kitti ? 12 : row == TrajectoryFormat::tartanair ? 7 : 8;
     const bool sized = row == TrajectoryFormat::euroc ? parts.size() >= least : parts.size() == least;
     if (!sized) {
@@ -127,6 +130,8 @@ Result<Trajectory> read_trajectory(const std::filesystem::path& file, Trajectory
     } else if (!pose) {
       problem =
           place(file, number) + ": the rotation is not valid (a unit quaternion or an orthonormal matrix is expected)";
+    } else if (!(pose->t().cwiseAbs().maxCoeff() <= kFarthest)) {
+      problem = place(file, number) + ": the position is farther than 1e12 m from the origin";
     } else {
       trajectory.push_back({*stamp, *pose});
     }
