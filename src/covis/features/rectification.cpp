@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -103,6 +104,11 @@ Result<StereoRectification> StereoRectification::create(const Camera& left, cons
     return fail("the right camera must lie to the right of the left one; its centre is at (" +
                 std::to_string(right_in_left.x()) + ", " + std::to_string(right_in_left.y()) + ", " +
                 std::to_string(right_in_left.z()) + ") m in the left camera");
+  }
+  if (!(T_rl.R()(2, 2) > 0)) {
+    return fail("the cameras must look the same way; the right one's axis is turned by " +
+                std::to_string(std::lround(std::acos(std::clamp(T_rl.R()(2, 2), -1.0, 1.0)) * 180 / std::numbers::pi)) +
+                " degrees from the left one's");
   }
   // x points along the baseline, z as close as possible to the mean of both optical axes.
   const Eigen::Vector3d x = right_in_left / baseline;

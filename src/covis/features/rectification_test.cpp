@@ -122,6 +122,16 @@ TEST(Rectification, RefusesCamerasThatAreNotSideBySide) {
   EXPECT_NE(made.error().message.find("40000x120"), std::string::npos);
 }
 
+// There would be no plane that both images could be turned to.
+TEST(Rectification, RefusesCamerasThatLookAwayFromEachOther) {
+  const Camera camera = make_camera(Distortion::none, 0);
+  Eigen::Matrix3d turned = Eigen::Matrix3d::Identity();
+  turned(0, 0) = turned(2, 2) = -1;
+  const auto made = StereoRectification::create(camera, camera, SE3(turned, {0.2, 0, 0}));
+  ASSERT_FALSE(made);
+  EXPECT_NE(made.error().message.find("turned by 180 degrees"), std::string::npos) << made.error().message;
+}
+
 // A coordinate in an image of `size` pixels: anywhere near it, on a step of 1/32, between two steps, at its ends, or
 // far outside.
 float random_coordinate(Random& random, int size) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 #include <tuple>
 
@@ -18,6 +19,23 @@ std::string number(double value) {
 
 std::string out_of_bounds(const std::string& name, double value, double least, double most) {
   return name + ": " + number(value) + " is not right; it must be from " + number(least) + " to " + number(most);
+}
+
+// How far from the principal point, in pixels, the lens first shows two directions at one place: there points can't be
+// undistorted. Infinite: nowhere.
+double fold_of(const Camera& camera) {
+  constexpr double kStep = 1e-3, kMost = 3;  // of the angle's tangent, or of the fisheye's angle
+  const auto& k = camera.coefficients;
+  const bool fisheye = camera.distortion == Distortion::kannala_brandt;
+  double before = 0;
+  for (double r = kStep; r < kMost; r += kStep) {
+    const double s = r * r;
+    const double factor =
+        fisheye ? 1 + s * (k[0] + s * (k[1] + s * (k[2] + s * k[3]))) : 1 + s * (k[0] + s * (k[1] + s * k[4]));
+    if (r * factor < before) return before * camera.pinhole.fx;
+    before = r * factor;
+  }
+  return std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -63,6 +81,7 @@ std::optional<std::string> problem_of_pair(const Pinhole& left, const Pinhole& r
 
 std::vector<std::string> doubts_about(const Camera& camera) {
   constexpr int kFewPixels = 64;
+  constexpr double kLeastFold = 0.25;                                                 // of the shorter side
   constexpr double kDegrees = 180 / std::numbers::pi, kWidest = 160, kNarrowest = 2;  // degrees
   std::vector<std::string> doubts;
   if (std::min(camera.width, camera.height) < kFewPixels) {
@@ -70,7 +89,13 @@ std::vector<std::string> doubts_about(const Camera& camera) {
                      " pixels show too little to be tracked; each side should have " + std::to_string(kFewPixels) +
                      " or more");
   }
-  if (!(camera.pinhole.fx > 0) || camera.distortion == Distortion::kannala_brandt) return doubts;
+  if (!(camera.pinhole.fx > 0)) return doubts;
+  const double fold = camera.distortion == Distortion::none ? std::numeric_limits<double>::infinity() : fold_of(camera);
+  if (fold < kLeastFold * std::min(camera.width, camera.height)) {
+    doubts.push_back("a lens of this distortion shows two directions at one place, " + number(std::round(fold)) +
+                     " pixels from the middle of the image and beyond; its coefficients can't be right");
+  }
+  if (camera.distortion == Distortion::kannala_brandt) return doubts;
   const double angle = 2 * std::atan(0.5 * camera.width / camera.pinhole.fx) * kDegrees;
   if (angle > kWidest || angle < kNarrowest) {
     doubts.push_back("a focal length of " + number(camera.pinhole.fx) + " pixels means that images " +

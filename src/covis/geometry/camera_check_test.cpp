@@ -56,6 +56,17 @@ TEST(CameraCheck, DoubtsNameWhatCanHardlyBeTracked) {
   camera = usual();
   camera.pinhole.fx = 1e5;
   EXPECT_THAT(doubts_about(camera), testing::ElementsAre(HasSubstr("0.36")));
+  camera = usual();
+  camera.distortion = Distortion::brown_conrady;
+  camera.coefficients = {-0.28, 0.07, 0, 0, 0};
+  EXPECT_TRUE(doubts_about(camera).empty()) << "a lens of EuRoC's";
+  camera.coefficients = {-3, 0, 0, 0, 0};
+  EXPECT_THAT(doubts_about(camera), testing::ElementsAre(HasSubstr("shows two directions at one place, 117 pixels")));
+  camera.distortion = Distortion::kannala_brandt;
+  camera.coefficients = {0.02, -0.005, 0.001, 0, 0};
+  EXPECT_TRUE(doubts_about(camera).empty());
+  camera.coefficients = {-5, 0, 0, 0, 0};
+  EXPECT_THAT(doubts_about(camera), testing::ElementsAre(HasSubstr("two directions")));
 }
 
 }  // namespace

@@ -33,8 +33,10 @@ Result<Camera> read_openloris_camera(const fs::path& file) {
   if (!width) return tl::unexpected(width.error());
   if (!height) return tl::unexpected(height.error());
   Camera camera;
-  if (!(*width >= 1 && *width <= 20000 && *height >= 1 && *height <= 20000))
-    return fail(file.string() + ": width and height must be those of the images");
+  for (const auto& [key, side] : {std::pair("width", *width), {"height", *height}}) {
+    if (!(side >= 1 && side <= 20000 && side == std::floor(side)))
+      return fail(yaml_place(file, sensor[key]) + ": " + key + " must be that of the images, a whole number of pixels");
+  }
   camera.width = static_cast<int>(*width);
   camera.height = static_cast<int>(*height);
   const auto off_centre = [&](double cx, double cy) { return std::hypot(cx - *width / 2, cy - *height / 2); };

@@ -52,6 +52,11 @@ trans_matrix:
   }
 };
 
+TEST_F(OpenLoris, ASideThatIsNoWholeNumberIsRefused) {
+  write("sensors.yaml", "d400_color:\n  width: 64.5\n  height: 48\n  intrinsics: [50, 32, 51, 24]\n");
+  EXPECT_THAT(open().error().message, HasSubstr("sensors.yaml:2: width must be that of the images, a whole number"));
+}
+
 TEST_F(OpenLoris, IsRead) {
   auto opened = open();
   ASSERT_TRUE(opened) << opened.error().message;

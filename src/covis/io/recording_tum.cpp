@@ -18,7 +18,8 @@ Result<Camera> read_calibration(const std::filesystem::path& file) {
   for_each_line(*text, [&](std::string_view line, int number) {
     for (const std::string_view part : split(line)) {
       const auto value = parse_double(part);
-      if (!value) problem = place(file, number) + ": '" + std::string(part) + "' is not a finite number";
+      if (!value && problem.empty())
+        problem = place(file, number) + ": '" + std::string(part) + "' is not a finite number";
       v.push_back(value.value_or(0));
     }
     return false;  // ends after the first row

@@ -185,6 +185,7 @@ Result<void> SectionFile::read_table(uint32_t count, uint32_t so_far, uint32_t w
     fields(e.stored);
     fields(e.raw);
     e.offset = offset;
+    if (has(e.id)) return fail(error("it is damaged: it has section " + std::to_string(e.id) + " twice"));
     if (e.stored > size_ - offset) return fail(error("it is damaged: its sections do not fit into it"));
     offset += e.stored;
     entries_.push_back(e);

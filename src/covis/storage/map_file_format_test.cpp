@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <fstream>
 #include <vector>
 
 #include "covis/core/random.h"
@@ -121,6 +122,15 @@ TEST_F(MapFileFormatFile, ASectionOfAnotherLengthThanToldIsAnError) {
   writer.add("four");
   writer.end();
   EXPECT_FALSE(writer.finish());
+}
+
+TEST(MapFileFormat, ASectionThatIsThereTwiceIsAnError) {
+  const TemporaryFolder folder;
+  const auto bytes = pack_sections({{1, "one"}, {2, "two"}, {1, "other"}});
+  ASSERT_TRUE(bytes);
+  std::ofstream(folder / "map", std::ios::binary) << *bytes;
+  EXPECT_THAT(SectionFile::open(folder / "map").error().message,
+              HasSubstr("map: it is damaged: it has section 1 twice"));
 }
 
 TEST_F(MapFileFormatFile, WhatWasNotReadIsVerifiedToo) {
