@@ -44,7 +44,8 @@ def execute(covis, words, folder, logs, kind=None, seconds=MOST_SECONDS):
     limited = bool(kind and kind.file_limit)  # the messages must have room all the same
     with open(logs / 'stdout', 'wb') as out, open(logs / 'stderr', 'wb') as error:
         person = {'user': NOBODY, 'group': NOBODY, 'extra_groups': []} if kind and kind.as_nobody and os.getuid() == 0 else {}
-        process = subprocess.Popen([covis, *words], cwd=folder, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.PIPE if limited else error,
+        process = subprocess.Popen([covis, *words], cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE if limited else out,
+                                   stderr=subprocess.PIPE if limited else error,
                                    preexec_fn=_before_exec(kind), restore_signals=not limited, **person)
     until, killed = time.monotonic() + seconds, False
     while True:
@@ -57,8 +58,9 @@ def execute(covis, words, folder, logs, kind=None, seconds=MOST_SECONDS):
         time.sleep(0.002)
     process.returncode = os.waitstatus_to_exitcode(status)
     if limited:
-        (logs / 'stderr').write_bytes(process.stderr.read())
-        process.stderr.close()
+        for name, pipe in (('stdout', process.stdout), ('stderr', process.stderr)):
+            (logs / name).write_bytes(pipe.read())
+            pipe.close()
     return Outcome(process.returncode, killed, usage.ru_utime + usage.ru_stime, (logs / 'stdout').read_bytes(), (logs / 'stderr').read_bytes())
 
 
@@ -83,16 +85,18 @@ def changed(before, after, allowed):
     return [name for name in names if not any(name == a or name.startswith(a + '/') for a in allowed)]
 
 
-def problems_of_crash(outcome):
+def problems_of_crash(kind, outcome):
     found = []
     if outcome.killed:
         found.append(f'it hung: {MOST_SECONDS} s were over')
     elif outcome.code < 0:
         found.append(f'it was ended by signal {-outcome.code}')
-    text = (outcome.out + outcome.error).decode('utf-8', 'replace')
-    if leak := LEAKS.search(text):
+    error = outcome.error.decode('utf-8', 'replace')
+    if kind.noise:
+        error = '\n'.join(line for line in error.split('\n') if not re.search(kind.noise, line))
+    if leak := LEAKS.search(outcome.out.decode('utf-8', 'replace') + error):
         found.append(f"'{leak.group()}' leaks through")
-    if control := CONTROL.search(outcome.error.decode('utf-8', 'replace')):
+    if control := CONTROL.search(error):
         found.append(f'there is a raw control character, {control.group()!r}, in the message')
     if len(outcome.error) > LONGEST_MESSAGE:
         found.append(f'the message has {len(outcome.error)} bytes')
@@ -158,7 +162,7 @@ def judge(kind, covis, good, work, cpu_of_good):
     outcome = execute(covis, kind.words, folder, logs, kind)
     if outcome.killed:  # another process may have held up the disk; a hang hangs again
         outcome = execute(covis, kind.words, folder, logs, kind)
-    found = problems_of_crash(outcome)
+    found = problems_of_crash(kind, outcome)
     most = MOST_CPU_SECONDS + cpu_of_good
     if outcome.cpu > most:
         found.append(f'it took {outcome.cpu:.1f} s of processor time, where {most:.1f} s are allowed')

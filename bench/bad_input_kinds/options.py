@@ -95,8 +95,6 @@ def run_options():
     yield kind('run on a folder that is not there', run('gone'), 'gone: it does not exist', 'folder')
     yield kind('run, a name of 300 characters', run('x' * 300), 'too long|does not exist')
     yield kind('run, a name with a line break and an escape', run('go\n\x1b[31mne'), 'does not exist')
-    yield kind('run, a vocabulary that is none by name and a map', run('rgbd', '--map', 'office.m', '--vocabulary', 'words.covis-voc', '--localize'),
-               'office.m', 'vocabulary')
     yield kind('--sandbox without a folder', ['--sandbox'], '--sandbox')
     yield kind('--sandbox with a file', ['--sandbox', 'camera.yaml', *run('rgbd')], '--sandbox', 'camera.yaml')
     yield kind('--sandbox behind the command', [*run('rgbd'), '--sandbox', 'out'], '--sandbox')
@@ -132,7 +130,7 @@ def other_commands():
     yield kind('calibrate a board that is not in the images', ['calibrate', 'board', '--board', '8x8', '--square', '0.03', '--out', 'out/camera.yaml'], 'board')
     yield kind('calibrate too few views', calibrate, 'board|views')
     yield kind('calibrate a folder without images', ['calibrate', 'colmap', *calibrate[2:]], 'colmap', 'no images')
-    yield kind('calibrate a text as a video', ['calibrate', 'truth.txt', *calibrate[2:]], 'truth.txt', 'video')
+    yield kind('calibrate a map as a video', ['calibrate', 'office.m', *calibrate[2:]], 'office.m', 'video')
     train = ['vocab', 'train', 'mono/images', '--quiet', '--overwrite', '--out', 'out/words.covis-voc']
     for option, values in (('branching', ('1', '0', 'nan', '100000')), ('depth', ('0', '100', '2.5')), ('threads', ('-1', '5000')), ('memory', ('0', '-5', 'x')),
                            ('iterations', ('0', '1001')), ('features', ('1', '99999')), ('seed', ('-1', '1e9'))):

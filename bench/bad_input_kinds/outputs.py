@@ -32,7 +32,7 @@ def files():
     for name in MAPS:
         words, _ = FILES[name]
         for what, damage in (('a text', write('new.m', 'my notes\n')), ('an image', write('new.m', b'\x89PNG\r\n\x1a\n')), ('a vocabulary', write('new.m', b'COVISVOC' + bytes(99))), ('a pipe', fifo('new.m'))):
-            yield Kind('outputs', f'{name}: {what} in the way', words('new.m'), [r'new\.m', 'map|regular'], damage)
+            yield Kind('outputs', f'{name}: {what} in the way', words('new.m'), [r'new\.m', 'map|regular|pipe that nobody reads'], damage, changes=after_the_run(name) if what == 'a pipe' else ())
 
 
 def folders():

@@ -33,7 +33,7 @@ def wrong_files():
             ('a list', '- orb.features: 500\n- orb.levels: 8\n', 'map'), ('a single value', '42\n', 'map'), ('a text', 'hello\n', 'map'),
             ('no YAML', 'orb: [1, 2\n', ':[12]:', 'not YAML'), ('a tab for an indent', 'orb:\n\tfeatures: 500\n', ':2:', 'not YAML'),
             ('an anchor that is not there', 'orb:\n  features: *gone\n', ':2:', 'not YAML'), ('an anchor bomb', bomb, "unknown|single value|nearest"),
-            ('an anchor of itself', 'orb: &a\n  features: *a\n', 'orb'), ('nested 5000 deep', 'a: ' + '[' * 5000 + ']' * 5000 + '\n', 'deep|not YAML|nearest|single value'),
+            ('an anchor of itself', 'orb: &a\n  features: *a\n', ':2:', 'itself'), ('nested 5000 deep', 'a: ' + '[' * 5000 + ']' * 5000 + '\n', 'deep|not YAML|nearest|single value'),
             ('nested maps, 5000 deep', ''.join(' ' * k + 'a:\n' for k in range(5000)), 'deep|not YAML|nearest|unknown'),
             ('two documents', 'orb: {levels: 8}\n---\norb: {levels: 99}\n', '2|document|twice|one', ),
             ('a byte order mark of UTF-16', 'orb:\n  levels: 99\n'.encode('utf-16'), 'orb.levels|not YAML|map'), ('zero bytes', bytes(100), 'not YAML|map'),
