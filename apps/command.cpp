@@ -82,7 +82,7 @@ int say(const CLI::App& app, const CLI::ParseError& error) {
 
 int covis_command(int argc, char** argv) {
   connect_log();
-  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // a video that can't be read is told by Covis alone
+  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // Covis alone reports a video that it can't read
   CLI::App app{"Covis: visual SLAM for monocular, stereo and RGB-D cameras"};
   app.set_version_flag("--version", std::string("covis ") + covis::version());
   app.require_subcommand(1);
