@@ -174,7 +174,6 @@ Result<void> bound_memory(const RunArguments& arguments, const Camera& camera, S
   const auto map = map_megabytes(arguments.max_memory, camera, none ? 0 : vocabulary);
   if (!map) return tl::unexpected(map.error());
   if (options.mapper.max_map_mb == 0 || *map < options.mapper.max_map_mb) options.mapper.max_map_mb = *map;
-  return_memory_at_once();
   return {};
 }
 
@@ -378,5 +377,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "  covis run office1 --out o1 --save-map office.m\n"
       "  covis run office2 --out o2 --map office.m --save-map office.m      continue the map\n"
       "  covis run office3 --out o3 --map office.m --localize");
-  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  command->callback([arguments, &exit_code] {
+    if (arguments->max_memory > 0) return_memory_at_once();
+    exit_code = run(*arguments);
+  });
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/calibrate/board_frames.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
@@ -34,7 +33,7 @@ class Frames {
     return frames;
   }
   bool is_video() const { return files_.empty(); }
-  // False at the end. An image that can't be read is empty.
+  // False at the end. An image that can't be read is empty; what `grey` shows holds until the next call.
   bool next(cv::Mat& grey) {
     if (is_video()) {
       cv::Mat picture;
@@ -42,13 +41,10 @@ class Frames {
       cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
     } else {
       if (at_ == files_.size()) return false;
-      grey = cv::Mat();
-      if (const auto read = reader_.grey(files_[at_], image_); read) {
-        grey = cv::Mat(image_.height(), image_.width(), CV_8UC1);
-        for (int y = 0; y < grey.rows; ++y) std::copy_n(image_.row(y), grey.cols, grey.ptr(y));
-      } else {
-        log(LogLevel::warning, read.error().message + "; it is passed over");
-      }
+      const auto read = reader_.grey(files_[at_], image_);
+      if (!read) log(LogLevel::warning, read.error().message + "; it is passed over");
+      const auto stride = static_cast<size_t>(image_.stride());
+      grey = read ? cv::Mat(image_.height(), image_.width(), CV_8UC1, image_.row(0), stride) : cv::Mat();
     }
     ++at_;
     return true;

@@ -15,8 +15,8 @@ namespace covis::app {
 Result<int> map_megabytes(int megabytes, const Camera& camera, uint64_t vocabulary_bytes);
 
 // Gives each array of more than 4 kB, which is most of what a key frame has, pages of its own, which leave the process
-// when the key frame goes. In the common heap they would leave gaps that never quite fit what comes next. To be called
-// before other threads allocate; does nothing without the GNU C library.
+// when the key frame goes. In the common heap they would leave gaps that never quite fit what comes next. Must be
+// called before there are other threads; does nothing without the GNU C library.
 void return_memory_at_once();
 
 }  // namespace covis::app

@@ -3,6 +3,11 @@
 
 #include <gmock/gmock.h>
 
+#include <memory>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace covis::app {
 namespace {
 
@@ -24,6 +29,22 @@ TEST(MemoryBound, TooLittleIsRefusedWithWhatIsNeeded) {
               testing::HasSubstr("--max-memory 100: images of this size need at least 187 MB"));
   EXPECT_EQ(map_megabytes(187, camera_of(640, 480), 0).value(), 20);
 }
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
+TEST(MemoryBound, AnArrayOfMoreThanAPageHasPagesOfItsOwn) {
+  const auto mapped = [] { return mallinfo2().hblks; };
+  const auto before = mapped();
+  auto array = std::make_unique<volatile char[]>(5000);
+  array[0] = 1;
+  EXPECT_EQ(mapped(), before) << "it lies in the common heap";
+  return_memory_at_once();
+  auto own = std::make_unique<volatile char[]>(5000);
+  own[0] = 1;
+  EXPECT_EQ(mapped(), before + 1);
+  own.reset();
+  EXPECT_EQ(mapped(), before) << "its pages are gone with it";
+}
+#endif
 
 }  // namespace
 }  // namespace covis::app

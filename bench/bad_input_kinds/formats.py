@@ -94,7 +94,7 @@ def jpeg(width, height, rows):
     for y in range(0, height, 8):
         for x in range(0, width, 8):
             block = [rows[min(y + dy, height - 1)][min(x + dx, width - 1)] for dy in range(8) for dx in range(8)]
-            value = round((sum(block) / 64 - 128) * 8 / 8)
+            value = round(sum(block) / 64 - 128)
             difference, before = value - before, value
             size = abs(difference).bit_length()
             extra = difference if difference >= 0 else difference + (1 << size) - 1

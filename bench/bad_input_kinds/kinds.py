@@ -25,11 +25,11 @@ class Kind:
     changes: tuple = ()         # paths that a refused command may write all the same
     passed_over: bool = False
     unreadable: int = None      # frames_unreadable in the summary
-    noise: str = ''             # what a decoder writes to stderr by itself, beside the message (a regular expression)
+    noise: str = ''             # lines that a decoder writes to stderr by itself, beside the message (a regular expression)
     on_stdout: bool = False     # `check` lists what is wrong with a recording on stdout
     file_limit: int = 0         # bytes that a file can have, as on a disk that gets full; 0: no limit
     as_nobody: bool = False     # the rights of files are put to the test, which root does not feel
-    folder_name: str = 'work'   # of the folder that the command is run in
+    folder_name: str = 'work'   # the folder that the command is run in
 
 
 def run(*words, out='out'):

@@ -24,7 +24,7 @@ std::string out_of_bounds(const std::string& name, double value, double least, d
 // How far from the principal point, in pixels, the lens first shows two directions at one place: there points can't be
 // undistorted. Infinite: nowhere.
 double fold_of(const Camera& camera) {
-  constexpr double kStep = 1e-3, kMost = 3;  // of the angle's tangent, or of the fisheye's angle
+  constexpr double kStep = 1e-3, kMost = 3;  // the angle's tangent; a fisheye's angle in radians
   const auto& k = camera.coefficients;
   const bool fisheye = camera.distortion == Distortion::kannala_brandt;
   double before = 0;
@@ -81,7 +81,7 @@ std::optional<std::string> problem_of_pair(const Pinhole& left, const Pinhole& r
 
 std::vector<std::string> doubts_about(const Camera& camera) {
   constexpr int kFewPixels = 64;
-  constexpr double kLeastFold = 0.25;                                                 // of the shorter side
+  constexpr double kLeastFold = 0.25;                                                 // share of the shorter side
   constexpr double kDegrees = 180 / std::numbers::pi, kWidest = 160, kNarrowest = 2;  // degrees
   std::vector<std::string> doubts;
   if (std::min(camera.width, camera.height) < kFewPixels) {

@@ -103,7 +103,7 @@ std::optional<std::string> problem_of_jpeg(std::string_view bytes) {
 
 // TIFF 6.0, sections 3, 22 and the registered codes (libtiff's tiff.h): of others the decoder makes empty images.
 bool is_tiff_coding(uint32_t bits, uint32_t compression) {
-  constexpr std::array kBits = {1u, 8u, 10u, 12u, 14u, 16u, 32u, 64u};
+  constexpr std::array kBits = {1u, 4u, 8u, 10u, 12u, 14u, 16u, 32u, 64u};
   const bool known = compression <= 8 || (compression >= 32766 && compression <= 34934) || compression >= 50000;
   return known && compression > 0 && std::find(kBits.begin(), kBits.end(), bits) != kBits.end();
 }
@@ -151,7 +151,7 @@ std::optional<std::string> problem_of_tiff(std::string_view bytes) {
 class PnmWords {
  public:
   explicit PnmWords(std::string_view bytes) : bytes_(bytes) {}
-  // Returns 0 where there is no positive number.
+  // Returns the next word; 0 where it is no positive number.
   uint32_t number() {
     while (at_ < bytes_.size() && (is_space(bytes_[at_]) || bytes_[at_] == '#')) {
       if (bytes_[at_] == '#') at_ = std::min(bytes_.find('\n', at_), bytes_.size() - 1);
@@ -162,7 +162,8 @@ class PnmWords {
       value = std::min(10 * value + static_cast<uint32_t>(bytes_[at_] - '0'), kMost);
     return at_ < bytes_.size() && is_space(bytes_[at_]) ? value : 0;
   }
-  size_t rest() const { return bytes_.size() - std::min(bytes_.size(), at_ + 1); }  // behind the white space after it
+  // Returns the number of bytes behind the last word and the white space after it.
+  size_t rest() const { return bytes_.size() - std::min(bytes_.size(), at_ + 1); }
 
  private:
   static constexpr uint32_t kMost = 100'000'000;
@@ -194,7 +195,7 @@ std::optional<std::string> problem_of_bmp(std::string_view bytes) {
   constexpr size_t kHeaders = 54;
   const Numbers number(bytes, Numbers::Order::little);
   if (bytes.size() < 26) return too_short(bytes);
-  if (number(14, 4) < 40) return std::nullopt;  // of OS/2
+  if (number(14, 4) < 40) return std::nullopt;  // OS/2 has another header
   if (bytes.size() < kHeaders) return too_short(bytes);
   const auto height = static_cast<int32_t>(number(22, 4));
   const uint64_t width = number(18, 4), rows = height < 0 ? -int64_t{height} : height;

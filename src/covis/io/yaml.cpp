@@ -13,12 +13,13 @@
 namespace covis::io {
 namespace {
 
-constexpr size_t kMostNumbers = 1000;  // of a list: aliases make long lists of short files
+constexpr size_t kMostNumbers = 1000;  // a list's: aliases make long lists of short files
 
 // Looks for an alias within the node that it stands for: YAML::Node would be endless.
 class Aliases : public YAML::EventHandler {
  public:
-  int line() const { return line_; }  // of the first such alias, counted from 1; 0: there is none
+  // Returns the line of the first such alias, counted from 1; 0: there is none.
+  int line() const { return line_; }
 
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}

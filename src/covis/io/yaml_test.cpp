@@ -63,7 +63,7 @@ TEST_F(Yaml, WhatIsNoTextOrTooDeepIsSaid) {
   EXPECT_EQ((*wide)["a"].as<int>(), 1);
 }
 
-// What stands behind --- would be passed over without a word. An empty document, as rostopic prints it, is nothing.
+// The second document would be passed over without a word. An empty one, as rostopic prints it, does no harm.
 TEST_F(Yaml, ASecondDocumentIsRefusedWhereOneIsExpected) {
   write("two.yaml", "one: 1\n---\none: 2\n");
   EXPECT_TRUE(load_yaml(folder / "two.yaml"));

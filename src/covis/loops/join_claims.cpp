@@ -6,7 +6,6 @@
 #include <tuple>
 
 #include "covis/core/reserve.h"
-#include "covis/loops/key_frame_ways.h"
 #include "covis/loops/loop_consensus.h"
 #include "covis/loops/loop_detector.h"
 #include "covis/loops/loop_verifier.h"
@@ -125,10 +124,9 @@ JoinClaims JoinClaims::collect(const Map& map, Sensor sensor, const LoopOptions&
   return found;
 }
 
-std::vector<JoinGroup> group_claims(const Map& map, const std::vector<JoinClaim>& claims) {
+std::vector<JoinGroup> group_claims(const Map& map, const KeyFrameWays& ways, const std::vector<JoinClaim>& claims) {
   std::vector<JoinSides> sides;
   for (const JoinClaim& claim : claims) sides.emplace_back(map, claim);
-  const KeyFrameWays ways(map);
   Links links(claims.size());
   for (size_t a = 0; a < claims.size(); ++a) {
     std::vector<double> old_way, young_way;

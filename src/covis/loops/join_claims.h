@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "covis/loops/key_frame_ways.h"
 #include "covis/loops/loop_candidate.h"
 #include "covis/loops/loop_options.h"
 #include "covis/loops/loop_report.h"
@@ -66,7 +67,7 @@ struct JoinGroup {
   std::vector<size_t> claims;  // indices, the strongest (most points found again) first
 };
 
-// All groups, those of the most claims first. Equal ones by their submaps.
-std::vector<JoinGroup> group_claims(const Map& map, const std::vector<JoinClaim>& claims);
+// All groups, those of the most claims first. Equal ones by their submaps. `ways` are the map's.
+std::vector<JoinGroup> group_claims(const Map& map, const KeyFrameWays& ways, const std::vector<JoinClaim>& claims);
 
 }  // namespace covis

@@ -8,8 +8,6 @@
 #include <tuple>
 #include <utility>
 
-#include "covis/loops/key_frame_ways.h"
-
 namespace covis {
 namespace {
 
@@ -102,7 +100,8 @@ bool find_ambiguous(const std::vector<JoinClaim>& claims, const std::vector<Join
 
 }  // namespace
 
-SideBySide::SideBySide(const Map& map, const JoinClaims& found, const JoinGroup& group, LoopVerifier& verifier) {
+SideBySide::SideBySide(const Map& map, const KeyFrameWays& ways, const JoinClaims& found, const JoinGroup& group,
+                       LoopVerifier& verifier) {
   std::vector<Link> in_younger, in_older;
   for (const size_t k : group.claims) {
     const JoinSides side(map, found.claims[k]);
@@ -113,18 +112,17 @@ SideBySide::SideBySide(const Map& map, const JoinClaims& found, const JoinGroup&
   // Depths are metres, and poses in the other submap's world are in its unit.
   const bool both_metric = found.is_metric(group.younger) && found.is_metric(group.older);
   const Pinhole camera = both_metric ? map.camera() : map.camera().without_depth();
-  look(map, camera, group.younger, group.older, in_younger, verifier);
-  look(map, camera, group.older, group.younger, in_older, verifier);
+  look(map, ways, camera, group.younger, group.older, in_younger, verifier);
+  look(map, ways, camera, group.older, group.younger, in_older, verifier);
 }
 
-void SideBySide::look(const Map& map, const Pinhole& camera, uint32_t from, uint32_t to, const std::vector<Link>& links,
-                      LoopVerifier& verifier) {
+void SideBySide::look(const Map& map, const KeyFrameWays& ways, const Pinhole& camera, uint32_t from, uint32_t to,
+                      const std::vector<Link>& links, LoopVerifier& verifier) {
   constexpr double kWay = 1, kApart = 0.3, kTurned = std::numbers::pi / 9;  // shares of the depth; radians
   struct Nearest {
     double way = std::numeric_limits<double>::infinity();
     const Link* link = nullptr;
   };
-  const KeyFrameWays ways(map);
   std::vector<Nearest> nearest;  // by slot: the link that says where a key frame is
   for (const Link& link : links) {
     const std::vector<double> way = ways.from(link.here, kWay * link.depth / link.S_there_here.scale());
@@ -159,7 +157,8 @@ void SideBySide::look(const Map& map, const Pinhole& camera, uint32_t from, uint
 JoinPlan::JoinPlan(const Map& map, const JoinClaims& found, LoopVerifier& verifier) : pairs(all_pairs(map)) {
   note_refusals(map, found, pairs);
   const std::vector<JoinClaim>& claims = found.claims;
-  std::vector<JoinGroup> all = group_claims(map, claims);
+  const KeyFrameWays ways(map);
+  std::vector<JoinGroup> all = group_claims(map, ways, claims);
   std::set<KeyFrameId> unsure;
   while (find_ambiguous(claims, all, pairs, unsure)) {
     for (JoinGroup& group : all) {
@@ -175,7 +174,7 @@ JoinPlan::JoinPlan(const Map& map, const JoinClaims& found, LoopVerifier& verifi
       pair.refusal = pair.claims < kLeastClaims ? JoinRefusal::unconfirmed : JoinRefusal::too_small;
       continue;
     }
-    const SideBySide views(map, found, group, verifier);
+    const SideBySide views(map, ways, found, group, verifier);
     pair.views_agree = views.agree;
     pair.views_disagree = views.disagree;
     pair.views_contradict = views.contradict;

@@ -31,7 +31,8 @@ struct JoinPlan {
 struct SideBySide {
   int agree = 0, disagree = 0, contradict = 0;
 
-  SideBySide(const Map& map, const JoinClaims& found, const JoinGroup& group, LoopVerifier& verifier);
+  SideBySide(const Map& map, const KeyFrameWays& ways, const JoinClaims& found, const JoinGroup& group,
+             LoopVerifier& verifier);
 
  private:
   // A claim as one side has it.
@@ -40,8 +41,8 @@ struct SideBySide {
     Sim3 S_there_here;  // from the world of its submap to that of the other
     double depth = 0;   // median depth of the points, in the other one's unit
   };
-  void look(const Map& map, const Pinhole& camera, uint32_t from, uint32_t to, const std::vector<Link>& links,
-            LoopVerifier& verifier);
+  void look(const Map& map, const KeyFrameWays& ways, const Pinhole& camera, uint32_t from, uint32_t to,
+            const std::vector<Link>& links, LoopVerifier& verifier);
 };
 
 }  // namespace covis

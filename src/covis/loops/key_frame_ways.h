@@ -22,8 +22,8 @@ class KeyFrameWays {
 
  private:
   struct Edge {
-    uint32_t slot = 0;  // of the other key frame
-    double length = 0;
+    uint32_t slot = 0;  // the other key frame's
+    double length = 0;  // in the submap's unit
   };
   std::vector<Edge> edges_;      // in the order of the slots that they start at
   std::vector<uint32_t> first_;  // the first edge of each slot; one entry more than there are slots

@@ -17,9 +17,7 @@ int points_found_in(const Map& map, const Loop& loop, KeyFrameId member) {
   int shared = 0;
   for (const auto& [feature, point] : loop.matches) {
     const MapPoint* p = map.find(point);
-    if (!p) continue;
-    shared += std::any_of(p->observations.begin(), p->observations.end(),
-                          [&](const Observation& o) { return o.key_frame == member; });
+    shared += p && p->seen_by(member);
   }
   return shared;
 }
