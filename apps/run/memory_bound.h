@@ -14,9 +14,9 @@ namespace covis::app {
 // itself (docs/notes/014-memory-and-growth.md). An error when too little is left for a map.
 Result<int> map_megabytes(int megabytes, const Camera& camera, uint64_t vocabulary_bytes);
 
-// Gives each array of more than 4 kB, which is most of what a key frame has, pages of its own, which leave the process
-// when the key frame goes. In the common heap they would leave gaps that never quite fit what comes next. Must be
-// called before there are other threads; does nothing without the GNU C library.
+// Gives arrays of more than 4 kB, which are most of what a key frame has, pages of their own where no free piece of the
+// heap fits; these leave the process when the key frame goes, where a larger heap would keep gaps that never quite fit
+// what comes next. Must be called before there are other threads; does nothing without the GNU C library.
 void return_memory_at_once();
 
 }  // namespace covis::app
