@@ -69,7 +69,8 @@ def bmp(width, height, rows):
 def tiff(width, height, rows):
     """Not compressed, one strip. The directory follows the pixels."""
     pixels = b''.join(rows)
-    entries = [(256, 3, width), (257, 3, height), (258, 3, 8), (259, 3, 1), (262, 3, 1), (273, 4, 8), (277, 3, 1), (278, 3, height), (279, 4, len(pixels))]
+    entries = [(256, 3, width), (257, 3, height), (258, 3, 8), (259, 3, 1), (262, 3, 1), (273, 4, 8), (277, 3, 1), (278, 3, height),
+               (279, 4, len(pixels))]
     directory = struct.pack('<H', len(entries))
     for tag, kind, value in entries:
         directory += struct.pack('<HHII', tag, kind, 1, value)
@@ -217,7 +218,8 @@ def _record(fields, data):
 
 def ros1_image(stamp, width, height, encoding, data):
     head = struct.pack('<IIII', 0, stamp // 10**9, stamp % 10**9, 6) + b'camera'
-    return head + struct.pack('<III', height, width, len(encoding)) + encoding.encode() + struct.pack('<BII', 0, len(data) // height, len(data)) + data
+    return head + struct.pack('<III', height, width,
+                              len(encoding)) + encoding.encode() + struct.pack('<BII', 0, len(data) // height, len(data)) + data
 
 
 def ros1_bag(topic, kind, messages):

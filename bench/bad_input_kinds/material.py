@@ -86,7 +86,8 @@ class Material:
                          [('/camera/image_raw', 'sensor_msgs/msg/Image', t, formats.image_message(t, WIDTH, HEIGHT, 'mono8', b''.join(rows)))
                           for t, rows in zip(stamps, grey)])
         self.put('office.bag', formats.ros1_bag(b'/camera/image_raw', b'sensor_msgs/Image',
-                                                [(t, formats.ros1_image(t, WIDTH, HEIGHT, 'mono8', b''.join(rows))) for t, rows in zip(stamps, grey)]))
+                                                [(t, formats.ros1_image(t, WIDTH, HEIGHT, 'mono8', b''.join(rows))) for t,
+                                                 rows in zip(stamps, grey)]))
 
     def single_images(self, image):
         """The first image in each format; for kinds that put one into a recording."""

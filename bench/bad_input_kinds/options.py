@@ -18,10 +18,12 @@ def words():
     yield kind('an unknown sub-command of vocab', ['vocab', 'trian', 'mono'], 'trian', 'train')
     yield kind('map without a sub-command', ['map'], 'subcommand is required')
     yield kind('vocab without a sub-command', ['vocab'], 'subcommand is required')
-    for command, *needed in (('run',), ('eval', 'rgbd'), ('check',), ('localize', '--map', 'office.m'), ('calibrate', '--board', '9x6', '--square', '1'),
+    for command, *needed in (('run',), ('eval', 'rgbd'), ('check',), ('localize', '--map', 'office.m'),
+                             ('calibrate', '--board', '9x6', '--square', '1'),
                              ('synth', '--out', 'made'), ('view',)):
         yield kind(f'an unknown option of {command}', [command, 'rgbd', *needed, '--frobnicate', '3'], '--frobnicate')
-    for command, wanted in (('run', 'PATH'), ('eval', 'TRAJECTORY'), ('check', 'PATH'), ('localize', 'PATH'), ('calibrate', 'PATH'), ('synth', 'WORLD'),
+    for command, wanted in (('run', 'PATH'), ('eval', 'TRAJECTORY'), ('check', 'PATH'), ('localize', 'PATH'), ('calibrate', 'PATH'),
+                            ('synth', 'WORLD'),
                             ('view', 'PATH')):
         yield kind(f'{command} without its argument', [command], wanted)
     for command in ('info', 'check', 'prune', 'split', 'export'):
@@ -41,11 +43,14 @@ def words():
 
 
 def missing_values():
-    for option in ('--sensor', '--kind', '--camera', '--topic', '--first', '--count', '--stride', '--map', '--save-map', '--save-every', '--max-memory',
+    for option in ('--sensor', '--kind', '--camera', '--topic', '--first', '--count', '--stride', '--map', '--save-map', '--save-every',
+                   '--max-memory',
                    '--vocabulary', '--format', '--features', '--simd', '--config', '--set', '--view-host', '--out'):
         yield kind(f'run {option} at the end, without its value', ['run', 'rgbd', option], f'{option}')
-    for option in ('--camera', '--map', '--save-map', '--vocabulary', '--config', '--out', '--sensor', '--format', '--set', '--save-every', '--topic'):
-        yield kind(f'run {option} with an empty value', [*run('rgbd'), option, ''] if option != '--out' else ['run', 'rgbd', '--out', ''], f'{option}')
+    for option in ('--camera', '--map', '--save-map', '--vocabulary', '--config', '--out', '--sensor', '--format', '--set', '--save-every',
+                   '--topic'):
+        yield kind(f'run {option} with an empty value', [*run('rgbd'), option, ''] if option != '--out' else ['run', 'rgbd', '--out', ''],
+                   f'{option}')
     yield kind('an empty path', run(''), 'PATH|: it does not exist')
     yield kind('map merge --out with an empty value', ['map', 'merge', 'office.m', 'mono.m', '--out', ''], '--out')
     yield kind('eval --plot with an empty value', ['eval', 'trajectory.txt', 'truth.txt', '--plot', ''], '--plot')
@@ -72,17 +77,22 @@ def numbers():
 
 def run_options():
     for option, value, *says in (
-            ('--sensor', 'sonar', 'sonar', 'mono,rgbd,stereo'), ('--sensor', 'stereo', 'rgbd', '--sensor'), ('--sensor', 'RGBD', 'RGBD', 'mono,rgbd,stereo'),
+            ('--sensor', 'sonar', 'sonar', 'mono,rgbd,stereo'), ('--sensor', 'stereo', 'rgbd', '--sensor'),
+            ('--sensor', 'RGBD', 'RGBD', 'mono,rgbd,stereo'),
             ('--kind', 'disk', 'disk', 'kitti'), ('--kind', 'kitti', 'rgbd', 'image_0'), ('--kind', 'euroc', 'rgbd', 'sensor.yaml|cam0'),
             ('--kind', 'tartanair', 'rgbd', 'image_left'), ('--kind', 'openloris', 'color.txt'), ('--kind', 'bag', 'rgbd', 'metadata.yaml'),
             ('--kind', 'video', 'rgbd', 'folder|video'), ('--kind', 'camera', 'rgbd', 'number'), ('--format', 'csv', 'csv', 'euroc,kitti,tum'),
-            ('--simd', 'abacus', 'abacus', 'scalar'), ('--first', '12', 'rgbd', '12 frames', 'from frame 12'), ('--first', '9223372036854775807', 'rgbd', '12 frames'),
-            ('--save-every', 'x', '--save-every', '120s'), ('--save-every', '-1', '--save-every', '120s'), ('--save-every', '5m', '--save-every', '120s'),
+            ('--simd', 'abacus', 'abacus', 'scalar'), ('--first', '12', 'rgbd', '12 frames', 'from frame 12'),
+            ('--first', '9223372036854775807', 'rgbd', '12 frames'),
+            ('--save-every', 'x', '--save-every', '120s'), ('--save-every', '-1', '--save-every', '120s'),
+            ('--save-every', '5m', '--save-every', '120s'),
             ('--save-every', 'nans', '--save-every', '120s'), ('--save-every', '1e99s', '--save-every', '120s'),
             ('--save-every', '99999999999999999999', '--save-every', '120s'),
             ('--max-memory', '1', '--max-memory', 'at least'), ('--topic', '/camera', 'topic', 'bag'), ('--right-topic', '/camera', 'topic', 'bag'),
-            ('--vocabulary', 'gone.covis-voc', 'gone.covis-voc', "can't be opened|does not exist|there is no"), ('--map', 'gone.m', 'gone.m', "can't be opened|does not exist"),
-            ('--config', 'gone.yaml', 'gone.yaml', "can't be opened|does not exist"), ('--camera', 'gone.yaml', 'gone.yaml', "can't be opened|does not exist"),
+            ('--vocabulary', 'gone.covis-voc', 'gone.covis-voc', "can't be opened|does not exist|there is no"),
+            ('--map', 'gone.m', 'gone.m', "can't be opened|does not exist"),
+            ('--config', 'gone.yaml', 'gone.yaml', "can't be opened|does not exist"),
+            ('--camera', 'gone.yaml', 'gone.yaml', "can't be opened|does not exist"),
             ('--view-host', '0.0.0.0', '--view-host', '--view')):
         yield kind(f'run {option} {value}', run('rgbd', option, value), *says)
     yield kind('run --localize without a map', run('rgbd', '--localize'), '--localize', '--map')
@@ -109,13 +119,16 @@ def other_commands():
     yield kind('check with two inputs', ['check', 'rgbd', '--import-camera', 'camera.yaml'], '--import-camera')
     yield kind('check --import-camera as JSON', ['check', '--import-camera', 'camera.yaml', '--json'], '--json')
     yield kind('localize without a map', ['localize', 'rgbd', '--out', 'out/found.txt'], '--map is required')
-    yield kind('localize --set without a name', ['localize', 'rgbd', '--map', 'office.m', '--set', '=3', '--out', 'out/found.txt'], 'setting|NAME=VALUE')
+    yield kind('localize --set without a name', ['localize', 'rgbd', '--map', 'office.m', '--set', '=3', '--out', 'out/found.txt'],
+               'setting|NAME=VALUE')
     for name, options, *says in (('9by6', ['--board', '9by6'], '--board', 'COLUMNSxROWS'), ('2x2', ['--board', '2x2'], '--board', '3 to 100'),
                                  ('-9x6', ['--board=-9x6'], '--board', '3 to 100'), ('1000x3', ['--board', '1000x3'], '--board', '3 to 100'),
-                                 ('99999999999x6', ['--board', '99999999999x6'], '--board', '3 to 100'), ('9x6x5', ['--board', '9x6x5'], '--board', 'COLUMNSxROWS')):
+                                 ('99999999999x6', ['--board', '99999999999x6'], '--board', '3 to 100'),
+                                 ('9x6x5', ['--board', '9x6x5'], '--board', 'COLUMNSxROWS')):
         yield kind(f'calibrate --board {name}', ['calibrate', 'board', *options, '--square', '0.03', '--out', 'out/camera.yaml'], *says)
     for value in ('0', '-1', 'nan', 'inf', 'x'):
-        yield kind(f'calibrate --square={value}', ['calibrate', 'board', '--board', '9x6', f'--square={value}', '--out', 'out/camera.yaml'], '--square', 'positive')
+        yield kind(f'calibrate --square={value}', ['calibrate', 'board', '--board', '9x6', f'--square={value}', '--out', 'out/camera.yaml'],
+                   '--square', 'positive')
     calibrate = ['calibrate', 'board', '--board', '9x6', '--square', '0.03', '--out', 'out/camera.yaml']
     yield kind('calibrate without --board', ['calibrate', 'board', '--square', '0.03'], '--board is required')
     yield kind('calibrate without --square', ['calibrate', 'board', '--board', '9x6'], '--square is required')
@@ -124,15 +137,18 @@ def other_commands():
     yield kind('calibrate --marker larger than a square', [*calibrate, '--charuco', '--marker', '0.04'], '--marker', 'less')
     yield kind('calibrate --marker nan', [*calibrate, '--charuco', '--marker', 'nan'], '--marker')
     yield kind('calibrate with an unknown dictionary', [*calibrate, '--charuco', '--marker', '0.02', '--dictionary', '9X9_1'], '--dictionary', '4X4')
-    yield kind('calibrate with a dictionary that is too small', [*calibrate[:2], '--board', '90x60', '--square', '0.03', '--charuco', '--marker', '0.02'],
+    yield kind('calibrate with a dictionary that is too small', [*calibrate[:2], '--board', '90x60', '--square', '0.03', '--charuco', '--marker',
+                                                                 '0.02'],
                '--board', 'markers')
     yield kind('calibrate --stride 0', [*calibrate, '--stride', '0'], '--stride', '1')
-    yield kind('calibrate a board that is not in the images', ['calibrate', 'board', '--board', '8x8', '--square', '0.03', '--out', 'out/camera.yaml'], 'board')
+    yield kind('calibrate a board that is not in the images', ['calibrate', 'board', '--board', '8x8', '--square', '0.03', '--out',
+                                                               'out/camera.yaml'], 'board')
     yield kind('calibrate too few views', calibrate, 'board|views')
     yield kind('calibrate a folder without images', ['calibrate', 'colmap', *calibrate[2:]], 'colmap', 'no images')
     yield kind('calibrate a map as a video', ['calibrate', 'office.m', *calibrate[2:]], 'office.m', 'video')
     train = ['vocab', 'train', 'mono/images', '--quiet', '--overwrite', '--out', 'out/words.covis-voc']
-    for option, values in (('branching', ('1', '0', 'nan', '100000')), ('depth', ('0', '100', '2.5')), ('threads', ('-1', '5000')), ('memory', ('0', '-5', 'x')),
+    for option, values in (('branching', ('1', '0', 'nan', '100000')), ('depth', ('0', '100', '2.5')), ('threads', ('-1', '5000')),
+                           ('memory', ('0', '-5', 'x')),
                            ('iterations', ('0', '1001')), ('features', ('1', '99999')), ('seed', ('-1', '1e9'))):
         for value in values:
             yield kind(f'vocab train --{option}={value}', [*train, f'--{option}={value}'], option, 'whole number', 'from')
@@ -140,9 +156,12 @@ def other_commands():
     yield kind('vocab train over a file', [word for word in train if word != '--overwrite'], 'words.covis-voc', '--overwrite')
     yield kind('vocab convert over a file', ['vocab', 'convert', 'words.txt', 'out/words.covis-voc'], 'words.covis-voc', '--overwrite')
     synth = ['synth', 'room', '--quiet', '--out', 'made']
-    for option, values in (('frames', ('-1', '1e9', '2000000')), ('width', ('10', '100000', '320.5')), ('height', ('0', '-240')), ('fps', ('-1', 'nan', '1e9')),
-                           ('seed', ('-1', '2147483648')), ('focal', ('-1', 'inf')), ('noise', ('-1', '51')), ('baseline', ('-1', '11')), ('depth-noise', ('-1', 'x')),
-                           ('exposure', ('-1', '0.95')), ('blur', ('-1', '101')), ('distortion', ('-1', '2')), ('right-gain', ('0', '11')), ('right-offset', ('201',)),
+    for option, values in (('frames', ('-1', '1e9', '2000000')), ('width', ('10', '100000', '320.5')), ('height', ('0', '-240')),
+                           ('fps', ('-1', 'nan', '1e9')),
+                           ('seed', ('-1', '2147483648')), ('focal', ('-1', 'inf')), ('noise', ('-1', '51')), ('baseline', ('-1', '11')),
+                           ('depth-noise', ('-1', 'x')),
+                           ('exposure', ('-1', '0.95')), ('blur', ('-1', '101')), ('distortion', ('-1', '2')), ('right-gain', ('0', '11')),
+                           ('right-offset', ('201',)),
                            ('way', ('-1', '1e9')), ('light', ('-1', '0.5'))):
         for value in values:
             yield kind(f'synth --{option}={value}', [*synth, f'--{option}={value}'], option.replace('-', '[-_]'), 'must be', 'from')
@@ -169,8 +188,10 @@ def map_commands():
     yield kind('map merge of one file', ['map', 'merge', 'office.m', '--out', 'out/office.m'], 'office.m|FILES', 'two|2|several')
     yield kind('map merge of a file twice', ['map', 'merge', 'office.m', 'office.m', '--out', 'out/office.m'], 'office.m: given twice')
     yield kind('map merge over its input', ['map', 'merge', 'office.m', 'mono.m', '--out', 'mono.m'], 'mono.m', '--out')
-    yield kind('map merge with an unknown setting', ['map', 'merge', 'office.m', 'mono.m', '--out', 'out/office.m', '--set', 'loop.min_fuond=3'], 'min_fuond', 'min_found')
-    yield kind('map merge with a setting of tracking', ['map', 'merge', 'office.m', 'mono.m', '--out', 'out/office.m', '--set', 'tracker.min_inliers=30'], 'tracker.min_inliers')
+    yield kind('map merge with an unknown setting', ['map', 'merge', 'office.m', 'mono.m', '--out', 'out/office.m', '--set', 'loop.min_fuond=3'],
+               'min_fuond', 'min_found')
+    yield kind('map merge with a setting of tracking', ['map', 'merge', 'office.m', 'mono.m', '--out', 'out/office.m', '--set',
+                                                        'tracker.min_inliers=30'], 'tracker.min_inliers')
     yield kind('map merge without --out', ['map', 'merge', 'office.m', 'mono.m'], '--out is required')
     yield kind('map prune over its input', ['map', 'prune', 'office.m', '--key-frames', '2', '--out', 'office.m'], 'office.m', '--out')
     export = ['map', 'export', 'office.m', '--out', 'out/exported']
@@ -187,7 +208,8 @@ def map_commands():
     yield kind('map export with images that are not there', [*export, '--to', 'colmap', '--images', 'gone'], 'gone')
     yield kind('map import without --images', ['map', 'import', 'colmap/sparse/0', '--out', 'out/office.m'], '--images is required')
     for value in ('10', '40000', 'x'):
-        yield kind(f'map import --features {value}', ['map', 'import', 'colmap/sparse/0', '--images', 'rgbd/rgb', '--out', 'out/office.m', '--features', value], '--features')
+        yield kind(f'map import --features {value}', ['map', 'import', 'colmap/sparse/0', '--images', 'rgbd/rgb', '--out', 'out/office.m',
+                                                      '--features', value], '--features')
     yield kind('map info --picture in a folder that is not there', ['map', 'info', 'office.m', '--picture', 'gone/picture.png'], 'gone')
 
 

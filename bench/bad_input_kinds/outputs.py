@@ -3,11 +3,21 @@
 from .kinds import Kind, both, empty, fifo, folder_at, link, locked, run, write
 
 # Commands that write one file, by the option that names it.
-FILES = {'run --save-map': (lambda out: run('rgbd', '--save-map', out), 'm'), 'localize': (lambda out: ['localize', 'rgbd', '--map', 'office.m', '--out', out], 'txt'), 'map merge': (lambda out: ['map', 'merge', 'office.m', 'mono.m', '--out', out], 'm'),
-         'map prune': (lambda out: ['map', 'prune', 'office.m', '--key-frames', '2', '--out', out], 'm'), 'map import': (lambda out: ['map', 'import', 'colmap/sparse/0', '--images', 'colmap/images', '--out', out], 'm'), 'map export ply': (lambda out: ['map', 'export', 'office.m', '--to', 'ply', '--out', out], 'ply'),
-         'map export tum': (lambda out: ['map', 'export', 'office.m', '--to', 'tum', '--out', out], 'txt'), 'map info --picture': (lambda out: ['map', 'info', 'office.m', '--picture', out], 'png'), 'eval --plot': (lambda out: ['eval', 'trajectory.txt', 'truth.txt', '--plot', out], 'png'),
-         'vocab train': (lambda out: ['vocab', 'train', 'mono/images', '--branching', '4', '--depth', '3', '--quiet', '--overwrite', '--out', out], 'covis-voc'), 'vocab convert': (lambda out: ['vocab', 'convert', 'words.txt', out, '--overwrite'], 'covis-voc'), 'check': (lambda out: ['check', 'rgbd', '--out', out], 'png')}
-FOLDERS = {'run': lambda out: run('rgbd', out=out), 'map split': lambda out: ['map', 'split', 'office.m', '--around', '0,0,0,100', '--out', out], 'map export colmap': lambda out: ['map', 'export', 'office.m', '--to', 'colmap', '--out', out], 'synth': lambda out: ['synth', 'room', '--frames', '2', '--quiet', '--overwrite', '--out', out]}
+FILES = {'run --save-map': (lambda out: run('rgbd', '--save-map',
+                                            out), 'm'), 'localize': (lambda out: ['localize', 'rgbd', '--map', 'office.m', '--out', out], 'txt'),
+         'map merge': (lambda out: ['map', 'merge', 'office.m', 'mono.m', '--out', out], 'm'),
+         'map prune': (lambda out: ['map', 'prune', 'office.m', '--key-frames', '2', '--out', out], 'm'),
+         'map import': (lambda out: ['map', 'import', 'colmap/sparse/0', '--images', 'colmap/images', '--out', out], 'm'),
+         'map export ply': (lambda out: ['map', 'export', 'office.m', '--to', 'ply', '--out', out], 'ply'),
+         'map export tum': (lambda out: ['map', 'export', 'office.m', '--to', 'tum', '--out', out], 'txt'),
+         'map info --picture': (lambda out: ['map', 'info', 'office.m', '--picture', out], 'png'),
+         'eval --plot': (lambda out: ['eval', 'trajectory.txt', 'truth.txt', '--plot', out], 'png'),
+         'vocab train': (lambda out: ['vocab', 'train', 'mono/images', '--branching', '4', '--depth', '3', '--quiet', '--overwrite', '--out', out],
+                         'covis-voc'), 'vocab convert': (lambda out: ['vocab', 'convert', 'words.txt', out, '--overwrite'], 'covis-voc'),
+         'check': (lambda out: ['check', 'rgbd', '--out', out], 'png')}
+FOLDERS = {'run': lambda out: run('rgbd', out=out), 'map split': lambda out: ['map', 'split', 'office.m', '--around', '0,0,0,100', '--out', out],
+           'map export colmap': lambda out: ['map', 'export', 'office.m', '--to', 'colmap', '--out', out],
+           'synth': lambda out: ['synth', 'room', '--frames', '2', '--quiet', '--overwrite', '--out', out]}
 MAPS = ('run --save-map', 'map merge', 'map prune', 'map import')
 
 
@@ -23,31 +33,45 @@ def after_the_run(name):
 def files():
     for name, (words, ending) in FILES.items():
         yield Kind('outputs', f'{name}: a folder that is not there', words(f'gone/new.{ending}'), ['gone'])
-        yield Kind('outputs', f'{name}: a file where the folder should be', words(f'camera.yaml/new.{ending}'), ['camera.yaml'], needs=('camera.yaml',))
-        yield Kind('outputs', f'{name}: a folder in the way', words(f'new.{ending}'), [f'new.{ending}'.replace('.', r'\.'), 'folder|directory|regular|map'], both(folder_at(f'new.{ending}'), write(f'new.{ending}/a', 'x')))
-        yield Kind('outputs', f'{name}: a folder without the right to write', words(f'locked/new.{ending}'), ['locked', 'Permission denied'], both(folder_at('locked'), locked('locked', 0o555)), as_nobody=True,
+        yield Kind('outputs', f'{name}: a file where the folder should be', words(f'camera.yaml/new.{ending}'), ['camera.yaml'],
+                   needs=('camera.yaml',))
+        yield Kind('outputs', f'{name}: a folder in the way', words(f'new.{ending}'),
+                   [f'new.{ending}'.replace('.', r'\.'), 'folder|directory|regular|map'],
+                   both(folder_at(f'new.{ending}'), write(f'new.{ending}/a', 'x')))
+        yield Kind('outputs', f'{name}: a folder without the right to write', words(f'locked/new.{ending}'), ['locked', 'Permission denied'],
+                   both(folder_at('locked'), locked('locked', 0o555)), as_nobody=True,
                    changes=after_the_run(name))
         yield Kind('outputs', f'{name}: a name of 300 characters', words('x' * 300 + f'.{ending}'), ['too long'])
-        yield Kind('outputs', f'{name}: /dev/full', words(f'new.{ending}'), [f'new.{ending}'.replace('.', r'\.'), 'No space left|map'], link(f'new.{ending}', '/dev/full'), changes=after_the_run(name))
+        yield Kind('outputs', f'{name}: /dev/full', words(f'new.{ending}'), [f'new.{ending}'.replace('.', r'\.'), 'No space left|map'],
+                   link(f'new.{ending}', '/dev/full'), changes=after_the_run(name))
     for name in MAPS:
         words, _ = FILES[name]
-        for what, damage in (('a text', write('new.m', 'my notes\n')), ('an image', write('new.m', b'\x89PNG\r\n\x1a\n')), ('a vocabulary', write('new.m', b'COVISVOC' + bytes(99))), ('a pipe', fifo('new.m'))):
-            yield Kind('outputs', f'{name}: {what} in the way', words('new.m'), [r'new\.m', 'map|regular|pipe that nobody reads'], damage, changes=after_the_run(name) if what == 'a pipe' else ())
+        for what, damage in (('a text', write('new.m', 'my notes\n')), ('an image', write('new.m', b'\x89PNG\r\n\x1a\n')),
+                             ('a vocabulary', write('new.m', b'COVISVOC' + bytes(99))), ('a pipe', fifo('new.m'))):
+            yield Kind('outputs', f'{name}: {what} in the way', words('new.m'), [r'new\.m', 'map|regular|pipe that nobody reads'], damage,
+                       changes=after_the_run(name) if what == 'a pipe' else ())
 
 
 def folders():
     for name, words in FOLDERS.items():
         yield Kind('outputs', f'{name}: a file where the folder should be', words('camera.yaml'), ['camera.yaml'])
         yield Kind('outputs', f'{name}: a file on the way to the folder', words('camera.yaml/new'), ['camera.yaml'])
-        yield Kind('outputs', f'{name}: no right to make the folder', words('locked/new'), ['locked', 'Permission denied'], both(folder_at('locked'), locked('locked', 0o555)), as_nobody=True)
-        yield Kind('outputs', f'{name}: no right to write into the folder', words('locked'), ['locked', 'Permission denied'], both(folder_at('locked'), locked('locked', 0o555)), as_nobody=True)
+        yield Kind('outputs', f'{name}: no right to make the folder', words('locked/new'), ['locked', 'Permission denied'],
+                   both(folder_at('locked'), locked('locked', 0o555)), as_nobody=True)
+        yield Kind('outputs', f'{name}: no right to write into the folder', words('locked'), ['locked', 'Permission denied'],
+                   both(folder_at('locked'), locked('locked', 0o555)), as_nobody=True)
         yield Kind('outputs', f'{name}: a name of 300 characters', words('x' * 300), ['too long'])
         yield Kind('outputs', f'{name}: a link to nothing on the way', words('way/new'), ['way'], link('way', 'gone/there'))
-    yield Kind('outputs', 'run --save-map: the kept images would go into a folder of other things', run('rgbd', '--save-map', 'new.m', '--keep-images'), ['new.m.images', 'other things'], write('new.m.images/letter.txt', 'x'))
-    yield Kind('outputs', 'synth over a folder of other things', ['synth', 'room', '--frames', '2', '--quiet', '--out', 'things'], ['things', 'not empty'], write('things/letter.txt', 'x'))
-    yield Kind('outputs', 'check --import-camera: a folder in the way', ['check', '--import-camera', 'colmap/sparse/0/cameras.txt', '--out', 'new.yaml'], ['new.yaml'], both(folder_at('new.yaml'), write('new.yaml/a', 'x')))
+    yield Kind('outputs', 'run --save-map: the kept images would go into a folder of other things',
+               run('rgbd', '--save-map', 'new.m', '--keep-images'), ['new.m.images', 'other things'], write('new.m.images/letter.txt', 'x'))
+    yield Kind('outputs', 'synth over a folder of other things', ['synth', 'room', '--frames', '2', '--quiet', '--out', 'things'],
+               ['things', 'not empty'], write('things/letter.txt', 'x'))
+    yield Kind('outputs', 'check --import-camera: a folder in the way', ['check', '--import-camera', 'colmap/sparse/0/cameras.txt', '--out',
+                                                                         'new.yaml'], ['new.yaml'],
+               both(folder_at('new.yaml'), write('new.yaml/a', 'x')))
     for name in ('trajectory.txt', 'map.ply', 'summary.json', 'stats.jsonl', 'report.html', 'keyframes.txt', 'scene.bin'):
-        yield Kind('outputs', f'run: a folder in the place of {name}', run('rgbd'), [name.replace('.', r'\.'), 'folder|directory'], both(folder_at(f'out/{name}'), write(f'out/{name}/a', 'x')), needs=('out',), changes=('out',))
+        yield Kind('outputs', f'run: a folder in the place of {name}', run('rgbd'), [name.replace('.', r'\.'), 'folder|directory'],
+                   both(folder_at(f'out/{name}'), write(f'out/{name}/a', 'x')), needs=('out',), changes=('out',))
 
 
 def full_disks():
@@ -55,10 +79,14 @@ def full_disks():
     for name, (words, ending) in FILES.items():
         for limit in (1, 150):
             out = f'out/new.{ending}'
-            yield Kind('outputs', f'{name}: room for {limit} bytes', words(out), ['too large|too big|no space|written'], file_limit=limit, needs=('out',), changes=after_the_run(name))
-        yield Kind('outputs', f'{name}: room for 150 bytes, an older one there', words(f'older.{ending}'), ['too large|too big|no space|written'], _older(name, ending), needs=('office.m', 'out'), file_limit=150, changes=after_the_run(name))
-    yield Kind('outputs', 'run: room for 1000 bytes', run('rgbd'), ['too large|too big|no space|written'], file_limit=1000, needs=('out',), changes=('out',))
-    yield Kind('outputs', 'synth: room for 1000 bytes', ['synth', 'room', '--frames', '2', '--quiet', '--out', 'new'], ['new', 'too large|too big|no space|written'], file_limit=1000, changes=('new',))
+            yield Kind('outputs', f'{name}: room for {limit} bytes', words(out), ['too large|too big|no space|written'], file_limit=limit,
+                       needs=('out',), changes=after_the_run(name))
+        yield Kind('outputs', f'{name}: room for 150 bytes, an older one there', words(f'older.{ending}'), ['too large|too big|no space|written'],
+                   _older(name, ending), needs=('office.m', 'out'), file_limit=150, changes=after_the_run(name))
+    yield Kind('outputs', 'run: room for 1000 bytes', run('rgbd'), ['too large|too big|no space|written'], file_limit=1000, needs=('out',),
+               changes=('out',))
+    yield Kind('outputs', 'synth: room for 1000 bytes', ['synth', 'room', '--frames', '2', '--quiet', '--out', 'new'],
+               ['new', 'too large|too big|no space|written'], file_limit=1000, changes=('new',))
 
 
 def _older(name, ending):
