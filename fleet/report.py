@@ -40,7 +40,8 @@ def gather(site: pathlib.Path, manifest: Manifest, plan: Plan) -> Json:
             sensors = sorted({one['sensors'][name] for name in submap})
             places.append({'file': published(m), 'submap': s, 'sensor': ', '.join(sensors), 'kind': one['kind'],
                            'recordings': sorted(submap), 'key_frames': sum(submap.values()),
-                           'ate_m': error.get('ate_m', {}).get('rmse'), 'with_truth': error.get('associated')})
+                           'ate_m': error.get('ate_m', {}).get('rmse'), 'with_truth': error.get('associated'),
+                           'path_m': error.get('recordings_path_m')})
     recordings: list[Json] = []
     for key, node in plan.nodes.items():
         if node.recording:
@@ -77,9 +78,14 @@ def metres(value: float | None) -> str:
     return '' if value is None else f'{value:.4f}'
 
 
+def of_the_path(place: Json) -> str:
+    """The error of a place as a share of the path of its recordings."""
+    return f'{100 * place["ate_m"] / place["path_m"]:.3f} %' if place['ate_m'] is not None and place['path_m'] else ''
+
+
 def page(data: Json) -> str:
     total = data['total']
-    places = [[i, p['file'], p['submap'], p['sensor'], ', '.join(p['recordings']), p['key_frames'], metres(p['ate_m'])]
+    places = [[i, p['file'], p['submap'], p['sensor'], ', '.join(p['recordings']), p['key_frames'], metres(p['ate_m']), of_the_path(p)]
               for i, p in enumerate(data['places'])]
     recordings = []
     for r in data['recordings']:
@@ -100,7 +106,7 @@ def page(data: Json) -> str:
     return ('<!doctype html><meta charset="utf-8"><title>Site</title>\n<style>body{font:14px sans-serif;margin:2em}'
             'td,th{padding:2px 8px;text-align:left;border-bottom:1px solid #ddd;vertical-align:top}</style>\n'
             f'<h1>Site</h1><p>{html.escape(text)}</p>\n<h2>Places</h2>\n<p>A place is a submap: recordings that were joined.</p>\n' +
-            table(['place', 'file', 'submap', 'sensor', 'recordings', 'key frames', 'ATE, m'], places) + '<h2>Recordings</h2>\n' +
+            table(['place', 'file', 'submap', 'sensor', 'recordings', 'key frames', 'ATE, m', 'of the path'], places) + '<h2>Recordings</h2>\n' +
             table(['recording', 'state', 'places', 'frames', 'tracked', 'ATE alone, m', 's', 'CPU s', 'MB', 'node', 'remarks'],
                   recordings) + '<h2>Merges</h2>\n' +
             table(['job', 'recordings', 'key frames', 's', 'CPU s', 'MB', 'node', 'remarks'], merges))

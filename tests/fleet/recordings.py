@@ -8,6 +8,7 @@ import shutil
 import subprocess
 
 FRAMES, FPS, PIECE = 160, 8, 60
+WIDTH, HEIGHT = 640, 480
 
 
 def lines_of(file: pathlib.Path) -> list[str]:
@@ -17,7 +18,7 @@ def lines_of(file: pathlib.Path) -> list[str]:
 def render(covis: pathlib.Path, folder: pathlib.Path, sensor: str, seed: int) -> None:
     if not (folder / 'groundtruth.txt').exists():
         subprocess.run([covis, 'synth', 'room', '--sensor', sensor, '--seed', str(seed), '--frames', str(FRAMES), '--fps',
-                        str(FPS), '--width', '320', '--height', '240', '--quiet', '--overwrite', '--out', folder], check=True)
+                        str(FPS), '--width', str(WIDTH), '--height', str(HEIGHT), '--quiet', '--overwrite', '--out', folder], check=True)
 
 
 def piece(walk: pathlib.Path, first: int, count: int, out: pathlib.Path) -> None:
