@@ -211,11 +211,12 @@ std::vector<KeyFrameId> beside(const Map& map, KeyFrameId current, const LoopPla
   return list;
 }
 
-int fuse_around(SharedMap& shared, const std::vector<KeyFrameId>& targets, const LoopPlace& place, PointFuser& fuser) {
+int fuse_around(SharedMap& shared, const std::vector<KeyFrameId>& targets, const LoopPlace& place, PointFuser& fuser,
+                FuseMemory* memory) {
   int fused = 0;
   for (const KeyFrameId& target : targets) {
     fused += fuser.fuse(shared, target, place.points.id,
-                        {.window = 4, .keep = FuseKeep::given, .error = MatchError::not_asked});
+                        {.window = 4, .keep = FuseKeep::given, .error = MatchError::not_asked}, memory);
   }
   return fused;
 }

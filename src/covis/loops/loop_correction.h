@@ -91,7 +91,8 @@ int fuse_loop(SharedMap& map, KeyFrameId current, const Loop& loop, PointFuser& 
 // `targets`. The second leaves what is derived from the points' observations as it is, so that several loops share one
 // refresh_points_of() the targets.
 int fuse_matches(SharedMap& map, KeyFrameId current, const std::vector<std::pair<uint32_t, MapPointId>>& matches);
-int fuse_around(SharedMap& map, const std::vector<KeyFrameId>& targets, const LoopPlace& place, PointFuser& fuser);
+int fuse_around(SharedMap& map, const std::vector<KeyFrameId>& targets, const LoopPlace& place, PointFuser& fuser,
+                FuseMemory* memory = nullptr);
 // The current key frame and its neighbours, without those of the place.
 std::vector<KeyFrameId> beside(const Map& map, KeyFrameId current, const LoopPlace& place);
 

@@ -74,7 +74,7 @@ class Joining {
   uint32_t kept(uint32_t a, uint32_t b) const;
   bool consistent(const JoinClaim& claim) const;
   void tie(uint32_t submap);
-  int fuse(const JoinClaim& claim, std::vector<FusedPlace>& fused);
+  int fuse(const JoinClaim& claim, std::vector<FusedPlace>& fused, FuseMemory& memory);
   void fuse_seams(uint32_t submap);
 
   SharedMap& map_;
@@ -161,14 +161,14 @@ void Joining::tie(uint32_t submap) {
   maps_.at(submap).correction = graph.greatest_move();
 }
 
-int Joining::fuse(const JoinClaim& claim, std::vector<FusedPlace>& fused) {
+int Joining::fuse(const JoinClaim& claim, std::vector<FusedPlace>& fused, FuseMemory& memory) {
   const int matched = fuse_matches(map_, claim.current, claim.matches);
   const auto done = [&](const FusedPlace& before) { return before.has(claim.current, claim.place); };
   if (std::any_of(fused.begin(), fused.end(), done)) return matched;
   LoopPlace place(*map_.read(), claim.place);
   FusedPlace& now = fused.emplace_back();
   now.targets = beside(*map_.read(), claim.current, place);
-  const int around = fuse_around(map_, now.targets, place, fuser_);
+  const int around = fuse_around(map_, now.targets, place, fuser_, &memory);
   now.group = std::move(place.group);
   std::sort(now.targets.begin(), now.targets.end());
   std::sort(now.group.begin(), now.group.end());
@@ -186,7 +186,9 @@ void Joining::fuse_seams(uint32_t submap) {
       if (std::any_of(neighbours.begin(), neighbours.end(), other)) seams.push_back(id);
     }
   }
-  for (const KeyFrameId& id : seams) fuse_neighbours_unrefreshed(map_, id, settings_.sensor, settings_.mapper, fuser_);
+  FuseMemory memory;
+  for (const KeyFrameId& id : seams)
+    fuse_neighbours_unrefreshed(map_, id, settings_.sensor, settings_.mapper, fuser_, &memory);
   refresh_points_of(map_, seams);
 }
 
@@ -195,9 +197,10 @@ void Joining::tie_and_fuse() {
     if (made.of.size() > 1) tie(id);
   }
   std::vector<FusedPlace> fused;
+  FuseMemory memory;
   for (const JoinGroup* group : joined_) {
     JoinedPair& pair = pair_of(*group);
-    for (const size_t k : group->claims) pair.fused += fuse(claims_[k], fused);
+    for (const size_t k : group->claims) pair.fused += fuse(claims_[k], fused, memory);
   }
   std::set<KeyFrameId> stale;
   for (const FusedPlace& place : fused) stale.insert(place.targets.begin(), place.targets.end());

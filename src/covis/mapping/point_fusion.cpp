@@ -25,7 +25,7 @@ std::vector<KeyFrameId> neighbourhood(const Map& map, KeyFrameId current, int ne
 }  // namespace
 
 int fuse_neighbours_unrefreshed(SharedMap& shared, KeyFrameId current, Sensor sensor, const MapperOptions& options,
-                                PointFuser& fuser) {
+                                PointFuser& fuser, FuseMemory* memory) {
   std::vector<KeyFrameId> targets;
   std::vector<MapPointId> own;
   {
@@ -37,9 +37,9 @@ int fuse_neighbours_unrefreshed(SharedMap& shared, KeyFrameId current, Sensor se
   }
   const FuseOptions fuse_options{.window = options.fuse_window};
   int fused = 0;
-  for (const KeyFrameId& target : targets) fused += fuser.fuse(shared, target, own, fuse_options);
+  for (const KeyFrameId& target : targets) fused += fuser.fuse(shared, target, own, fuse_options, memory);
   const std::vector<MapPointId> others = points_of(*shared.read(), targets);
-  return fused + fuser.fuse(shared, current, others, fuse_options);
+  return fused + fuser.fuse(shared, current, others, fuse_options, memory);
 }
 
 int fuse_neighbours(SharedMap& shared, KeyFrameId current, Sensor sensor, const MapperOptions& options,

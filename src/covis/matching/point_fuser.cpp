@@ -6,7 +6,7 @@
 namespace covis {
 
 int PointFuser::fuse(SharedMap& shared, KeyFrameId target, const std::vector<MapPointId>& points,
-                     const FuseOptions& options) {
+                     const FuseOptions& options, FuseMemory* memory) {
   FeaturesPtr features;
   SE3 T_cw;
   Pinhole camera;
@@ -24,13 +24,21 @@ int PointFuser::fuse(SharedMap& shared, KeyFrameId target, const std::vector<Map
     };
     for (const MapPointId& held : points) {
       const MapPointId id = map->forwarded(held);
+      if (memory && memory->has(target, id)) continue;
       const MapPoint* point = map->find(id);
       if (!point || point->seen_by(target)) continue;
       // The points of a neighbourhood are many, and few of them are in view.
-      if (in_view(*point)) candidates_.add(id, *point);
+      if (in_view(*point)) {
+        candidates_.add(id, *point);
+      } else if (memory) {
+        memory->add(target, id);
+      }
     }
   }
   matcher_.match(candidates_, {camera, *features, T_cw}, MatchGate::fusion(options.window, options.error));
+  if (memory) {
+    for (const uint32_t k : matcher_.unlike()) memory->add(target, candidates_.id[k]);
+  }
   if (matcher_.matches().empty()) return 0;
 
   // No MapEdit: callers fuse into several key frames with the descriptors of before, and refresh the points at the end.

@@ -3,9 +3,11 @@
 // Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, sections VI-C and VII-C.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "covis/map/shared_map.h"
+#include "covis/matching/fuse_memory.h"
 #include "covis/matching/projection_match.h"
 
 namespace covis {
@@ -25,8 +27,10 @@ class PointFuser {
   // Looks for the points in the target and writes what it finds to the map: a feature without a point gets an
   // observation, and of two points one replaces the other. Reads and writes under guards of its own, and matches
   // without one. Points that the target observes already, and stale ones, are passed over; a stale target has none.
-  // Returns the number of points merged and observations added.
-  int fuse(SharedMap& map, KeyFrameId target, const std::vector<MapPointId>& points, const FuseOptions& options);
+  // Returns the number of points merged and observations added. What `memory` has is not searched again, and what
+  // this search does not find is added to it.
+  int fuse(SharedMap& map, KeyFrameId target, const std::vector<MapPointId>& points, const FuseOptions& options,
+           FuseMemory* memory = nullptr);
 
  private:
   PointSet candidates_;

@@ -47,6 +47,7 @@ ProjectionMatcher::ProjectionMatcher() {
   source_.reserve(kPoints);
   found_.reserve(kPoints);
   in_view_.reserve(kPoints);
+  unlike_.reserve(kPoints);
   matches_.reserve(kFeatures);
   angle_then_.reserve(kFeatures);
   angle_now_.reserve(kFeatures);
@@ -111,8 +112,10 @@ int ProjectionMatcher::match(const PointSet& points, const Frame& frame, const M
       .max_distance = gate.max_distance, .ratio = gate.ratio, .within_bound = gate.error == MatchError::within_bound};
   windows_.match(frame.features, queries_, taken, frame.camera, options, found_);
   matches_.clear();
+  unlike_.clear();
   for (size_t q = 0; q < found_.size(); ++q) {
     if (found_[q] >= 0) matches_.push_back({static_cast<uint32_t>(found_[q]), source_[q]});
+    if (found_[q] == WindowMatcher::kUnlike) unlike_.push_back(source_[q]);
   }
   return in_view;
 }

@@ -88,6 +88,8 @@ class ProjectionMatcher {
             std::span<const uint8_t> taken = {});
 
   const std::vector<PointMatch>& matches() const { return matches_; }
+  // The points in view that look like no feature near them, by rising point.
+  const std::vector<uint32_t>& unlike() const { return unlike_; }
   // For each point of the last search whether it was in view.
   const std::vector<uint8_t>& in_view() const { return in_view_; }
   // Drops the matches whose keypoints turned otherwise than the bulk: angle[k] is the orientation of point k when it
@@ -103,8 +105,9 @@ class ProjectionMatcher {
   WindowMatcher windows_;
   std::vector<WindowQuery> queries_;
   std::vector<uint32_t> source_;  // for each query its point
-  std::vector<int32_t> found_;    // for each query its feature, or -1
+  std::vector<int32_t> found_;    // for each query its feature, or below 0
   std::vector<PointMatch> matches_;
+  std::vector<uint32_t> unlike_;
   std::vector<uint8_t> in_view_;
   std::vector<float> angle_then_, angle_now_;
   std::vector<uint8_t> keep_;

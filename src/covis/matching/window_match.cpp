@@ -58,7 +58,7 @@ bool error_within_bound(const Features& features, size_t i, const WindowQuery& q
 int WindowMatcher::match(const Features& features, std::span<const WindowQuery> queries, std::span<const uint8_t> taken,
                          const Pinhole& camera, const WindowMatchOptions& options, std::vector<int32_t>& match) {
   reserve_ahead(match, queries.size());
-  match.assign(queries.size(), -1);
+  match.assign(queries.size(), kUnlike);
   reserve_ahead(owner_, static_cast<size_t>(features.size()));
   owner_.assign(static_cast<size_t>(features.size()), Owner{});
   int count = 0;
@@ -79,8 +79,11 @@ int WindowMatcher::match(const Features& features, std::span<const WindowQuery> 
     }
     Owner& owner = owner_[static_cast<size_t>(best.index)];
     if (owner.query >= 0) {
-      if (owner.distance <= best.best) continue;
-      match[static_cast<size_t>(owner.query)] = -1;
+      if (owner.distance <= best.best) {
+        match[q] = kGivenAway;
+        continue;
+      }
+      match[static_cast<size_t>(owner.query)] = kGivenAway;
       --count;
     }
     owner = {static_cast<int32_t>(q), best.best};

@@ -27,7 +27,7 @@ TEST(WindowMatch, FindsTheMostSimilarInTheWindowOnly) {
   EXPECT_EQ(match[0], 0);
   // Too different.
   EXPECT_EQ(matcher.match(f, queries, {}, {}, {.max_distance = 9}, match), 0);
-  EXPECT_EQ(match[0], -1);
+  EXPECT_EQ(match[0], WindowMatcher::kUnlike);
 }
 
 TEST(WindowMatch, RatioIsAskedWithinOneLevelOnly) {
@@ -56,9 +56,9 @@ TEST(WindowMatch, AFeatureGoesToTheMoreSimilarQuery) {
   std::vector<int32_t> match;
   const WindowQuery qa{100, 100, 0, 10, 0, 0, &a}, qb{100, 100, 0, 10, 0, 0, &b};
   EXPECT_EQ(matcher.match(f, std::vector{qa, qb}, {}, {}, {}, match), 1);
-  EXPECT_EQ(match, (std::vector<int32_t>{0, -1}));
+  EXPECT_EQ(match, (std::vector<int32_t>{0, WindowMatcher::kGivenAway}));
   EXPECT_EQ(matcher.match(f, std::vector{qb, qa}, {}, {}, {}, match), 1);
-  EXPECT_EQ(match, (std::vector<int32_t>{-1, 0}));
+  EXPECT_EQ(match, (std::vector<int32_t>{WindowMatcher::kGivenAway, 0}));
 }
 
 TEST(WindowMatch, ChecksTheDepthAndTheError) {
