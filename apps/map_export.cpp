@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "common.h"
@@ -86,7 +87,7 @@ Result<void> write_images(const ExportArguments& a, std::vector<Scene>& scenes) 
   return {};
 }
 
-Result<void> write_folder(Format format, const ExportArguments& a, std::vector<Scene>& scenes) {
+Result<void> fill_folder(Format format, const ExportArguments& a, std::vector<Scene>& scenes) {
   if (format == Format::bundler) {
     for (Scene& scene : scenes) scene = exchange::centred(scene);
   }
@@ -104,6 +105,15 @@ Result<void> write_folder(Format format, const ExportArguments& a, std::vector<S
     if (!written) return written;
   }
   return {};
+}
+
+// A folder that this export made goes again when the export fails: the half of a model would look like a whole one.
+Result<void> write_folder(Format format, const ExportArguments& a, std::vector<Scene>& scenes) {
+  std::error_code error;
+  const bool ours = !fs::exists(fs::symlink_status(a.out, error));
+  auto written = fill_folder(format, a, scenes);
+  if (!written && ours) fs::remove_all(a.out, error);
+  return written;
 }
 
 Result<exchange::GeoReference> reference_of(const ExportArguments& a) {

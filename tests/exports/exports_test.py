@@ -55,6 +55,11 @@ def info():
     return json.loads(run(COVIS, 'map', 'info', MAP, '--json'))
 
 
+def contents(folder):
+    """The bytes of each file in a folder, by its name."""
+    return {str(f.relative_to(folder)): f.read_bytes() for f in folder.rglob('*') if f.is_file()}
+
+
 def analysed(model):
     """Figures of COLMAP's model_analyzer."""
     text = run('colmap', 'model_analyzer', '--path', model)
@@ -197,13 +202,81 @@ class Refused(unittest.TestCase):
     def test_a_folder_that_cant_be_made_is_said(self):
         self.assertIn('/dev/full', self.refusal(MAP, '--to', 'colmap', '--out', '/dev/full/model'))
 
-    def test_a_full_disk_is_said(self):
-        """A limit on the size of files is to the command what a full disk is."""
-        out = WORK / 'too_large.ply'
-        done = subprocess.run(['prlimit', '--fsize=4096', str(COVIS), 'map', 'export', str(MAP), '--to', 'ply', '--out', str(out)],
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        self.assertNotEqual(done.returncode, 0)
-        self.assertFalse(out.exists())
+
+class FullDisk(unittest.TestCase):
+    """A limit on the size of files is to the command what a full disk is."""
+    def limited(self, size, *command):
+        """Exit code and messages, where no file may have more than so many bytes."""
+        done = subprocess.run(['prlimit', f'--fsize={size}', *(str(c) for c in command)], stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True)
+        return done.returncode, [line for line in done.stdout.splitlines() if not line.startswith('info: ')]
+
+    def test_each_export_says_so_once_and_leaves_nothing(self):
+        for to, more in (('ply', ()), ('tum', ()), ('kitti', ()), ('geojson', ('--origin', '48', '16')), ('colmap', ()),
+                         ('nerfstudio', ()), ('bundler', ())):
+            with self.subTest(to=to):
+                beside = WORK / f'full_{to}'
+                beside.mkdir()
+                out = beside / 'out'
+                command = [COVIS, 'map', 'export', MAP, '--to', to, '--out', out, *more]
+                run(*command)
+                largest = max((f for f in [out, *out.rglob('*')] if f.is_file()), key=lambda f: f.stat().st_size)
+                nearly_enough = largest.stat().st_size - 1
+                whole = contents(beside)
+                for room in (0, nearly_enough):
+                    self.assertEqual(self.limited(room, *command)[0], 1)
+                    self.assertEqual(contents(beside), whole, 'an earlier export is changed')
+                shutil.rmtree(out) if out.is_dir() else out.unlink()
+                for room, file in ((0, out), (nearly_enough, largest)):
+                    code, messages = self.limited(room, *command)
+                    self.assertEqual((code, list(beside.iterdir())), (1, []))
+                    self.check_message(messages, file)
+
+    def check_message(self, messages, file):
+        self.assertEqual(len(messages), 1, messages)
+        self.assertRegex(messages[0], f"^error: {re.escape(str(file))}.*: it can't be written: File too large$")
+
+    def test_a_run_says_so_and_leaves_no_file_that_is_cut_off(self):
+        out, saved = WORK / 'full_run', WORK / 'full_maps/desk.m'
+        saved.parent.mkdir()
+        command = [COVIS, 'run', RECORDING, '--count', '10', '--quiet', '--out', out]
+        code, messages = self.limited(2000, *command)
+        self.assertEqual(code, 1)
+        self.check_message(messages, out / 'map.ply')
+        self.assertIn('keyframes.txt', contents(out))
+        self.assertLess(max(map(len, contents(out).values())), 2001)
+        code, messages = self.limited(20000, *command, '--save-map', saved)
+        self.assertEqual((code, contents(saved.parent)), (1, {}))
+        self.assertEqual([m for m in messages if 'desk.m' in m], [f"error: {saved}: it can't be written: File too large"])
+
+    def test_a_disk_that_says_so_at_the_end_leaves_the_old_file(self):
+        """As network file systems do: close() has the error, after every write was taken."""
+        source, late, file = WORK / 'late.c', WORK / 'late.so', WORK / 'late.ply'
+        source.write_text(LATE)
+        run('cc', '-shared', '-fPIC', '-o', late, source)
+        file.write_text('old')
+        text = run('env', f'LD_PRELOAD={late}', COVIS, 'map', 'export', MAP, '--to', 'ply', '--out', file, code=1)
+        self.assertIn(f"{file}: it can't be written: No space left on device", text)
+        self.assertEqual(file.read_text(), 'old')
+
+
+LATE = r"""
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+int close(int handle) {
+  struct stat status;
+  const int flags = fcntl(handle, F_GETFL);
+  const int written = flags >= 0 && (flags & O_ACCMODE) == O_WRONLY && fstat(handle, &status) == 0 &&
+                      S_ISREG(status.st_mode) && status.st_size > 0;
+  const int closed = (int)syscall(SYS_close, handle);
+  if (written) errno = ENOSPC;
+  return written ? -1 : closed;
+}
+"""
 
 
 if __name__ == '__main__':

@@ -113,6 +113,12 @@ int write_contents(int handle, const Contents& contents, Durability durability, 
   // A sandbox does not allow it: there the new file has the permissions of any other.
   if (problem == 0 && mode != nullptr && ::fchmod(handle, *mode) != 0 && errno != EPERM) problem = errno;
   if (problem == 0 && durability == Durability::durable && ::fsync(handle) != 0) problem = errno;
+  // A network's file system may say only when a file is closed that it has no room for it. To close a second handle
+  // makes it say so now, before the old file is replaced; the first one holds the lock until then.
+  if (problem == 0) {
+    const int second = ::fcntl(handle, F_DUPFD_CLOEXEC, 0);
+    if (second < 0 || ::close(second) != 0) problem = errno;
+  }
   return problem;
 }
 
@@ -167,8 +173,7 @@ int write_named(const std::filesystem::path& target, const Contents& contents, D
   } else {
     ::unlink(temporary.c_str());
   }
-  // The bytes are complete by now, but a network's file system may say only here that it could not keep them.
-  if (::close(handle) != 0 && problem == 0) problem = errno;
+  ::close(handle);
   return problem;
 }
 
