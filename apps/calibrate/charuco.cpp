@@ -57,7 +57,7 @@ std::unique_ptr<CharucoFinder> make_charuco_finder(const Board&) { return nullpt
 Result<void> charuco_is_there() {
   return fail(
       "--charuco: this Covis was built without OpenCV's module aruco. Install libopencv-contrib-dev (tools/setup "
-      "--packages does) and build Covis again");
+      "--charuco does) and build Covis again with -DCOVIS_CHARUCO=ON");
 }
 
 #endif
