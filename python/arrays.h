@@ -70,6 +70,8 @@ py::array_t<T> view_of(const T* first, size_t count, size_t columns, size_t stri
 }
 
 // A column of a list of structs: member(list[k]) is the first of `columns` values.
+#define COVIS_MEMBER(path) \
+  [](auto& entry) -> auto& { return entry.path; }
 template <class List, class Member>
 auto column_of(const List& list, size_t columns, const Member& member, const py::handle& owner) {
   using T = std::remove_cvref_t<decltype(member(list[0]))>;
@@ -101,6 +103,8 @@ T value_of(tl::expected<T, std::string> result) {
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
+void bind_values(py::module_& module);
+void bind_snapshot(py::module_& module);
 void bind_recordings(py::module_& module);
 
 }  // namespace covis::python

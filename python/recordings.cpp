@@ -2,6 +2,7 @@
 // Recordings, trajectories and errors for the Python module: what the command has, as objects.
 #include <pybind11/stl.h>
 
+#include <cmath>
 #include <mutex>
 #include <nlohmann/json.hpp>
 
@@ -53,6 +54,7 @@ struct PyTrajectory {
   }
 };
 
+// Quaternions as exact as the files of trajectories must have them (io/trajectory.h).
 PyTrajectory from_arrays(const std::vector<int64_t>& stamps,
                          const py::array_t<double, py::array::c_style | py::array::forcecast>& positions,
                          const py::array_t<double, py::array::c_style | py::array::forcecast>& quaternions) {
@@ -65,7 +67,10 @@ PyTrajectory from_arrays(const std::vector<int64_t>& stamps,
   PyTrajectory made;
   for (py::ssize_t i = 0; i < n; ++i) {
     const Pose pose{p(i, 0), p(i, 1), p(i, 2), q(i, 0), q(i, 1), q(i, 2), q(i, 3)};
-    if (!to_se3(pose).all_finite()) throw py::value_error("row " + std::to_string(i) + " is not finite");
+    const auto refuse = [i](const std::string& what) { throw py::value_error(what + " in row " + std::to_string(i)); };
+    if (!std::isfinite(pose.x + pose.y + pose.z)) refuse("positions: finite numbers are wanted");
+    const double norm = std::sqrt(pose.qx * pose.qx + pose.qy * pose.qy + pose.qz * pose.qz + pose.qw * pose.qw);
+    if (!(std::abs(norm - 1) < 1e-2)) refuse("quaternions: a unit quaternion is wanted");
     made.poses.push_back({stamps[static_cast<size_t>(i)], pose, 0});
   }
   return made;
@@ -77,20 +82,23 @@ void bind_trajectory(py::module_& m) {
       return column_of(self.cast<const PyTrajectory&>().poses, columns, member, self);
     };
   };
-  py::class_<PyTrajectory>(m, "Trajectory", "Stamped poses, camera to world.")
+  py::class_<PyTrajectory>(m, "Trajectory",
+                           "Stamped poses, camera to world: stamps (n), nanoseconds; positions (n, 3), metres; "
+                           "quaternions (n, 4), of length 1, x y z w. An index gives a Pose.")
       .def(py::init(&from_arrays), py::arg("stamps"), py::arg("positions"), py::arg("quaternions"))
       .def_static(
           "load",
           [](const std::string& file, const std::string& format, const std::string& stamps) {
             return PyTrajectory::of(value(io::read_trajectory(file, format_of(format), stamps)));
           },
-          py::arg("file"), py::arg("format") = "automatic", py::arg("stamps") = "")
+          py::arg("file"), py::arg("format") = "automatic", py::arg("stamps") = "",
+          "Reads a file of the format tum, kitti or euroc; stamps: the file of stamps (seconds) beside one of kitti.")
       .def(
           "save",
           [](const PyTrajectory& t, const std::string& file, const std::string& format) {
             value(io::write_trajectory(file, t.internal(), format_of(format)));
           },
-          py::arg("file"), py::arg("format") = "tum")
+          py::arg("file"), py::arg("format") = "tum", "Writes a file of the format tum, kitti or euroc.")
       .def("__len__", [](const PyTrajectory& t) { return t.poses.size(); })
       .def("__getitem__",
            [](const PyTrajectory& t, py::ssize_t i) {
@@ -98,20 +106,11 @@ void bind_trajectory(py::module_& m) {
              if (i < -n || i >= n) throw py::index_error();
              return t.poses[static_cast<size_t>(i < 0 ? i + n : i)].pose;
            })
-      .def_property_readonly("stamps",
-                             column(
-                                 0, [](auto& t) -> auto& { return t.stamp; }),
-                             "(n), int64, nanoseconds.")
-      .def_property_readonly("positions",
-                             column(
-                                 3, [](auto& t) -> auto& { return t.pose.x; }),
-                             "(n, 3), metres.")
-      .def_property_readonly("quaternions",
-                             column(
-                                 4, [](auto& t) -> auto& { return t.pose.qx; }),
-                             "(n, 4), x y z w.")
-      .def_property_readonly("submaps", column(
-                                            0, [](auto& t) -> auto& { return t.submap; }));
+      .def_property_readonly("stamps", column(0, COVIS_MEMBER(stamp)), "(n), int64: nanoseconds.")
+      .def_property_readonly("positions", column(3, COVIS_MEMBER(pose.x)), "(n, 3), float64: metres.")
+      .def_property_readonly("quaternions", column(4, COVIS_MEMBER(pose.qx)), "(n, 4), float64: x y z w.")
+      .def_property_readonly("submaps", column(0, COVIS_MEMBER(submap)),
+                             "(n), int32: ids of the submaps whose worlds the poses are in.");
   m.def(
       "_trajectory_of", [](const Slam& slam) { return PyTrajectory{slam.trajectory()}; },
       py::call_guard<py::gil_scoped_release>());
@@ -152,33 +151,40 @@ PyEvaluation evaluate_both(const PyTrajectory& estimate, const PyTrajectory& tru
 void bind_evaluation(py::module_& m) {
   const auto positions = [](auto list) {
     return [=](const py::object& self) {
+      const auto& rows = self.cast<const PyEvaluation&>().*list;
       return column_of(
-          self.cast<const PyEvaluation&>().*list, 3, [](auto& p) -> auto& { return p[0]; }, self);
+          rows, 3, [](auto& row) -> auto& { return row[0]; }, self);
     };
   };
   const auto figure = [](auto get) { return [=](const PyEvaluation& e) { return get(e.evaluation); }; };
   py::class_<PyEvaluation>(m, "Evaluation", "How far a trajectory is from the truth.")
-      .def_property_readonly("ate_rmse", figure([](const Evaluation& e) { return e.ate.rmse; }), "Metres.")
-      .def_property_readonly("scale", figure([](const Evaluation& e) { return e.scale; }))
+      .def_property_readonly("ate_rmse", figure([](const Evaluation& e) { return e.ate.rmse; }),
+                             "Root of the mean square error of position, metres.")
+      .def_property_readonly("scale", figure([](const Evaluation& e) { return e.scale; }),
+                             "Factor that fits the estimate to the truth (sim3); else 1.")
       .def_property_readonly("coverage", figure([](const Evaluation& e) { return e.coverage; }),
                              "Share of the true poses that have an estimate.")
-      .def_property_readonly("path_length", figure([](const Evaluation& e) { return e.path_length; }), "Metres.")
+      .def_property_readonly("path_length", figure([](const Evaluation& e) { return e.path_length; }),
+                             "Length of the true path, metres.")
       .def_property_readonly(
           "figures",
           [](const PyEvaluation& e) { return py::module_::import("json").attr("loads")(to_json(e.evaluation).dump()); },
-          "All figures, as `covis eval --json` gives them.")
-      .def_property_readonly("estimate", positions(&PyEvaluation::estimate), "(n, 3), aligned to the truth, metres.")
-      .def_property_readonly("truth", positions(&PyEvaluation::truth), "(n, 3), metres.")
+          "Dict of all figures, as `covis eval --json` gives them.")
+      .def_property_readonly("estimate", positions(&PyEvaluation::estimate),
+                             "(n, 3), float64: places aligned to the truth, metres.")
+      .def_property_readonly("truth", positions(&PyEvaluation::truth), "(n, 3), float64: true places, metres.")
       .def_property_readonly(
           "errors",
           [](const py::object& self) {
             const auto& e = self.cast<const PyEvaluation&>().errors;
             return view_of(e.data(), e.size(), 0, sizeof(double), self);
           },
-          "(n), metres.")
+          "(n), float64: distances of the two, metres.")
       .def("__str__", figure([](const Evaluation& e) { return to_text(e); }));
   m.def("evaluate", &evaluate_both, py::arg("estimate"), py::arg("truth"), py::arg("align") = "se3",
-        py::arg("max_difference") = 0.02);
+        py::arg("max_difference") = 0.02,
+        "The Evaluation of a Trajectory against the true one. align: se3, sim3, none, first or first-sim3; "
+        "max_difference: greatest time between a pose and its true one, seconds.");
 }
 
 // ---- Recordings ----
@@ -250,25 +256,38 @@ void bind_recordings(py::module_& m) {
   const auto image = [](auto member) {
     return [=](const py::object& self) { return array_of(self.cast<const io::Frame&>().*member, self); };
   };
-  py::class_<io::Frame>(m, "RecordedFrame", "Arrays are views that can't be written.")
-      .def_readonly("index", &io::Frame::index)
+  py::class_<io::Frame>(m, "RecordedFrame", "The images of one moment. Arrays are views that can't be written.")
+      .def_readonly("index", &io::Frame::index, "Its number in the recording, from 0.")
       .def_readonly("stamp", &io::Frame::stamp, "Nanoseconds.")
-      .def_property_readonly("image", image(&io::Frame::image), "(height, width), uint8.")
-      .def_property_readonly("right", image(&io::Frame::right), "The same; None but for stereo.")
+      .def_property_readonly("image", image(&io::Frame::image),
+                             "(height, width), uint8: the grey image, the left one of a pair.")
+      .def_property_readonly("right", image(&io::Frame::right),
+                             "(height, width), uint8: the right image; None but for stereo.")
       .def_property_readonly("depth", image(&io::Frame::depth),
-                             "(height, width), float32, metres; None but for RGB-D.");
-  py::class_<PyRecording>(m, "Recording", "A recording, a video or a camera as a stream of frames: iterate over it.")
+                             "(height, width), float32: metres along z, 0 for none; None but for RGB-D.");
+  py::class_<PyRecording>(
+      m, "Recording",
+      "A recording, a video or a camera as a stream of frames: iterate over it. kind (tum, kitti, euroc, "
+      "…) and sensor (mono, stereo, rgbd) are found unless given; camera_file: its figures where "
+      "the recording has none; first, count, stride: the frames wanted.")
       .def(py::init(&open), py::arg("path"), py::kw_only(), py::arg("kind") = "automatic", py::arg("sensor") = "",
            py::arg("camera_file") = "", py::arg("first") = 0, py::arg("count") = -1, py::arg("stride") = 1)
       .def("picture", &picture_array, py::arg("frame"),
-           "The image of the frame with this index as recorded: (height, width, 3) red, green, blue, or (height, "
-           "width).")
-      .def_property_readonly("camera", [](const PyRecording& r) { return to_parameters(r.sequence->camera()); })
-      .def_property_readonly("sensor", [](const PyRecording& r) { return public_sensor(r.sequence->sensor()); })
+           "The image of the frame with this index as recorded, uint8: (height, width, 3), red, green, blue, or "
+           "(height, width).")
       .def_property_readonly(
-          "frame_rate", [](const PyRecording& r) { return r.sequence->frame_rate(); }, "Hz.")
-      .def_property_readonly("description", [](const PyRecording& r) { return r.sequence->description(); })
-      .def_property_readonly("notes", [](const PyRecording& r) { return r.sequence->notes(); })
+          "camera", [](const PyRecording& r) { return to_parameters(r.sequence->camera()); },
+          "The Camera of its images.")
+      .def_property_readonly(
+          "sensor", [](const PyRecording& r) { return public_sensor(r.sequence->sensor()); }, "The Sensor.")
+      .def_property_readonly(
+          "frame_rate", [](const PyRecording& r) { return r.sequence->frame_rate(); }, "Frames a second.")
+      .def_property_readonly(
+          "description", [](const PyRecording& r) { return r.sequence->description(); },
+          "A line for people: its kind and size.")
+      .def_property_readonly(
+          "notes", [](const PyRecording& r) { return r.sequence->notes(); },
+          "List of sentences: what was skipped, and what lacked.")
       .def(
           "truth",
           [](const PyRecording& r) -> std::optional<PyTrajectory> {

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __version__: str
+NO_COLOUR: Tuple[int, int, int]
 
 class Error(RuntimeError): ...
 
@@ -71,6 +72,12 @@ class EventKind(enum.Enum):
     lost: EventKind
     found: EventKind
     sensor_doubted: EventKind
+
+class SettingType(enum.Enum):
+    whole_number: SettingType
+    number: SettingType
+    boolean: SettingType
+    text: SettingType
 
 class LogLevel(enum.Enum):
     debug: LogLevel
@@ -180,6 +187,8 @@ class Event:
 class Setting:
     @property
     def name(self) -> str: ...
+    @property
+    def type(self) -> SettingType: ...
     @property
     def value(self) -> str: ...
     @property
