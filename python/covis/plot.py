@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A picture of a path, with matplotlib."""
+import numpy as np
 
 
 def plot(trajectory, truth=None, ax=None, align='se3'):
@@ -17,7 +18,7 @@ def plot(trajectory, truth=None, ax=None, align='se3'):
     else:
         compared = _covis.evaluate(trajectory, truth, align=align)
         # The plane in which the true path goes farthest.
-        first, second = sorted(range(3), key=lambda k: -float(compared.truth[:, k].ptp()))[:2]
+        first, second = sorted(range(3), key=lambda k: -np.ptp(compared.truth[:, k]))[:2]
         first, second = min(first, second), max(first, second)
         ax.plot(compared.truth[:, first], compared.truth[:, second], color='0.6', label='truth')
         ax.plot(compared.estimate[:, first], compared.estimate[:, second], label=f'Covis, ATE {compared.ate_rmse:.4f} m')

@@ -38,3 +38,12 @@ def test_the_wheel_can_be_installed(tmp_path, monkeypatch):
                           check=True, env=environment, capture_output=True, text=True, cwd=tmp_path).stdout
     assert said.count(str(target)) == 2
     assert pathlib.Path(said.split()[1]).exists()
+
+
+def test_arrays_are_made_so_that_numpy_2_is_served():
+    """pybind11 before 2.12 reads the size of an untyped array's elements where NumPy 2 keeps flags; py::array_t knows it by itself."""
+    untyped = re.compile(r'\bpy::array(?!_t)\b(?! *(?:>|::))\s*\w*\s*[({]|\bpy::dtype\b|\b(?:itemsize|nbytes|has_fields)\(')
+    assert untyped.search('py::array a(shape)') and untyped.search('return py::array({2}, p);') and untyped.search('array.nbytes()')
+    sources = [source for suffix in ('*.cpp', '*.h') for source in (ROOT / 'python').glob(suffix)]
+    assert len(sources) > 3
+    assert [source.name for source in sources if untyped.search(source.read_text())] == []
