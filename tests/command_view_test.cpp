@@ -64,6 +64,19 @@ TEST_F(CommandView, ARunThatIsShownGivesTheSameResult) {
   EXPECT_EQ(text_of(folder / "plain" / "map.ply"), text_of(folder / "shown" / "map.ply"));
 }
 
+TEST_F(CommandView, OthersMayLookOnlyWhereThatIsAskedForAndIsWarnedOf) {
+  const fs::path recording = render("rgbd", 5);
+  const auto said = [&](const std::string& host) {
+    const Outcome run =
+        covis({"run", recording, "--out", folder / "out", "--view=0", "--view-host", host, "--view-close"});
+    EXPECT_EQ(run.code, 0) << run.error;
+    return run.error;
+  };
+  const std::string warning = "the viewer can be reached from other machines, without a password";
+  EXPECT_THAT(said("0.0.0.0"), HasSubstr("0.0.0.0: " + warning));
+  EXPECT_THAT(said("127.0.0.1"), testing::Not(HasSubstr(warning)));
+}
+
 TEST_F(CommandView, ATakenPortIsNamedAndNothingIsLost) {
   const TakenPort port;
   const fs::path recording = render("rgbd", 10);
