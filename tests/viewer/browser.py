@@ -63,8 +63,7 @@ class Browser:
         options.set_capability('goog:loggingPrefs', {'browser': 'ALL'})
         self.driver = webdriver.Chrome(service=Service(shutil.which('chromedriver')), options=options)
         self.driver.set_script_timeout(PATIENCE)
-        # The window's size has its frame in it; the page's is what counts.
-        self.driver.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {'width': width, 'height': height, 'deviceScaleFactor': 1, 'mobile': False})
+        self.resize(width, height)
 
     def __enter__(self):
         return self
@@ -72,6 +71,10 @@ class Browser:
     def __exit__(self, *_):
         self.driver.quit()
         shutil.rmtree(self.profile, ignore_errors=True)
+
+    def resize(self, width, height):
+        # The window's size has its frame in it; the page's is what counts.
+        self.driver.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {'width': width, 'height': height, 'deviceScaleFactor': 1, 'mobile': False})
 
     def open(self, url):
         """Opens the page and waits until it has drawn a map."""
@@ -105,6 +108,21 @@ class Browser:
         target = self.driver.find_element(By.ID, element)
         size = target.rect
         ActionChains(self.driver).move_to_element_with_offset(target, round(x - size['width'] / 2), round(y - size['height'] / 2)).click().perform()
+        self.settle()
+
+    def drag(self, element, by):
+        """Drags from the middle of an element."""
+        from selenium.webdriver.common.action_chains import ActionChains
+        from selenium.webdriver.common.by import By
+        ActionChains(self.driver).click_and_hold(self.driver.find_element(By.ID, element)).move_by_offset(*by).release().perform()
+        self.settle()
+
+    def scroll(self, element, by):
+        """Turns the wheel over the middle of an element; a negative `by` turns it away from the user."""
+        from selenium.webdriver.common.action_chains import ActionChains
+        from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
+        from selenium.webdriver.common.by import By
+        ActionChains(self.driver).scroll_from_origin(ScrollOrigin.from_element(self.driver.find_element(By.ID, element)), 0, by).perform()
         self.settle()
 
     def choose(self, element, value):

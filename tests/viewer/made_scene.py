@@ -44,9 +44,10 @@ def observations(key_frames, points, every):
     return blocks
 
 
-def made_scene(key_frames, points, every=5, loop=False):
+def made_scene(key_frames, points, every=5, loop=False, submaps=1):
     """The bytes of scene.bin (docs/viewer.md) with a map of this size; every n-th frame is a key frame.
-    loop: the last key frames close one, before which they lay 8 m lower. Each key frame observes its nearest points."""
+    loop: the last key frames close one, before which they lay 8 m lower. Each key frame observes its nearest points.
+    submaps: how many there are, one after the other along the path."""
     random = np.random.default_rng(1)
     frames = key_frames * every
     k = np.zeros(key_frames, ROWS[KEY_FRAMES])
@@ -59,13 +60,17 @@ def made_scene(key_frames, points, every=5, loop=False):
     p['frame'] = share * frames
     near = np.concatenate([np.stack([np.arange(key_frames - d), np.arange(d, key_frames)], axis=1) for d in range(1, 11)])
     near = near[np.lexsort((near[:, 1], near[:, 0]))]
+    for rows in (k, p):
+        rows['submap'] = submaps * rows['frame'] // frames
+    near = near[k['submap'][near[:, 0]] == k['submap'][near[:, 1]]]
     e = np.zeros(len(near), ROWS[EDGES])
     e['a'], e['b'], e['shared'] = near[:, 0], near[:, 1], 400 // (near[:, 1] - near[:, 0])
     path = np.zeros(frames, ROWS[PATH])
     path['frame'] = np.arange(frames)
     path['t'], path['q'] = around(path['frame'] / frames)
+    path['submap'] = submaps * path['frame'] // frames
     f = np.zeros(frames, ROWS[FRAMES])
-    for name in ('frame', 't', 'q'):
+    for name in ('frame', 't', 'q', 'submap'):
         f[name] = path[name]
     f['flags'], f['stamp'], f['inliers'], f['tracking_ms'] = 4, f['frame'] / 30, random.integers(200, 400, frames), 10 + 3 * random.random(frames)
     info = {'title': f'{key_frames} key frames, {points} points', 'mode': 'finished', 'source': 'made by bench/viewer', 'states': ['tracking', 'lost'],

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Drives the viewer's page in Chromium: a live run, its result, its report, a saved map, and a made scene with a loop.
+"""Drives the viewer's page in Chromium: a live run, its result, its report, a saved map, and made scenes with a loop and submaps.
 
   tests/viewer/viewer_test.py COVIS [--pictures FOLDER]
 """
@@ -27,7 +27,30 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from browser import Browser, Served  # noqa: E402
 from made_scene import made_scene  # noqa: E402
 
-PATH, BEFORE = (255, 176, 46), (154, 164, 178)  # colours of the page (web/src/colours.js)
+# Colours of the page (web/src/colours.js).
+PATH, SECOND_SUBMAP, BEFORE, LOOP = (255, 176, 46), (79, 195, 247), (154, 164, 178), (255, 77, 210)
+# True when the present image has pixels in the colour of tracked keypoints, more than there are such keypoints, on a grey picture.
+KEYPOINTS_ARE_DRAWN = '''
+  const tracked = covis.model.image?.keypoints.filter(k => k.kind === 0).length;
+  const canvas = document.getElementById("covis-image"), {data} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  let green = 0, grey = 0;
+  for (let k = 0; k < data.length; k += 4) {
+    const [r, g, b] = data.slice(k, k + 3);
+    green += g > Math.max(r, b) + 40;
+    grey += g > 40 && r === g && g === b;
+  }
+  return tracked > 0 && green > tracked && grey > 1000'''
+LAYERS = ('path', 'keyFrames', 'points', 'covisibility', 'loops', 'current', 'axes')
+
+
+def slowed(recording, folder, times):
+    """Makes a recording of the same images (TUM), that many times slower."""
+    folder.mkdir()
+    for name in ('rgb', 'depth', 'camera.yaml'):
+        (folder / name).symlink_to(recording / name)
+    for name in ('rgb.txt', 'depth.txt'):
+        rows = [line.split() for line in (recording / name).read_text().splitlines() if not line.startswith('#')]
+        (folder / name).write_text(''.join(f'{times * float(stamp):.6f} {image}\n' for stamp, image in rows))
 
 
 class ViewerTest(unittest.TestCase):
@@ -82,6 +105,12 @@ class ViewerTest(unittest.TestCase):
         """The places of a line on the canvas, and more of them on the way from each to the next."""
         line = np.array([(p['x'], p['y']) for p in places if p])
         return np.concatenate([line[:-1] + share * (line[1:] - line[:-1]) for share in np.linspace(0, 1, 200)])
+
+    def show(self, *layers):
+        """Shows these alone."""
+        for layer in LAYERS:
+            if self.browser.js('return document.getElementById(arguments[0]).checked', f'covis-show-{layer}') != (layer in layers):
+                self.browser.click(f'covis-show-{layer}')
 
     def path(self):
         return self.browser.js('return covis.page.model.sortedPath().map(p => p.t)')
@@ -170,7 +199,20 @@ class ViewerTest(unittest.TestCase):
             browser.click(f'covis-show-{layer}')
         self.assertEqual(browser.problems(), [])
 
-    def test_8_the_result_and_the_map_are_served_alone(self):
+    def test_8_dragging_turns_the_view(self):
+        browser = self.browser
+        browser.click('covis-fit')
+        place = 'const {camera, controls} = covis.page.scene; return [camera.position.toArray(), controls.target.toArray()]'
+        before, middle = (np.array(v) for v in browser.js(place))
+        browser.drag('covis-canvas', (120, -40))
+        after, still = (np.array(v) for v in browser.js(place))
+        np.testing.assert_allclose(still, middle)
+        self.assertAlmostEqual(np.linalg.norm(after - middle), np.linalg.norm(before - middle), places=5)
+        self.assertGreater(np.linalg.norm(after - before), 0.2 * np.linalg.norm(before - middle))
+        self.check_line('turned', PATH, self.path())
+        browser.click('covis-fit')
+
+    def test_9_the_result_and_the_map_are_served_alone(self):
         browser = self.browser
         with Served([self.covis, 'view', self.folder / 'out', '--port', '0']) as served:
             browser.open(served.url)
@@ -182,14 +224,18 @@ class ViewerTest(unittest.TestCase):
             self.assertEqual(browser.text('covis-mode'), 'saved map')
             self.check_line('map', PATH, browser.js('return covis.model.sortedKeyFrames().map(k => k.t)'))
 
-    def test_9_the_report_holds_the_same_view(self):
+    def test_a_the_report_holds_the_same_view(self):
         browser = self.browser
         browser.open((self.folder / 'out/report.html').as_uri())
         browser.js('document.getElementById("covis-viewer").scrollIntoView()')
         self.check_line('report', PATH, self.path())
+        top = browser.js('return window.scrollY')
+        browser.scroll('covis-inliers', -100)
+        self.assertLess(browser.js('return covis.page.range.last - covis.page.range.first'), 59)
+        self.assertEqual(browser.js('return window.scrollY'), top)
         self.assertEqual(browser.problems(), [])
 
-    def test_a_loop_shows_the_path_before_and_after(self):
+    def test_b_a_loop_shows_the_path_before_and_after(self):
         browser = self.browser
         (self.folder / 'made').mkdir()
         (self.folder / 'made/scene.bin').write_bytes(made_scene(60, 3000, loop=True))
@@ -204,6 +250,50 @@ class ViewerTest(unittest.TestCase):
             browser.settle()
             image, (left, top, right, bottom) = self.pixels('no_loop')
             self.assertLess((np.abs(image - BEFORE).max(axis=2) <= 3)[top:bottom, left:right].sum(), 20)
+
+    def test_c_the_page_of_a_run_that_goes_on_is_live(self):
+        browser = self.browser
+        # Half a minute long, of which this case sees the first seconds: the command is ended with the block.
+        slowed(self.folder / 'desk', self.folder / 'slow', 15)
+        with Served([self.covis, 'run', self.folder / 'slow', '--out', self.folder / 'slow_out', '--realtime', '--view=0']) as served:
+            browser.driver.get(served.url)
+            browser.until(KEYPOINTS_ARE_DRAWN)
+            frames = browser.js('return covis.model.frames.length')
+            self.assertEqual(browser.text('covis-mode'), 'live')
+            self.assertEqual(browser.text('covis-state'), 'tracking')
+            self.assertRegex(browser.text('covis-image-text'), r'^frame \d+: [1-9]\d* tracked, \d+ new, \d+ lost$')
+            self.pixels('image')
+            browser.until(f'return covis.model.frames.length > {frames}')
+            self.assertLess(frames, 60)
+
+    def test_d_submaps_have_their_colours_and_edges_their_threshold(self):
+        browser = self.browser
+        (self.folder / 'two').mkdir()
+        (self.folder / 'two/scene.bin').write_bytes(made_scene(60, 3000, loop=True, submaps=2))
+        with Served([self.covis, 'view', self.folder / 'two', '--port', '0']) as served:
+            browser.open(served.url)
+            self.assertEqual(browser.text('covis-submaps'), 'Submapssubmap 0submap 1')
+            self.show('path')
+            path = browser.js('return covis.model.sortedPath()')
+            for submap, colour in enumerate((PATH, SECOND_SUBMAP)):
+                self.check_line(f'submap_{submap}', colour, [p['t'] for p in path if p['submap'] == submap])
+            self.show('loops')
+            self.check_line('loop_edge', LOOP, browser.js('''
+              const {edges, keyFrames} = covis.model, edge = [...edges.values()].find(e => e.loop);
+              return [edge.a, edge.b].map(id => keyFrames.get(id).t)'''))
+            self.show('points')
+            browser.choose('covis-colour', 'submap')
+            image, _ = self.pixels('points_by_submap')
+            for colour in (PATH, SECOND_SUBMAP):
+                self.assertGreater((np.abs(image - colour).max(axis=2) <= 3).sum(), 1000)
+            self.show('covisibility')
+            browser.choose('covis-covisibility', '0')
+            none, _ = self.pixels('no_edges')
+            browser.choose('covis-covisibility', '100')
+            strong = (self.pixels('strong_edges')[0] != none).any(axis=2).sum()
+            browser.choose('covis-covisibility', '15')
+            self.assertGreater(strong, 100)
+            self.assertGreater((self.pixels('all_edges')[0] != none).any(axis=2).sum(), 1.2 * strong)
 
 
 if __name__ == '__main__':
