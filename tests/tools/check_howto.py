@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Holds the table of docs/howto.md to the tests it names.
+"""Holds the tables of docs/howto.md to the tests and the pictures they name.
 
   tests/tools/check_howto.py [ROOT]
 
 Each of its ten rows names tests, as links such as [`Suite.Case`](../tests/some_test.cpp), [`Class.test_name`](….py) or a test of
 ctest with the CMakeLists.txt that adds it. They must exist, and every option (--name) and member (->name, .name) that the row's
-command shows must be used in one of those files. Exit code 1 when something is missing.
+command shows must be used in one of those files. Each picture of docs/images (PNG) has a row of the page that says how it is made, and
+another page shows it. Exit code 1 when something is missing.
 """
 import pathlib
 import re
@@ -17,6 +18,7 @@ LINK = re.compile(r'\[`([^`]+)`\]\(([^)#\s]+)\)')
 CODE = re.compile(r'`([^`]+)`')
 OPTION = re.compile(r'(?<![\w-])--[a-z][a-z-]+')
 MEMBER = re.compile(r'(?:->|\.)([a-z_]{5,})\b')
+SHOWN = re.compile(r'!\[[^\]]*\]\(([^)\s]+)\)')
 # What stands after the dot of these is no member.
 FILES = re.compile(r'\S+\.(?:mp4|bag|yaml|png|deb|m)\b')
 
@@ -69,6 +71,19 @@ def problems(root):
         for word in sorted(shown):
             if not any(re.search(rf'(?<![\w-]){re.escape(word)}(?![\w-])', text) for text in texts):
                 yield f'{wanted}: none of its tests uses {word}'
+    yield from problems_of_pictures(root)
+
+
+def problems_of_pictures(root):
+    """Yields the pictures that nobody shows, and those of which it is not said how they are made."""
+    pages = {page: page.read_text(encoding='utf-8') for page in [root / 'README.md', *sorted((root / 'docs').rglob('*.md'))] if page.is_file()}
+    shown = {(page.parent / target).resolve() for page, text in pages.items() for target in SHOWN.findall(text)}
+    named = set(re.findall(r'\w+\.png', ' '.join(line for line in pages[root / 'docs/howto.md'].split('\n') if line.startswith('|'))))
+    for picture in sorted((root / 'docs/images').glob('*.png')):
+        if picture.name not in named:
+            yield f'docs/images/{picture.name}: docs/howto.md does not say how it is made'
+        if picture.resolve() not in shown:
+            yield f'docs/images/{picture.name}: no page shows it'
 
 
 def main():

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of tests/tools/check_howto.py: rows that hold, and those that do not."""
+"""Tests of tests/tools/check_howto.py: rows and pictures that hold, and those that do not."""
 import pathlib
 import sys
 import tempfile
@@ -17,10 +17,11 @@ GOOD = '| a | `covis run x.mp4 --out y`, `slam->save_map(…)` | more | [`Suite.
 
 
 class CheckHowtoTest(unittest.TestCase):
-    def problems(self, row, rows=check_howto.ROWS):
+    def problems(self, row, rows=check_howto.ROWS, more=''):
         with tempfile.TemporaryDirectory() as folder:
             table = '\n'.join(['| wanted | how | more | tests |', '| --- | --- | --- | --- |', *[GOOD] * (rows - 1), row])
-            for name, content in {**FILES, 'docs/howto.md': f'# Page\n\n{table}\n\n| another | table |\n'}.items():
+            for name, content in {**FILES, 'docs/howto.md': f'# Page\n\n{table}\n\n{more or "| another | table |"}\n',
+                                  **({'docs/images/a.png': ''} if more else {})}.items():
                 path = pathlib.Path(folder, name)
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_text(content, encoding='utf-8')
@@ -41,6 +42,12 @@ class CheckHowtoTest(unittest.TestCase):
             self.assertEqual(self.problems(row), [problem])
         self.assertEqual(self.problems('| b | `x` | | [`X.Y`](../gone.cpp) |')[0], 'b: there is no ../gone.cpp')
         self.assertIn('9 rows', self.problems(GOOD, 9)[0])
+
+    def test_pictures(self):
+        made = '| it, `docs/images/a.png` | `bench/it` |'
+        self.assertEqual(self.problems(GOOD, more=f'![It](images/a.png)\n\n{made}'), [])
+        self.assertEqual(self.problems(GOOD, more=made), ['docs/images/a.png: no page shows it'])
+        self.assertEqual(self.problems(GOOD, more='![It](images/a.png)'), ['docs/images/a.png: docs/howto.md does not say how it is made'])
 
 
 if __name__ == '__main__':
