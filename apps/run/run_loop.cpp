@@ -98,9 +98,9 @@ void track_frames(io::Sequence& sequence, System& system, const PlayOptions& opt
     add_warnings(report.warnings, run);
     FrameStats stats = tracked_frame(frame, report, options.mode);
     stats.decode_ms = decode_ms;
+    if (options.observer) options.observer->frame_tracked(stats, frame, report);
     stats.cpu_ms = thread_cpu_ms() - cpu_start;
     if (run.frames.size() % kMemoryEvery == 0) stats.rss_mb = resident_mb();
-    if (options.observer) options.observer->frame_tracked(stats, frame, report);
     run.frames.push_back(std::move(stats));
     if (beside.colouring && report.track.key_frame) beside.colouring->wake();
     if (options.saver) options.saver->frame_done(system);

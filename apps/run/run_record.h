@@ -35,7 +35,8 @@ struct FrameStats {
   TrackFigures track;
   double decode_ms = 0;  // time spent waiting for the decoded image
   FrameTiming timing;
-  double cpu_ms = 0;  // processor time of the tracking thread, independent of other programs
+  // Processor time of the tracking thread, with what the viewer takes of it; other programs hardly change it.
+  double cpu_ms = 0;
   double rss_mb = 0;  // resident memory after this frame, for every hundredth frame; 0: not measured
 
   // True when the tracker received the frame; only then the fields after `reason` are set.
