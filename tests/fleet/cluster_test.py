@@ -134,7 +134,7 @@ def main() -> int:
     paths = [work / 'recordings' / name for name, _ in made]
     recordings.cut_off(paths[CUT_OFF], 45)
     empty = work / 'recordings' / EMPTY
-    recordings.piece(work / f'walk-{a.sensors.split(",")[0]}-1', 0, 20, empty)
+    recordings.piece(work / 'walks' / made[0][0], 0, 20, empty)
     for image in empty.glob('*/*.png'):
         image.unlink()
     first = [*paths[:LATER], empty]

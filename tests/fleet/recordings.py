@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rendered recordings for a test of the fleet: overlapping pieces of walks through two rooms, as folders of their own."""
+"""Rendered recordings for a test of the fleet: overlapping pieces of walks through two rooms, as folders of their own.
+
+Each is rendered for itself, with noise, changes of brightness and another rate, so that no image and no stamp is in two of them.
+"""
 from __future__ import annotations
 
 import os
@@ -7,7 +10,7 @@ import pathlib
 import shutil
 import subprocess
 
-FRAMES, FPS, PIECE = 160, 8, 60
+FRAMES, PIECE = 160, 60
 WIDTH, HEIGHT = 640, 480
 
 
@@ -15,10 +18,11 @@ def lines_of(file: pathlib.Path) -> list[str]:
     return [line for line in file.read_text().splitlines() if not line.startswith('#')]
 
 
-def render(covis: pathlib.Path, folder: pathlib.Path, sensor: str, seed: int) -> None:
+def render(covis: pathlib.Path, folder: pathlib.Path, sensor: str, seed: int, frames: int, fps: float) -> None:
     if not (folder / 'groundtruth.txt').exists():
-        subprocess.run([covis, 'synth', 'room', '--sensor', sensor, '--seed', str(seed), '--frames', str(FRAMES), '--fps',
-                        str(FPS), '--width', str(WIDTH), '--height', str(HEIGHT), '--quiet', '--overwrite', '--out', folder], check=True)
+        subprocess.run([covis, 'synth', 'room', '--sensor', sensor, '--seed', str(seed), '--frames', str(frames), '--fps', f'{fps:.2f}',
+                        '--width', str(WIDTH), '--height', str(HEIGHT), '--noise', '2', '--exposure', '0.1', '--quiet', '--overwrite',
+                        '--out', folder], check=True)
 
 
 def piece(walk: pathlib.Path, first: int, count: int, out: pathlib.Path) -> None:
@@ -54,12 +58,12 @@ def make(covis: pathlib.Path, work: pathlib.Path, sensors: list[str], each: int 
     """`each` recordings of each of two rooms, the sensors in turns: (folder's name, what it should be joined with)."""
     made: list[tuple[str, str]] = []
     for i in range(each):
-        for seed, site in ((1, 'north'), (4, 'south')):
+        for k, (seed, site) in enumerate(((1, 'north'), (4, 'south'))):
             sensor = sensors[i % len(sensors)]
-            render(covis, work / f'walk-{sensor}-{seed}', sensor, seed)
             turn, turns = i // len(sensors), each // len(sensors)
             first = round(turn * (FRAMES - PIECE) / max(turns - 1, 1) / (3 if turns == 2 else 1))
             name = f'{site}-{sensor}-{turn}'
-            piece(work / f'walk-{sensor}-{seed}', first, PIECE, work / 'recordings' / name)
+            render(covis, work / 'walks' / name, sensor, seed, first + PIECE, 8 + 0.07 * (2 * i + k))
+            piece(work / 'walks' / name, first, PIECE, work / 'recordings' / name)
             made.append((name, site))
     return made

@@ -3,7 +3,6 @@
 // Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, sections VI-C and VII-C.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "covis/map/shared_map.h"
