@@ -221,8 +221,8 @@ nlohmann::json to_json(const Evaluation& e) {
                       {"unique_alignment", e.unique_alignment},
                       {"ate_m", stats(e.ate)},
                       {"rotation_deg", stats(e.rotation_deg)},
-                      {"rpe_m", stats(e.rpe_translation)},
-                      {"rpe_deg", stats(e.rpe_rotation_deg)},
+                      {"rpe_m", e.rpe_pairs > 0 ? stats(e.rpe_translation) : nullptr},
+                      {"rpe_deg", e.rpe_pairs > 0 ? stats(e.rpe_rotation_deg) : nullptr},
                       {"rpe_pairs", e.rpe_pairs},
                       {"path_m", e.path_length},
                       {"drift_percent", e.drift_percent}};
@@ -252,8 +252,12 @@ std::string to_text(const Evaluation& e) {
   };
   row("ATE", e.ate, "m");
   row("rotation", e.rotation_deg, "deg");
-  row("RPE", e.rpe_translation, "m");
-  row("RPE rotation", e.rpe_rotation_deg, "deg");
+  if (e.rpe_pairs > 0) {
+    row("RPE", e.rpe_translation, "m");
+    row("RPE rotation", e.rpe_rotation_deg, "deg");
+  } else {
+    text += "RPE             none: no two poses are a step (--delta) apart\n";
+  }
   add("drift           %.4f %% of the path\n", e.drift_percent);
   if (e.kitti) {
     add("KITTI           t_rel %.4f %%, r_rel %.4f deg/100 m, over segments of %.1f to %.1f m%s\n",

@@ -58,10 +58,10 @@ struct Evaluation {
   ErrorStatistics rotation_deg;      // error after alignment
   ErrorStatistics rpe_translation;   // metres over delta
   ErrorStatistics rpe_rotation_deg;  // degrees over delta
-  size_t rpe_pairs = 0;
-  double path_length = 0;           // length of the ground truth along the associated poses, metres
-  double drift_percent = 0;         // ATE RMSE relative to the path length
-  std::optional<KittiError> kitti;  // nullopt when the path is too short
+  size_t rpe_pairs = 0;              // number of pairs of poses a step apart; 0: there is no relative error
+  double path_length = 0;            // length of the ground truth along the associated poses, metres
+  double drift_percent = 0;          // ATE RMSE relative to the path length
+  std::optional<KittiError> kitti;   // nullopt when the path is too short
   std::vector<ComparedPose> compared;
 };
 

@@ -115,6 +115,12 @@ TEST(Evaluation, RelativeAndKittiErrorsOfAStretchedPath) {
               1e-9);
   EXPECT_NEAR(evaluate(estimate, truth, {.delta = 2, .delta_unit = DeltaUnit::seconds})->rpe_translation.rmse, 0.2,
               1e-9);
+
+  const auto longer = evaluate(estimate, truth, {.delta = 1e6, .delta_unit = DeltaUnit::metres});
+  EXPECT_EQ(longer->rpe_pairs, 0u);
+  EXPECT_THAT(to_text(*longer), testing::HasSubstr("RPE             none: no two poses"));
+  EXPECT_TRUE(to_json(*longer)["rpe_m"].is_null()) << "an error of 0 would look like a good one";
+  EXPECT_EQ(to_json(*e)["rpe_m"]["rmse"], e->rpe_translation.rmse);
 }
 
 TEST(Evaluation, AKnownTurnPerMetre) {
