@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "command_results.h"
+#include "command_video.h"
 #include "covis/io/camera_file.h"
 
 namespace covis {
@@ -15,12 +16,12 @@ using testing::Not;
 
 using CommandCamera = CommandTest;
 
-TEST_F(CommandCamera, IsFoundFromTheImagesAndWrittenLong) {
-  const fs::path recording = render("mono", 150), out = folder / "out";
+TEST_F(CommandCamera, IsFoundFromAVideoAndWrittenLong) {
+  const fs::path recording = render("mono", 150), video = folder / "walk.avi", out = folder / "out";
   const auto truth = io::load_camera(recording / "camera.yaml");
   ASSERT_TRUE(truth);
-  fs::remove(recording / "camera.yaml");
-  const Outcome run = covis({"run", recording, "--out", out});
+  ASSERT_NO_FATAL_FAILURE(write_video(recording, video, 30));
+  const Outcome run = covis({"run", video, "--out", out});
   ASSERT_EQ(run.code, 0) << run.error;
   EXPECT_THAT(run.out, AllOf(HasSubstr("the camera is an estimate from the recording"), HasSubstr("camera.yaml")));
   expect_results(out);
@@ -30,14 +31,18 @@ TEST_F(CommandCamera, IsFoundFromTheImagesAndWrittenLong) {
   EXPECT_LT(std::abs(off), 0.02);
   EXPECT_LT(std::abs(off), 4 * sigma);
   EXPECT_LT(sigma, 0.04);
-  EXPECT_LT(summary["ate_m"].get<double>(), 0.02);
+  const Outcome eval =
+      covis({"eval", out / "trajectory.txt", recording / "groundtruth.txt", "--align", "sim3", "--json"});
+  ASSERT_EQ(eval.code, 0) << eval.error;
+  const json errors = json::parse(eval.out, nullptr, false);
+  EXPECT_LT(errors["ate_m"]["rmse"].get<double>(), 0.02);
+  EXPECT_GT(errors["coverage"].get<double>(), 0.9);
 
   const auto found = io::load_camera(out / "camera.yaml");
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->camera.pinhole.fx, summary["camera_given"]["fx"].get<double>());
   EXPECT_THAT(text_of(out / "camera.yaml"), HasSubstr("# An estimate from the recording itself"));
-  const Outcome again =
-      covis({"run", recording, "--camera", out / "camera.yaml", "--quiet", "--out", folder / "again"});
+  const Outcome again = covis({"run", video, "--camera", out / "camera.yaml", "--quiet", "--out", folder / "again"});
   ASSERT_EQ(again.code, 0) << again.error;
   EXPECT_EQ(text_of(folder / "again/trajectory.txt"), text_of(out / "trajectory.txt"));
 }
@@ -53,6 +58,15 @@ TEST_F(CommandCamera, ThatTheImagesDoNotTellIsAskedFor) {
                                HasSubstr("--camera FILE"), HasSubstr("covis calibrate")));
   EXPECT_THAT(run.out, Not(HasSubstr("written to")));
   EXPECT_FALSE(fs::exists(folder / "out/camera.yaml"));
+}
+
+// A live camera's images can't be played again.
+TEST_F(CommandCamera, OfALiveCameraIsAskedFor) {
+  const Outcome run = covis({"run", "987", "--out", folder / "out"});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.error, AllOf(HasSubstr("987: a live camera needs a camera file, --camera FILE"),
+                               HasSubstr("can't be played again"), HasSubstr("covis calibrate")));
+  EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
 TEST_F(CommandCamera, IsNotFoundForAMapThatHasOne) {

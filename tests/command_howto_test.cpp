@@ -7,6 +7,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "command_results.h"
+#include "command_video.h"
 #include "covis/geometry/se3.h"
 #include "covis/io/camera_file.h"
 
@@ -18,13 +19,7 @@ using CommandHowto = CommandTest;
 TEST_F(CommandHowto, AVideoGivesAPathAndAMap) {
   constexpr int kFrames = 30;
   const fs::path recording = render("mono", kFrames), video = folder / "walk.avi", out = folder / "result";
-  std::vector<fs::path> images;
-  for (const auto& entry : fs::directory_iterator(recording / "images")) images.push_back(entry.path());
-  std::sort(images.begin(), images.end());
-  cv::VideoWriter writer(video.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {320, 240});
-  ASSERT_TRUE(writer.isOpened());
-  for (const fs::path& image : images) writer.write(cv::imread(image.string(), cv::IMREAD_COLOR));
-  writer.release();
+  ASSERT_NO_FATAL_FAILURE(write_video(recording, video, 10));
   const Outcome run = covis({"run", video, "--camera", recording / "camera.yaml", "--out", out});
   ASSERT_EQ(run.code, 0) << run.error;
   EXPECT_EQ(expect_results(out), kFrames);

@@ -221,7 +221,12 @@ Result<std::unique_ptr<Sequence>> open_camera(const std::string& path, const Req
   if (const auto served = serves(path, request); !served) return tl::unexpected(served.error());
   const std::optional<int> number = camera_number(path);
   if (!number) return fail(path + ": a camera is named by its number: 0, 1 …");
-  if (!request.given) return tl::unexpected(no_calibration(path, "--camera"));
+  if (!request.given) {
+    return fail(path +
+                ": a live camera needs a camera file, --camera FILE: its lens can't be looked for before the run, "
+                "because its images can't be played again. covis calibrate makes one, or covis run on a video that the "
+                "camera took");
+  }
   std::unique_ptr<CameraDevice> device = make_v4l2_camera(*number, *request.given);
   const auto format = device->open();
   if (!format) return fail(path + ": " + format.error().message);
