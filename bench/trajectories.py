@@ -10,6 +10,7 @@ that frames that are wrong don't spread their error over the others. Poses of di
 each submap is aligned by itself.
 """
 import bisect
+import json
 import math
 import statistics
 
@@ -159,6 +160,17 @@ class Run:
         self.frames = frames  # lines of stats.jsonl
         self.online = online  # trajectory_online.txt: microseconds to position
         self.final = final    # by submap, trajectory.txt first: the same
+
+    @classmethod
+    def read(cls, folder):
+        def positions(name):
+            return {key_of(stamp): position for stamp, position in read_positions(folder / name)}
+
+        final = [positions('trajectory.txt')]
+        while (folder / f'trajectory_map{len(final)}.txt').exists():
+            final.append(positions(f'trajectory_map{len(final)}.txt'))
+        frames = [json.loads(line) for line in (folder / 'stats.jsonl').read_text().splitlines()]
+        return cls(frames, positions('trajectory_online.txt'), final)
 
     def claim(self, frame):
         """The pose a frame was said to have: (the world it is in, position), or None for a frame that claimed none.
