@@ -37,6 +37,8 @@ constexpr double kFarthest = 0.25;       // greatest step from there
 constexpr double kSettledChange = 0.02;  // change after which it is taken for found
 constexpr double kSure = 0.04;           // standard deviation up to which it is known
 constexpr double kSteepest = 0.7;        // share of an error that stays, at most: noise makes it look like more
+constexpr double kNearby = 0.15;         // results so far away are laid on one line
+constexpr double kNoise = 0.01;          // how much two results differ that should be equal
 constexpr int kMostRounds = 6;
 constexpr size_t kLeastKeyFrames = 8;
 constexpr size_t kLeastObservers = 3;
@@ -121,6 +123,13 @@ struct Round {
   double change = 0;  // change of the focal length's logarithm
 };
 
+// The focal length that the recording gave back when it was tracked with `given`: logarithms.
+struct Answer {
+  double given = 0;
+  double sigma = 0;  // the greater standard deviation of the focal length
+  Round round;
+};
+
 // The lens that tracking with it, and adjusting it with the map, gives back.
 struct Settled {
   Lens lens;
@@ -181,30 +190,53 @@ class CameraSearch {
 
   // The map remembers the focal length that it was tracked with: of one that is too short a part of the error stays.
   // So the recording is tracked with a shorter and with a longer one than `lens`, and the one that would give itself is
-  // found on the line through both results. The steeper it is, the less is known.
+  // found on the line through these results and earlier ones nearby.
   Result<Settled> between(const Lens& lens) {
-    std::array<Round, 2> sides;
-    for (size_t k = 0; k < 2; ++k) {
-      const double aside = k == 0 ? -kAside : kAside;
-      auto made = round_with_map(bounded({lens.focal * std::exp(aside), lens.k1}), kUsualK1, kLong);
+    for (const double aside : {-kAside, kAside}) {
+      const Lens given = bounded({lens.focal * std::exp(aside), lens.k1});
+      const auto made = round_with_map(given, kUsualK1, kLong);
       if (!made) return tl::unexpected(made.error());
       say(*made);
-      sides[k] = *made;
+      answers_.push_back({std::log(given.focal), std::max(made->found.sigma, made->found.scatter), *made});
     }
-    const auto& [below, above] = sides;
-    const double low = below.change - kAside, high = above.change + kAside;  // logarithms, relative to `lens`
-    const double slope = std::clamp((high - low) / (2 * kAside), 0.0, kSteepest);
-    const double change = 0.5 * (low + high) / (1 - slope);
+    return on_the_line(lens);
+  }
+
+  // A line by weighted least squares through the changes over what was given: it crosses zero at the result. The less
+  // steeply it falls, the less is known.
+  Settled on_the_line(const Lens& lens) const {
+    const double centre = std::log(lens.focal);
+    // The weighted mean of a quantity of the results nearby.
+    const auto mean = [&](const auto& quantity) {
+      double sum = 0, weights = 0;
+      for (const Answer& answer : answers_) {
+        if (std::abs(answer.given - centre) > kNearby) continue;
+        const double weight = 1 / (answer.sigma * answer.sigma + kNoise * kNoise);
+        sum += weight * quantity(answer);
+        weights += weight;
+      }
+      return sum / weights;
+    };
+    const double given = mean([](const Answer& answer) { return answer.given; });
+    const double change = mean([](const Answer& answer) { return answer.round.change; });
+    const auto product = [&](const Answer& answer) { return (answer.given - given) * (answer.round.change - change); };
+    const double spread = mean([&](const Answer& answer) { return std::pow(answer.given - given, 2); });
+    const double fall = std::clamp(-mean(product) / std::max(spread, 1e-9), 1 - kSteepest, 1.0);
+    const double step = given + change / fall - centre;
+    const auto nearby = std::count_if(answers_.begin(), answers_.end(),
+                                      [&](const Answer& answer) { return std::abs(answer.given - centre) <= kNearby; });
+    const double misfit = mean([&](const Answer& answer) {
+      return std::pow(answer.round.change - change + fall * (answer.given - given), 2);
+    });
+    const double systematic = mean([](const Answer& answer) { return answer.sigma * answer.sigma; });
     Settled settled;
-    settled.lens = bounded({lens.focal * std::exp(std::clamp(change, -kFarthest, kFarthest)),
-                            0.5 * (below.found.lens.k1 + above.found.lens.k1)});
-    settled.change = std::abs(change);
-    for (const Round& side : sides) {
-      settled.focal_sigma =
-          std::max({settled.focal_sigma, side.found.sigma / (1 - slope), side.found.scatter / (1 - slope)});
-      settled.k1_sigma = std::max(settled.k1_sigma, side.found.k1_sigma);
-      settled.key_frames = std::max(settled.key_frames, side.key_frames);
-    }
+    settled.lens = bounded({lens.focal * std::exp(std::clamp(step, -kFarthest, kFarthest)),
+                            mean([](const Answer& answer) { return answer.round.found.lens.k1; })});
+    settled.change = std::abs(step);
+    // The results' own deviations have one cause, the recording; what they miss the line by is each one's own.
+    settled.focal_sigma = std::sqrt(systematic + misfit / static_cast<double>(std::max<long>(nearby - 2, 1))) / fall;
+    settled.k1_sigma = std::sqrt(mean([](const Answer& answer) { return std::pow(answer.round.found.k1_sigma, 2); }));
+    settled.key_frames = std::max(answers_.end()[-1].round.key_frames, answers_.end()[-2].round.key_frames);
     return settled;
   }
 
@@ -266,6 +298,7 @@ class CameraSearch {
   SystemOptions options_;
   const std::function<void(const std::string&)>& tell_;
   const std::atomic<int>* interrupt_;
+  std::vector<Answer> answers_;  // of long pieces
 };
 
 }  // namespace
