@@ -36,7 +36,7 @@ constexpr double kAside = 0.06;          // how far to both sides it is looked a
 constexpr double kFarthest = 0.25;       // greatest step from there
 constexpr double kSettledChange = 0.02;  // change after which it is taken for found
 constexpr double kSure = 0.04;           // standard deviation up to which it is known
-constexpr double kSteepest = 0.7;        // share of an error that stays, at most: noise makes it look like more
+constexpr double kLeastFall = 0.3;       // share of an error that a map must take away, or it repeats what it was given
 constexpr double kNearby = 0.15;         // results so far away are laid on one line
 constexpr double kNoise = 0.01;          // how much two results differ that should be equal
 constexpr int kMostRounds = 6;
@@ -137,6 +137,7 @@ struct Settled {
   double k1_sigma = 0;
   double change = 1;  // change of the focal length's logarithm, to the one before
   size_t key_frames = 0;
+  bool repeats = true;  // the recording says what it was tracked with
 };
 
 class CameraSearch {
@@ -163,7 +164,7 @@ class CameraSearch {
       const auto next = between(settled.lens);
       if (!next) return next;
       settled = *next;
-      if (settled.change < kSettledChange) break;
+      if (settled.change < kSettledChange && !settled.repeats) break;
     }
     return settled;
   }
@@ -221,7 +222,8 @@ class CameraSearch {
     const double change = mean([](const Answer& answer) { return answer.round.change; });
     const auto product = [&](const Answer& answer) { return (answer.given - given) * (answer.round.change - change); };
     const double spread = mean([&](const Answer& answer) { return std::pow(answer.given - given, 2); });
-    const double fall = std::clamp(-mean(product) / std::max(spread, 1e-9), 1 - kSteepest, 1.0);
+    const double measured_fall = -mean(product) / std::max(spread, 1e-9);
+    const double fall = std::clamp(measured_fall, kLeastFall, 1.0);
     const double step = given + change / fall - centre;
     const auto nearby = std::count_if(answers_.begin(), answers_.end(),
                                       [&](const Answer& answer) { return std::abs(answer.given - centre) <= kNearby; });
@@ -233,6 +235,7 @@ class CameraSearch {
     settled.lens = bounded({lens.focal * std::exp(std::clamp(step, -kFarthest, kFarthest)),
                             mean([](const Answer& answer) { return answer.round.found.lens.k1; })});
     settled.change = std::abs(step);
+    settled.repeats = measured_fall < kLeastFall;
     // The results' own deviations have one cause, the recording; what they miss the line by is each one's own.
     settled.focal_sigma = std::sqrt(systematic + misfit / static_cast<double>(std::max<long>(nearby - 2, 1))) / fall;
     settled.k1_sigma = std::sqrt(mean([](const Answer& answer) { return std::pow(answer.round.found.k1_sigma, 2); }));
@@ -313,7 +316,7 @@ Result<FoundCamera> find_camera(int width, int height, const RecordingPlayer& pl
   found.focal_sigma = std::hypot(settled->focal_sigma, settled->change);
   found.k1_sigma = settled->k1_sigma;
   found.key_frames = settled->key_frames;
-  if (!(found.focal_sigma < kSure)) return fail(kNotTold);
+  if (settled->repeats || !(found.focal_sigma < kSure)) return fail(kNotTold);
   found.camera = search.camera({settled->lens.focal * search.factor(), settled->lens.k1});
   found.camera.width = width;
   found.camera.height = height;
