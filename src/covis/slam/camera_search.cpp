@@ -269,14 +269,15 @@ class CameraSearch {
     Round made;
     System system(camera(lens), options_);
     int64_t frame = 0, since_begin = 0;
+    size_t key_frames = 0;  // those that mapping reported: what the map holds at a moment depends on its pace
     const Result<void> played = play_([&](ImageView<const uint8_t> image, Timestamp stamp) {
       if (interrupt_ && *interrupt_) return false;
       const FrameReport report =
           system.process({.frame = frame, .stamp = stamp, .image = shrink_(image), .right = {}, .depth = {}});
       ++frame;
       made.tracked += report.track.state == TrackingState::tracking;
-      const size_t key_frames = system.map_size().key_frames;
-      since_begin = key_frames > 0 || since_begin > 0 ? since_begin + 1 : 0;
+      key_frames += report.mapping.size();
+      since_begin += since_begin > 0 || report.track.state != TrackingState::not_initialised;
       return since_begin < piece.frames && key_frames < piece.key_frames && (since_begin > 0 || frame < kLatestBegin);
     });
     if (!played) return tl::unexpected(played.error());
