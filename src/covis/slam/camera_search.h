@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds the camera that a recording was made with from the recording alone: the focal length, and the first radial
 // coefficient of its lens. The recording's beginning is tracked with a few guesses of the focal length. The map of each
-// is adjusted together with the lens (lens_adjustment.h); the guess whose map fits best afterwards is tracked once more
-// with what was found, until that changes no more. The principal point is taken to be the middle of the image, pixels
-// to be square.
+// is adjusted together with the lens (lens_adjustment.h). From the guess whose map fits best afterwards on it is
+// tracked with less and with more, until the focal length that gives back itself is known
+// (notes/039-a-camera-found.md). The principal point is taken to be the middle of the image, pixels to be square. The
+// same frames give the same camera.
 #pragma once
 
 #include <atomic>
