@@ -110,7 +110,7 @@ Result<void> fill_folder(Format format, const ExportArguments& a, std::vector<Sc
 // A folder that this export made goes again when the export fails: the half of a model would look like a whole one.
 Result<void> write_folder(Format format, const ExportArguments& a, std::vector<Scene>& scenes) {
   std::error_code error;
-  const bool ours = !fs::exists(fs::symlink_status(a.out, error));
+  const bool ours = fs::symlink_status(a.out, error).type() == fs::file_type::not_found;
   auto written = fill_folder(format, a, scenes);
   if (!written && ours) fs::remove_all(a.out, error);
   return written;

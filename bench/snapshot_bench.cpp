@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Snapshots of a large map (1000 key frames, 100,000 points, 500,000 observations; docs/library.md): what one costs, how
-// long mapping waits for the map while one after the other is taken, and what frames take while another thread takes some.
+// Snapshots of a large map (1000 key frames, 100,000 points, 500,000 observations; docs/library.md): what one costs,
+// how long mapping waits for the map while one after the other is taken, and what frames take while another thread
+// takes some.
 #include <benchmark/benchmark.h>
 
 #include <atomic>
@@ -47,7 +48,7 @@ void copy(benchmark::State& state) {
   *map.write() = large_map({500, 500, 320, 240, 40});
   const TrajectoryLog log;
   const SnapshotSource source(map, log);
-  // As mapping does, from time to time: what it waits for is the snapshot's guard.
+  // Takes the write guard as mapping does, and measures the wait for the snapshot's read guard.
   std::atomic<bool> done = false;
   std::vector<double> waits;
   std::thread mapping([&] {
@@ -69,13 +70,13 @@ void copy(benchmark::State& state) {
 }
 BENCHMARK(copy)->Unit(benchmark::kMillisecond)->MinTime(2);
 
-// Rendered frames are tracked and mapped in a submap beside the large map. Argument: milliseconds from one snapshot to the next, which
-// another thread takes; -1: none are taken.
+// Rendered frames are tracked and mapped in a submap beside the large map. Argument: milliseconds from one snapshot to
+// the next, which another thread takes; -1: none are taken.
 void frames(benchmark::State& state) {
   constexpr int kFrames = 150, kFirst = 30;  // the submap is begun between the first ones
   static Recording recording(Sensor::rgbd, kFrames, 15, "room", {640, 480});
   for (int i = 0; i < kFrames; ++i) recording.frame(i);
-  // Without one no submap is begun beside a map.
+  // Without a vocabulary no submap is begun beside a map.
   const auto vocabulary = Vocabulary::load(COVIS_SOURCE_DIR "/vocabulary/default.covis-voc");
   if (!vocabulary) return state.SkipWithError(vocabulary.error().message.c_str());
   std::vector<double> frame_ms, snapshot_ms;
@@ -83,7 +84,8 @@ void frames(benchmark::State& state) {
     SystemOptions options;
     options.sensor = Sensor::rgbd;
     System system(recording.synth.camera(), options, *vocabulary);
-    if (!system.set_map(large_map(recording.synth.camera().pinhole), recording.synth.camera())) return state.SkipWithError("the map is refused");
+    if (!system.set_map(large_map(recording.synth.camera().pinhole), recording.synth.camera()))
+      return state.SkipWithError("the map is refused");
     std::atomic<bool> done = false;
     std::thread viewer([&] {
       while (!done && state.range(0) >= 0) {

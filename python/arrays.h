@@ -69,9 +69,11 @@ py::array_t<T> view_of(const T* first, size_t count, size_t columns, size_t stri
   return array;
 }
 
-// A column of a list of structs: member(list[k]) is the first of `columns` values.
+// A function that returns a member of its argument.
 #define COVIS_MEMBER(path) \
   [](auto& entry) -> auto& { return entry.path; }
+
+// A column of a list of structs: member(list[k]) is the first of `columns` values.
 template <class List, class Member>
 auto column_of(const List& list, size_t columns, const Member& member, const py::handle& owner) {
   using T = std::remove_cvref_t<decltype(member(list[0]))>;

@@ -54,7 +54,7 @@ struct PyTrajectory {
   }
 };
 
-// Quaternions as exact as the files of trajectories must have them (io/trajectory.h).
+// Quaternions may be as inexact as those in a file of trajectories (io/trajectory.h).
 PyTrajectory from_arrays(const std::vector<int64_t>& stamps,
                          const py::array_t<double, py::array::c_style | py::array::forcecast>& positions,
                          const py::array_t<double, py::array::c_style | py::array::forcecast>& quaternions) {

@@ -4,7 +4,10 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
+#include <utility>
 
 #include "arrays.h"
 #include "covis/api/convert.h"
@@ -19,7 +22,7 @@ std::string text(const Pose& p) {
   return line;
 }
 
-// As exact as the files of trajectories must be (io/trajectory.h).
+// The matrix may be as inexact as a rotation in a file of trajectories (io/trajectory.h).
 Pose pose_of_matrix(const py::array_t<double, py::array::c_style | py::array::forcecast>& m) {
   if (m.ndim() != 2 || m.shape(0) != 4 || m.shape(1) != 4) throw py::value_error("matrix: a shape (4, 4) is wanted");
   const Eigen::Matrix4d T = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(m.data());

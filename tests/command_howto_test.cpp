@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Commands of docs/howto.md that no other test of the command runs.
-#include <algorithm>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
 #include "command_results.h"
 #include "command_video.h"

@@ -6,7 +6,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <memory>
 #include <optional>
+#include <string>
 #include <thread>
 
 #include "apps/run/run_loop.h"
@@ -56,7 +59,7 @@ class Visited : public app::RunObserver {
   // does not read it stays on its way.
   static constexpr int kSkipped = 200'000;
 
-  Visited() : server_(view::Server::start({.host = "127.0.0.1", .port = 0}, live_).value()) {}
+  Visited() : server_(view::Server::start({.host = "127.0.0.1", .port = 0, .stall_seconds = 3600}, live_).value()) {}
 
   void run_begins(const System& system) override {
     live_->run_begins(system);

@@ -68,7 +68,7 @@ def analysed(model):
 
 
 def read_model(folder):
-    """Of a COLMAP model in text: the positions of its points by id, and of each image by name the rows x, y, id of point."""
+    """Reads a COLMAP model in text: the positions of its points by id, and of each image by name the rows x, y, id of point."""
     def lines_of(name):
         return [line for line in (folder / name).read_text().splitlines() if not line.startswith('#')]
     points = {int(line.split()[0]): np.array(line.split()[1:4], float) for line in lines_of('points3D.txt')}
@@ -245,7 +245,7 @@ class FullDisk(unittest.TestCase):
         return done.returncode, [line for line in done.stdout.splitlines() if not line.startswith('info: ')]
 
     def test_each_export_says_so_once_and_leaves_nothing(self):
-        """With room for all but its largest file: of a folder other files are there by then."""
+        """Each file but the largest fits, so that a folder is half written when the export fails."""
         for to, more in (('ply', ()), ('kitti', ()), ('geojson', ('--origin', '48', '16')), ('colmap', ()), ('nerfstudio', ()),
                          ('bundler', ())):
             with self.subTest(to=to):

@@ -92,6 +92,9 @@ def check_places(report: dict, truth: dict[str, str]) -> None:
         print(f'  {place["file"]} {place["submap"]}: {", ".join(place["recordings"])}; {place["key_frames"]} key frames, '
               f'ATE {place["ate_m"]} m over {place["with_truth"]}, path {place["path_m"]} m')
         bar = 0.003 if place['sensor'] == 'mono' else 0.001
+        if place['ate_m'] is None:
+            check(False, f'{place["file"]} {place["submap"]}: its key frames have a truth')
+            continue
         check(place['ate_m'] < bar * place['path_m'],
               f'{place["file"]} {place["submap"]}: ATE {100 * place["ate_m"] / place["path_m"]:.3f} % of the path, below {100 * bar:g} %')
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rendered recordings for a test of the fleet: overlapping pieces of walks through two rooms, as folders of their own.
 
-Each is rendered for itself, with noise, changes of brightness and another rate, so that no image and no stamp is in two of them.
+Each is rendered for itself at another rate, with noise and changes of brightness, and begins at another frame: no pose and no
+stamp is in two of them.
 """
 from __future__ import annotations
 
@@ -62,6 +63,7 @@ def make(covis: pathlib.Path, work: pathlib.Path, sensors: list[str], each: int 
             sensor = sensors[i % len(sensors)]
             turn, turns = i // len(sensors), each // len(sensors)
             first = round(turn * (FRAMES - PIECE) / max(turns - 1, 1) / (3 if turns == 2 else 1))
+            first += 1 + i  # frame 0 has one stamp and one pose whatever the rate
             name = f'{site}-{sensor}-{turn}'
             render(covis, work / 'walks' / name, sensor, seed, first + PIECE, 8 + 0.07 * (2 * i + k))
             piece(work / 'walks' / name, first, PIECE, work / 'recordings' / name)

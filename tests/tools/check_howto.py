@@ -7,7 +7,7 @@
 Each of its ten rows names tests, as links such as [`Suite.Case`](../tests/some_test.cpp), [`Class.test_name`](….py) or a test of
 ctest with the CMakeLists.txt that adds it. They must exist, and every option (--name) and member (->name, .name) that the row's
 command shows must be used in one of those files. Each picture of docs/images (PNG) has a row of the page that says how it is made, and
-another page shows it. Exit code 1 when something is missing.
+a page shows it. Exit code 1 when something is missing.
 """
 import pathlib
 import re
@@ -78,7 +78,7 @@ def problems_of_pictures(root):
     """Yields the pictures that nobody shows, and those of which it is not said how they are made."""
     pages = {page: page.read_text(encoding='utf-8') for page in [root / 'README.md', *sorted((root / 'docs').rglob('*.md'))] if page.is_file()}
     shown = {(page.parent / target).resolve() for page, text in pages.items() for target in SHOWN.findall(text)}
-    named = set(re.findall(r'\w+\.png', ' '.join(line for line in pages[root / 'docs/howto.md'].split('\n') if line.startswith('|'))))
+    named = set(re.findall(r'[\w-]+\.png', ' '.join(line for line in pages[root / 'docs/howto.md'].split('\n') if line.startswith('|'))))
     for picture in sorted((root / 'docs/images').glob('*.png')):
         if picture.name not in named:
             yield f'docs/images/{picture.name}: docs/howto.md does not say how it is made'

@@ -253,8 +253,8 @@ class ViewerTest(unittest.TestCase):
 
     def test_c_the_page_of_a_run_that_goes_on_is_live(self):
         browser = self.browser
-        # Half a minute long, of which this case sees the first seconds: the command is ended with the block.
-        slowed(self.folder / 'desk', self.folder / 'slow', 15)
+        # Three minutes long, of which this case sees the first seconds: the command is ended with the block.
+        slowed(self.folder / 'desk', self.folder / 'slow', 90)
         with Served([self.covis, 'run', self.folder / 'slow', '--out', self.folder / 'slow_out', '--realtime', '--view=0']) as served:
             browser.driver.get(served.url)
             browser.until(KEYPOINTS_ARE_DRAWN)

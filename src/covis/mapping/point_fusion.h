@@ -14,7 +14,8 @@ namespace covis {
 // the number of points fused or observations added.
 int fuse_neighbours(SharedMap& map, KeyFrameId current, Sensor sensor, const MapperOptions& options, PointFuser& fuser);
 
-// The same without refresh_points_of(current), so that several key frames share one, and the memory of what none found.
+// The same without refresh_points_of(current), so that several key frames share one, and a memory of searches that
+// found nothing.
 int fuse_neighbours_unrefreshed(SharedMap& map, KeyFrameId current, Sensor sensor, const MapperOptions& options,
                                 PointFuser& fuser, FuseMemory* memory = nullptr);
 

@@ -26,8 +26,8 @@ class PointFuser {
   // Looks for the points in the target and writes what it finds to the map: a feature without a point gets an
   // observation, and of two points one replaces the other. Reads and writes under guards of its own, and matches
   // without one. Points that the target observes already, and stale ones, are passed over; a stale target has none.
-  // Returns the number of points merged and observations added. What `memory` has is not searched again, and what
-  // this search does not find is added to it.
+  // Returns the number of points merged and observations added. Points that `memory` has are not searched again, and
+  // those that are not in view or look like no feature there are added to it.
   int fuse(SharedMap& map, KeyFrameId target, const std::vector<MapPointId>& points, const FuseOptions& options,
            FuseMemory* memory = nullptr);
 

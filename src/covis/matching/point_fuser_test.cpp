@@ -69,7 +69,7 @@ TEST_F(PointFuserTest, AFeatureWithoutAPointGetsTheObservation) {
   EXPECT_EQ(fuse({}), 0) << "they are observed now";
 }
 
-// Of two points that are one, the more similar gets the keypoint. The other may be found once that one is fused.
+// The more similar of two points that are one gets the keypoint. The other may be found once that one is fused.
 TEST_F(PointFuserTest, APointWhoseKeypointWasGivenAwayIsNoVainSearch) {
   world.forget_points();
   world.add_key_frames(1, 1);

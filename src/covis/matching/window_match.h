@@ -28,12 +28,13 @@ struct WindowMatchOptions {
   bool within_bound = false;        // true: a match's reprojection error must be within its 95 % bound
 };
 
-// match[q] becomes the index of the feature matched to query q, or below 0. A feature goes to at most one query: the most
-// similar, on a tie the earlier. Features with taken[i] != 0 are passed over (empty span: none). Returns the number of
-// matches. Allocates nothing once the vectors have grown.
+// match[q] becomes the index of the feature matched to query q, kUnlike or kGivenAway. A feature goes to at most one
+// query: the most similar, on a tie the earlier. Features with taken[i] != 0 are passed over (empty span: none).
+// Returns the number of matches. Allocates nothing once the vectors have grown.
 class WindowMatcher {
  public:
-  static constexpr int32_t kUnlike = -1, kGivenAway = -2;  // no feature is similar enough; another query got it
+  static constexpr int32_t kUnlike = -1;     // no feature of the window is similar enough, or by far the most
+  static constexpr int32_t kGivenAway = -2;  // another query got the most similar feature
 
   int match(const Features& features, std::span<const WindowQuery> queries, std::span<const uint8_t> taken,
             const Pinhole& camera, const WindowMatchOptions& options, std::vector<int32_t>& match);

@@ -19,7 +19,7 @@ namespace {
 // How much of the recording is tracked: until there are so many frames since the map began, or so many key frames.
 struct Piece {
   int64_t frames = 0;
-  size_t key_frames = 0;
+  size_t key_frames = 0;  // that mapping made; some are culled again
 };
 constexpr Piece kShort{300, 60}, kLong{1000, 100};
 constexpr int64_t kLatestBegin = 3000;  // frames without a map, after which there will be none
@@ -302,7 +302,7 @@ class CameraSearch {
   SystemOptions options_;
   const std::function<void(const std::string&)>& tell_;
   const std::atomic<int>* interrupt_;
-  std::vector<Answer> answers_;  // of long pieces
+  std::vector<Answer> answers_;  // results of long pieces
 };
 
 }  // namespace
