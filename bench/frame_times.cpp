@@ -4,21 +4,11 @@
 //   build/bench/bench/frame_times RECORDING VOCABULARY
 // Prints a line for each frame: both times, milliseconds, and the position found, to the last bit.
 #include <cstdio>
-#include <ctime>
 
+#include "apps/run/resources.h"
 #include "covis/api/convert.h"
 #include "covis/covis.h"
 #include "covis/io/sequence.h"
-
-namespace {
-
-double thread_ms() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
   if (argc != 3) return std::fprintf(stderr, "usage: frame_times RECORDING VOCABULARY\n"), 2;
@@ -30,9 +20,9 @@ int main(int argc, char** argv) {
                                          .vocabulary = argv[2]});
   if (!slam) return std::fprintf(stderr, "%s\n", slam.error().c_str()), 1;
   while (true) {
-    const double begin_ms = thread_ms();
+    const double begin_ms = covis::app::thread_cpu_ms();
     const auto read = (*recording)->next();
-    const double read_ms = thread_ms();
+    const double read_ms = covis::app::thread_cpu_ms();
     if (!read) return std::fprintf(stderr, "%s\n", read.error().message.c_str()), 1;
     if (!*read) return 0;
     const covis::io::Frame& frame = **read;
@@ -40,7 +30,7 @@ int main(int argc, char** argv) {
         {.stamp = frame.stamp,
          .image = {frame.image.row(0), frame.image.width(), frame.image.height(), frame.image.stride()},
          .depth = {frame.depth.row(0), frame.depth.width(), frame.depth.height(), frame.depth.stride()}});
-    const double tracked_ms = thread_ms();
+    const double tracked_ms = covis::app::thread_cpu_ms();
     if (!result) return std::fprintf(stderr, "%s\n", result.error().c_str()), 1;
     std::printf("%.6f %.6f %.17g %.17g %.17g\n", read_ms - begin_ms, tracked_ms - read_ms, result->pose.x,
                 result->pose.y, result->pose.z);

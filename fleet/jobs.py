@@ -8,7 +8,6 @@ folder stays.
 from __future__ import annotations
 
 import json
-import math
 import os
 import pathlib
 import resource
@@ -89,7 +88,7 @@ def map_recording(job: Job, recording: Recording, options: list[str]) -> Json:
     summary = json.loads((out / 'summary.json').read_text())
     result: Json = {'recording': recording.name, 'maps': [], 'bytes_in': recording.bytes, 'warnings': job.warnings,
                     'frames': summary['frames'], 'frames_tracked': summary['frames_tracked'],
-                    'ate_m': summary.get('ate_m'), 'sensor': summary['sensor']}
+                    'ate_m': summary.get('ate_m'), 'path_m': summary.get('truth_path_m'), 'sensor': summary['sensor']}
     if not file.exists():
         return result | {'failed': 'nothing of it was mapped'}
     info = job.call('map', 'info', str(file), '--json')
@@ -167,12 +166,6 @@ def summary_of(report: Json, first: Json, second: Json) -> Json:
             'ms': [round(report[f'{part}_ms']) for part in ('search', 'join', 'adjust')], 'pairs': pairs}
 
 
-def path_length(rows: list[str]) -> float:
-    """Metres along the positions of a trajectory's rows."""
-    places = [[float(word) for word in row.split()[1:4]] for row in rows]
-    return sum(math.dist(a, b) for a, b in zip(places, places[1:]))
-
-
 def evaluate(job: Job, site: pathlib.Path, root: str, recordings: list[Recording]) -> Json:
     """Errors of the site's maps: key frames of each submap against the truths of its recordings, which share a world."""
     paths = {recording.name: pathlib.Path(recording.path) for recording in recordings}
@@ -189,13 +182,10 @@ def evaluate(job: Job, site: pathlib.Path, root: str, recordings: list[Recording
             if len(of_submap.read_text().splitlines()) != sum(submap.values()):
                 raise JobError(f'{of_submap}: {sum(submap.values())} key frames are expected')
             rows: dict[str, str] = {}
-            driven = 0.0
             for name in submap:
                 truth = paths[name] / 'groundtruth.txt'
                 if truth.exists():
-                    own = [line for line in truth.read_text().splitlines() if line[:1].isdigit()]
-                    rows |= {line.split()[0]: line for line in own}
-                    driven += path_length(own)
+                    rows |= {line.split()[0]: line for line in truth.read_text().splitlines() if line[:1].isdigit()}
             if not rows:
                 errors.append(None)
                 continue
@@ -203,7 +193,7 @@ def evaluate(job: Job, site: pathlib.Path, root: str, recordings: list[Recording
             truths.write_text('\n'.join(rows[stamp] for stamp in sorted(rows, key=float)) + '\n')
             align = 'sim3' if {one['sensors'][name] for name in submap} == {'mono'} else 'se3'
             try:
-                errors.append({**job.call('eval', str(of_submap), str(truths), '--align', align, '--json'), 'recordings_path_m': driven})
+                errors.append(job.call('eval', str(of_submap), str(truths), '--align', align, '--json'))
             except JobError as error:  # too few poses have a truth
                 errors.append({'failed': str(error)})
         result['maps'].append(errors)

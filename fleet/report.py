@@ -33,6 +33,7 @@ def gather(site: pathlib.Path, manifest: Manifest, plan: Plan) -> Json:
     root = results[plan.root]
     errors_file = site / 'jobs' / f'{plan.root}-errors' / 'result.json'
     errors = json.loads(errors_file.read_text()) if errors_file.exists() else {}
+    path_of = {node.recording.name: results[key].get('path_m') for key, node in plan.nodes.items() if node.recording}
     places: list[Json] = []
     for m, one in enumerate(root['maps']):
         for s, submap in enumerate(one['submaps']):
@@ -41,7 +42,7 @@ def gather(site: pathlib.Path, manifest: Manifest, plan: Plan) -> Json:
             places.append({'file': published(m), 'submap': s, 'sensor': ', '.join(sensors), 'kind': one['kind'],
                            'recordings': sorted(submap), 'key_frames': sum(submap.values()),
                            'ate_m': error.get('ate_m', {}).get('rmse'), 'with_truth': error.get('associated'),
-                           'path_m': error.get('recordings_path_m')})
+                           'path_m': sum(path_of[name] or 0 for name in submap)})
     recordings: list[Json] = []
     for key, node in plan.nodes.items():
         if node.recording:

@@ -41,7 +41,7 @@ class Pretender:
                     raise jobs.JobError(f'{path}: it has 0 frames')
                 pathlib.Path(out).mkdir()
                 (pathlib.Path(out) / 'summary.json').write_text(json.dumps(
-                    {'frames': 10, 'frames_tracked': 9, 'sensor': 'x', 'maps': [{'keyframes': 5}]}))
+                    {'frames': 10, 'frames_tracked': 9, 'sensor': 'x', 'truth_path_m': 8, 'maps': [{'keyframes': 5}]}))
                 pathlib.Path(file).write_text(json.dumps(
                     {'sensor': (recording / 'sensor').read_text(), 'maps': [[(recording / 'world').read_text(), 5]]}))
                 return {}
@@ -147,6 +147,9 @@ class SiteTest(FleetTest):
         self.assertEqual([(p['file'], p['sensor'], p['recordings'], p['key_frames']) for p in data['places']], [
             ('site.m', 'mono, rgbd', ['nmono0', 'nmono1', 'nrgbd0', 'nrgbd1'], 20),
             ('site.m', 'mono, rgbd', ['smono0', 'smono1', 'srgbd0', 'srgbd1'], 20)])
+        self.assertEqual([p['path_m'] for p in data['places']], [32, 32])  # four recordings, 8 m each
+        self.assertEqual(report.of_the_path(data['places'][0]), '')  # they have no truth
+        self.assertEqual(report.of_the_path(data['places'][0] | {'ate_m': 0.016}), '0.050 %')
         bad = data['recordings'][-1]
         self.assertEqual((bad['name'], bad['failed'][-8:], bad['joined']), ('empty', '0 frames', False))
         self.assertTrue((self.site / 'report/site.m').exists())
