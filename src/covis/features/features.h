@@ -71,6 +71,25 @@ struct FeatureGrid {
   std::vector<uint16_t> indices;
 
   void build(const ImageBounds& bounds, const AlignedVector<float>& x, const AlignedVector<float>& y);
+
+  // Calls visit(first, last) for each row of cells under a window, |x - px| <= radius and |y - py| <= radius, that is not
+  // empty there: its cells hold indices[first .. last).
+  template <class Visit>
+  void for_each_run(float px, float py, float radius, Visit&& visit) const {
+    const int c0 = std::max(0, static_cast<int>((px - radius - bounds.min_x) * inv_cell_width));
+    const int c1 = std::min(kColumns - 1, static_cast<int>((px + radius - bounds.min_x) * inv_cell_width));
+    const int r0 = std::max(0, static_cast<int>((py - radius - bounds.min_y) * inv_cell_height));
+    const int r1 = std::min(kRows - 1, static_cast<int>((py + radius - bounds.min_y) * inv_cell_height));
+    if (c1 < c0) return;
+    const uint64_t left_of = (uint64_t{1} << c0) - 1, up_to_last = ~uint64_t{0} >> (kColumns - 1 - c1);
+    for (int r = r0; r <= r1; ++r) {
+      const uint64_t in_row = filled[static_cast<size_t>(r)];
+      if (!(in_row & up_to_last & ~left_of)) continue;
+      const uint16_t* row = offsets.data() + before[static_cast<size_t>(r)];
+      // The cells of a row are contiguous.
+      visit(uint32_t{row[std::popcount(in_row & left_of)]}, uint32_t{row[std::popcount(in_row & up_to_last)]});
+    }
+  }
 };
 
 struct Features {
@@ -102,25 +121,13 @@ struct Features {
   // max_level, in a fixed order. Reads only the grid cells under the window.
   template <class Visit>
   void for_each_in_window(float px, float py, float radius, int min_level, int max_level, Visit&& visit) const {
-    const int c0 = std::max(0, static_cast<int>((px - radius - grid.bounds.min_x) * grid.inv_cell_width));
-    const int c1 =
-        std::min(FeatureGrid::kColumns - 1, static_cast<int>((px + radius - grid.bounds.min_x) * grid.inv_cell_width));
-    const int r0 = std::max(0, static_cast<int>((py - radius - grid.bounds.min_y) * grid.inv_cell_height));
-    const int r1 =
-        std::min(FeatureGrid::kRows - 1, static_cast<int>((py + radius - grid.bounds.min_y) * grid.inv_cell_height));
-    if (c1 < c0) return;
-    const uint64_t left_of = (uint64_t{1} << c0) - 1, up_to_last = ~uint64_t{0} >> (FeatureGrid::kColumns - 1 - c1);
-    for (int r = r0; r <= r1; ++r) {
-      const uint64_t filled = grid.filled[static_cast<size_t>(r)];
-      const uint16_t* row = grid.offsets.data() + grid.before[static_cast<size_t>(r)];
-      const uint32_t first = row[std::popcount(filled & left_of)];
-      const uint32_t last = row[std::popcount(filled & up_to_last)];  // the cells of a row are contiguous
+    grid.for_each_run(px, py, radius, [&](uint32_t first, uint32_t last) {
       for (uint32_t k = first; k < last; ++k) {
         const uint32_t i = grid.indices[k];
         if (level[i] < min_level || level[i] > max_level) continue;
         if (std::abs(x[i] - px) <= radius && std::abs(y[i] - py) <= radius) visit(static_cast<int>(i));
       }
-    }
+    });
   }
 };
 

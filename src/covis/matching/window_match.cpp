@@ -55,23 +55,59 @@ bool error_within_bound(const Features& features, size_t i, const WindowQuery& q
 
 }  // namespace
 
+void WindowMatcher::InGridOrder::gather(const Features& features) {
+  const size_t n = features.grid.indices.size();
+  for (auto* const values : {&x, &y}) {
+    reserve_ahead(*values, n);
+    values->resize(n);
+  }
+  reserve_ahead(level, n);
+  level.resize(n);
+  for (size_t k = 0; k < n; ++k) {
+    const size_t i = features.grid.indices[k];
+    x[k] = features.x[i];
+    y[k] = features.y[i];
+    level[k] = features.level[i];
+  }
+}
+
+// Most features of the cells under a window are not in it, which no branch predictor guesses: each is written down, and
+// the next one over it where it is outside.
+std::span<const uint16_t> WindowMatcher::in_window(const Features& features, const WindowQuery& query) {
+  size_t count = 0;
+  const auto low = static_cast<unsigned>(query.min_level);
+  const auto levels = static_cast<unsigned>(query.max_level) - low;
+  features.grid.for_each_run(query.u, query.v, query.radius, [&](uint32_t first, uint32_t last) {
+    for (uint32_t k = first; k < last; ++k) {
+      inside_[count] = features.grid.indices[k];
+      count += static_cast<size_t>((std::abs(ordered_.x[k] - query.u) <= query.radius) &
+                                   (std::abs(ordered_.y[k] - query.v) <= query.radius) &
+                                   (ordered_.level[k] - low <= levels));
+    }
+  });
+  return {inside_.data(), count};
+}
+
 int WindowMatcher::match(const Features& features, std::span<const WindowQuery> queries, std::span<const uint8_t> taken,
                          const Pinhole& camera, const WindowMatchOptions& options, std::vector<int32_t>& match) {
   reserve_ahead(match, queries.size());
   match.assign(queries.size(), kUnlike);
+  if (queries.empty()) return 0;
   reserve_ahead(owner_, static_cast<size_t>(features.size()));
   owner_.assign(static_cast<size_t>(features.size()), Owner{});
+  ordered_.gather(features);
+  reserve_ahead(inside_, ordered_.x.size() + 1);
+  inside_.resize(ordered_.x.size() + 1);
   int count = 0;
   for (size_t q = 0; q < queries.size(); ++q) {
     const WindowQuery& query = queries[q];
     BestTwo best;
-    features.for_each_in_window(query.u, query.v, query.radius, query.min_level, query.max_level, [&](int index) {
-      const auto i = static_cast<size_t>(index);
-      if (!taken.empty() && taken[i]) return;
-      if (!depth_in_window(features, i, query, camera)) return;
-      if (options.within_bound && !error_within_bound(features, i, query, camera)) return;
-      best.add(hamming(*query.descriptor, features.descriptor[i]), features.level[i], index);
-    });
+    for (const uint16_t i : in_window(features, query)) {
+      if (!taken.empty() && taken[i]) continue;
+      if (!depth_in_window(features, i, query, camera)) continue;
+      if (options.within_bound && !error_within_bound(features, i, query, camera)) continue;
+      best.add(hamming(*query.descriptor, features.descriptor[i]), features.level[i], i);
+    }
     if (best.best > options.max_distance) continue;
     if (best.best_level == best.second_level &&
         static_cast<float>(best.best) > options.ratio * static_cast<float>(best.second)) {

@@ -44,6 +44,18 @@ class WindowMatcher {
     int32_t query = -1;
     int32_t distance = 0;
   };
+  // The features' positions and levels in the order of their grid, so that those of a window lie side by side.
+  struct InGridOrder {
+    std::vector<float> x, y;
+    std::vector<uint8_t> level;
+
+    void gather(const Features& features);
+  };
+  // The features in a query's window, in the order of the grid. Valid until the next call.
+  std::span<const uint16_t> in_window(const Features& features, const WindowQuery& query);
+
+  InGridOrder ordered_;
+  std::vector<uint16_t> inside_;
   std::vector<Owner> owner_;
 };
 
