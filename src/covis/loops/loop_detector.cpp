@@ -32,8 +32,9 @@ std::vector<KeyFrameId> within_steps(const Map& map, KeyFrameId from, int steps)
 // The least similarity among the key frame's own neighbours.
 double least_score(const Map& map, const KeyFrame& key_frame, KeyFrameId id) {
   double least = 1;
+  const WeightsByWord weights(key_frame.words->words);
   for (const Neighbour& n : map.neighbours(id))
-    least = std::min(least, word_score(key_frame.words->words, map.at(n.key_frame).words->words));
+    least = std::min(least, weights.score(map.at(n.key_frame).words->words));
   return least;
 }
 

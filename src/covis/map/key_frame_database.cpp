@@ -55,9 +55,13 @@ const std::vector<uint32_t>& KeyFrameDatabase::holders(uint32_t word) const {
 std::vector<KeyFrameDatabase::Candidate> KeyFrameDatabase::query(const Map& map, const Words& words,
                                                                  const std::function<bool(KeyFrameId)>& excluded,
                                                                  double min_score) const {
-  std::vector<int> shared;  // words, by slot
+  size_t slots = 0;
   for (const WordWeight& w : words.words) {
-    for (const uint32_t slot : holders(w.word)) ++at_slot(shared, slot);
+    if (const auto& held = holders(w.word); !held.empty()) slots = std::max(slots, held.back() + size_t{1});
+  }
+  std::vector<int> shared(slots);  // words, by slot
+  for (const WordWeight& w : words.words) {
+    for (const uint32_t slot : holders(w.word)) ++shared[slot];
   }
   const auto left_out = [&](uint32_t slot) { return excluded && excluded(map.key_frame_in(slot)); };
   int most = 0;

@@ -120,6 +120,7 @@ class Map {
   const KeyFrame* find(KeyFrameId id) const { return key_frames_.find(id); }         // nullptr: stale
   const KeyFrame& at(KeyFrameId id) const { return key_frames_.at(id); }             // must be live (asserted)
   KeyFrameId key_frame_in(uint32_t slot) const { return key_frames_.handle(slot); }  // invalid: none
+  MapPointId point_in(uint32_t slot) const { return points_.handle(slot); }          // invalid: none
   // False (nothing done) when stale or not finite.
   bool set_pose(KeyFrameId id, const SE3& T_cw);
   // Makes it known to the database. Once.

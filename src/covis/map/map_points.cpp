@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Map points: observations, replacement, and what is derived from the observers.
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <utility>
 
@@ -171,20 +172,24 @@ PointAppearance Map::appearance(MapPointId id) const {
   derive_geometry(*this, point, seen);
   const size_t n = std::min(point.observations.size(), kMaxCompared);
   if (n <= 1) return seen;
-  std::vector<const Descriptor*> descriptors(n);
+  std::array<const Descriptor*, kMaxCompared> descriptors;
   for (size_t i = 0; i < n; ++i) {
     const Observation& o = point.observations[i];
     descriptors[i] = &at(o.key_frame).features->descriptor[o.feature];
   }
   int best = kHammingBeyond;
-  std::vector<int> between(n * n, 0);  // row i: the distances of the ith from all
+  std::array<uint16_t, kMaxCompared * kMaxCompared> between;  // row i: the distances of the ith from all
   for (size_t i = 0; i < n; ++i) {
-    for (size_t j = 0; j < i; ++j) between[i * n + j] = between[j * n + i] = hamming(*descriptors[i], *descriptors[j]);
+    between[i * n + i] = 0;
+    for (size_t j = 0; j < i; ++j) {
+      const int distance = hamming(*descriptors[i], *descriptors[j]);
+      between[i * n + j] = between[j * n + i] = static_cast<uint16_t>(distance);
+    }
   }
   for (size_t i = 0; i < n; ++i) {
-    const auto row = between.begin() + static_cast<ptrdiff_t>(i * n);
-    const auto middle = row + static_cast<ptrdiff_t>((n - 1) / 2);
-    std::nth_element(row, middle, row + static_cast<ptrdiff_t>(n));
+    uint16_t* const row = between.data() + i * n;
+    uint16_t* const middle = row + (n - 1) / 2;
+    std::nth_element(row, middle, row + n);
     if (*middle < best) {
       best = *middle;
       seen.descriptor = *descriptors[i];

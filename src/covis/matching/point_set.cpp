@@ -2,6 +2,7 @@
 #include "covis/matching/point_set.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace covis {
 namespace {
@@ -71,24 +72,34 @@ void PointSet::add_seen(MapPointId point, const Eigen::Vector3d& position_w, con
   level.push_back(static_cast<uint8_t>(seen_at_level));
 }
 
+// By a bit for each slot between the lowest and the highest, which sorts them too.
 std::vector<MapPointId> points_of(const Map& map, std::span<const KeyFrameId> key_frames) {
-  std::vector<MapPointId> points;
-  std::vector<bool> taken;  // by slot, so that what many see is sorted once
+  std::vector<const KeyFrame*> sources;
+  uint32_t lowest = MapPointId::kNoSlot, highest = 0;
   for (const KeyFrameId& key_frame : key_frames) {
     const KeyFrame* source = map.find(key_frame);
     if (!source) continue;
+    sources.push_back(source);
     for (const MapPointId& point : source->points) {
-      if (!point.valid()) continue;
-      if (key_frames.size() > 1) {
-        if (point.slot >= taken.size()) taken.resize(std::max(point.slot + size_t{1}, 2 * taken.size()));
-        if (taken[point.slot]) continue;
-        taken[point.slot] = true;
-      }
-      points.push_back(point);
+      lowest = std::min(lowest, point.slot);
+      if (point.valid()) highest = std::max(highest, point.slot);
     }
   }
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (lowest > highest) return {};
+  std::vector<uint64_t> seen((highest - lowest) / 64 + size_t{1});
+  for (const KeyFrame* source : sources) {
+    for (const MapPointId& point : source->points) {
+      if (point.valid()) seen[(point.slot - lowest) / 64] |= uint64_t{1} << (point.slot - lowest) % 64;
+    }
+  }
+  size_t count = 0;
+  for (const uint64_t bits : seen) count += static_cast<size_t>(std::popcount(bits));
+  std::vector<MapPointId> points;
+  points.reserve(count);
+  for (size_t k = 0; k < seen.size(); ++k) {
+    for (uint64_t bits = seen[k]; bits != 0; bits &= bits - 1)
+      points.push_back(map.point_in(lowest + static_cast<uint32_t>(64 * k) + static_cast<uint32_t>(std::countr_zero(bits))));
+  }
   return points;
 }
 

@@ -70,6 +70,20 @@ double word_score(const std::vector<WordWeight>& a, const std::vector<WordWeight
   return score;
 }
 
+WeightsByWord::WeightsByWord(const std::vector<WordWeight>& words) {
+  if (!words.empty()) weight_.resize(words.back().word + size_t{1});
+  for (const WordWeight& w : words) weight_[w.word] = w.weight;
+}
+
+double WeightsByWord::score(const std::vector<WordWeight>& other) const {
+  double score = 0;
+  for (const WordWeight& w : other) {
+    if (w.word >= weight_.size()) break;
+    score += std::min(weight_[w.word], w.weight);
+  }
+  return score;
+}
+
 Vocabulary::Vocabulary() = default;
 Vocabulary::~Vocabulary() = default;
 
@@ -164,9 +178,35 @@ Vocabulary::Leaf Vocabulary::descend(const Descriptor& descriptor) const {
 
 uint32_t Vocabulary::word(const Descriptor& descriptor) const { return descend(descriptor).word; }
 
+std::vector<uint32_t> Vocabulary::words_of(std::span<const Descriptor> descriptors) const {
+  constexpr size_t kTogether = 32, kLine = 64 / sizeof(Descriptor);
+  std::array<uint16_t, kMaxBranching> distance;
+  std::vector<uint32_t> nodes(descriptors.size());
+  for (size_t begin = 0; begin < nodes.size(); begin += kTogether) {
+    const size_t end = std::min(begin + kTogether, nodes.size());
+    for (bool descended = true; descended;) {
+      descended = false;
+      for (size_t i = begin; i < end; ++i) {
+        for (uint32_t child = nodes_[nodes[i]].child; child < nodes_[nodes[i] + 1].child; child += kLine)
+          __builtin_prefetch(&descriptors_[child]);
+      }
+      for (size_t i = begin; i < end; ++i) {
+        const uint32_t first = nodes_[nodes[i]].child;
+        const auto children = static_cast<int>(nodes_[nodes[i] + 1].child - first);
+        if (children == 0) continue;
+        hamming_row(descriptors[i], &descriptors_[first], children, distance.data());
+        const auto* const nearest = std::min_element(distance.data(), distance.data() + children);
+        nodes[i] = first + static_cast<uint32_t>(nearest - distance.data());
+        descended = true;
+      }
+    }
+  }
+  for (uint32_t& node : nodes) node = nodes_[node].word;
+  return nodes;
+}
+
 Words Vocabulary::transform(std::span<const Descriptor> descriptors) const {
-  std::vector<uint32_t> words(descriptors.size());
-  for (size_t i = 0; i < descriptors.size(); ++i) words[i] = word(descriptors[i]);
+  std::vector<uint32_t> words = words_of(descriptors);
   std::sort(words.begin(), words.end());
   Words out;
   double sum = 0;

@@ -47,6 +47,17 @@ struct DirectIndex {
 // 1 - |a - b|_1 / 2 (Gálvez-López and Tardós 2012, eq. 2): 1 for equal images, 0 without common words.
 double word_score(const std::vector<WordWeight>& a, const std::vector<WordWeight>& b);
 
+// The weights of one image's words where each is found at once, to compare it with many others.
+class WeightsByWord {
+ public:
+  explicit WeightsByWord(const std::vector<WordWeight>& words);
+  // The same bits as word_score() of the two.
+  double score(const std::vector<WordWeight>& other) const;
+
+ private:
+  std::vector<float> weight_;  // by word
+};
+
 // A node of a tree under construction. Nodes are numbered from 1 in the order of their list; 0 is the root, which is
 // not listed.
 struct VocabularyNode {
@@ -106,6 +117,8 @@ class Vocabulary {
   };
 
   Vocabulary();
+  // The words of all, which descend side by side: they wait for memory together.
+  std::vector<uint32_t> words_of(std::span<const Descriptor> descriptors) const;
   Leaf descend(const Descriptor& descriptor) const;
   Result<void> open(std::span<const std::byte> bytes);  // checks a whole file's bytes, and points into them
   Result<void> check_nodes() const;

@@ -128,8 +128,10 @@ TEST_F(WordsTest, ScoreIsOneOfEqualNoneOfDisjointAndSymmetric) {
   for (size_t i = 0; i < 30; ++i) all.push_back(vocabulary_->transform(images_.image(i)).words);
   for (const auto& a : all) {
     EXPECT_NEAR(word_score(a, a), 1, 1e-5);
+    const WeightsByWord weights(a);
     for (const auto& b : all) {
       EXPECT_EQ(word_score(a, b), word_score(b, a));
+      EXPECT_EQ(weights.score(b), word_score(a, b));
       double difference = 0;  // as the paper writes it
       std::map<uint32_t, double> by_word;
       for (const WordWeight& w : a) by_word[w.word] += static_cast<double>(w.weight);
@@ -140,6 +142,8 @@ TEST_F(WordsTest, ScoreIsOneOfEqualNoneOfDisjointAndSymmetric) {
   }
   EXPECT_EQ(word_score({{1, 0.5f}, {4, 0.5f}}, {{2, 0.25f}, {3, 0.75f}}), 0);
   EXPECT_EQ(word_score({}, {{2, 1.0f}}), 0);
+  EXPECT_EQ(WeightsByWord({}).score({{2, 1.0f}}), 0);
+  EXPECT_EQ(WeightsByWord({{2, 1.0f}}).score({}), 0);
 }
 
 }  // namespace
