@@ -32,11 +32,9 @@ bool carried_residual(const Sim3& S, const Sim3& S_inverse, const CarriedPoint& 
   return true;
 }
 
-}  // namespace
-
-bool sim3_residual(const Sim3& S_12, const Sim3Match& match, const Pinhole& camera_1, const Pinhole& camera_2,
-                   Eigen::Vector4d& e, Eigen::Matrix<double, 4, 7>* J) {
-  const Sim3 S_21 = S_12.inverse();
+// As sim3_residual().
+bool pair_residual(const Sim3& S_12, const Sim3& S_21, const Sim3Match& match, const Pinhole& camera_1,
+                   const Pinhole& camera_2, Eigen::Vector4d& e, Eigen::Matrix<double, 4, 7>* J = nullptr) {
   // Each camera is the only view of its map, and its frame of reference.
   const auto half = [&](CarriedPoint::Way way, const Eigen::Vector3d& p, const Eigen::Vector2d& z,
                         const Pinhole& camera, int row) {
@@ -50,8 +48,6 @@ bool sim3_residual(const Sim3& S_12, const Sim3Match& match, const Pinhole& came
   return half(CarriedPoint::Way::forth, match.p_2, match.z_1, camera_1, 0) &&
          half(CarriedPoint::Way::back, match.p_1, match.z_2, camera_2, 2);
 }
-
-namespace {
 
 // Matches of two cameras.
 struct Pairs {
@@ -71,11 +67,12 @@ struct Sim3System {
 // Sums over the matches with use[i] != 0; a bound of 0 disables Huber's rho.
 Sim3System accumulate(const Sim3& S_12, const Pairs& pairs, const std::vector<uint8_t>& use, double huber_bound) {
   Sim3System s;
+  const Sim3 S_21 = S_12.inverse();
   Eigen::Vector4d e;
   Eigen::Matrix<double, 4, 7> J;
   for (size_t i = 0; i < pairs.matches.size(); ++i) {
     const Sim3Match& match = pairs.matches[i];
-    if (!use[i] || !sim3_residual(S_12, match, pairs.camera_1, pairs.camera_2, e, &J)) continue;
+    if (!use[i] || !pair_residual(S_12, S_21, match, pairs.camera_1, pairs.camera_2, e, &J)) continue;
     ++s.used;
     if (pairs.fix_scale) J.col(6).setZero();
     Eigen::Vector4d w;
@@ -146,10 +143,11 @@ bool descend(Sim3& S_12, const Problem& problem, const std::vector<uint8_t>& use
 
 int classify(const Sim3& S_12, const Pairs& pairs, double max_chi2, std::vector<uint8_t>& inlier) {
   int count = 0;
+  const Sim3 S_21 = S_12.inverse();
   Eigen::Vector4d e;
   for (size_t i = 0; i < inlier.size(); ++i) {
     const Sim3Match& match = pairs.matches[i];
-    inlier[i] = sim3_residual(S_12, match, pairs.camera_1, pairs.camera_2, e) &&
+    inlier[i] = pair_residual(S_12, S_21, match, pairs.camera_1, pairs.camera_2, e) &&
                 e.head<2>().squaredNorm() * match.inv_sigma2_1 <= max_chi2 &&
                 e.tail<2>().squaredNorm() * match.inv_sigma2_2 <= max_chi2;
     count += inlier[i];
@@ -194,6 +192,11 @@ double samples_needed(double inlier_share) {
 }
 
 }  // namespace
+
+bool sim3_residual(const Sim3& S_12, const Sim3Match& match, const Pinhole& camera_1, const Pinhole& camera_2,
+                   Eigen::Vector4d& e, Eigen::Matrix<double, 4, 7>* J) {
+  return pair_residual(S_12, S_12.inverse(), match, camera_1, camera_2, e, J);
+}
 
 Sim3Result refine_sim3(const Sim3& S_12, std::span<const Sim3Match> matches, const Pinhole& camera_1,
                        const Pinhole& camera_2, bool fix_scale, double max_chi2) {
