@@ -26,7 +26,7 @@ LAYERS = {
     'vocabulary': {'core', 'features'},
     'map': {'core', 'geometry', 'features', 'vocabulary'},
     'matching': {'core', 'geometry', 'features', 'vocabulary', 'map'},
-    'optimization': {'core', 'geometry'},
+    'optimization': {'core', 'geometry', 'features'},
     'tracking': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization'},
     'mapping': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization'},
     'loops': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'mapping'},

@@ -90,35 +90,19 @@ void BundleAdjuster::Workspace::start_reduced(double lambda) {
   }
 }
 
-// Subtracts W V^-1 W' of the point whose W V^-1 is in `row`.
-void BundleAdjuster::Workspace::add_dense() {
-  for (size_t i = 0; i < row.size(); ++i) {
-    const auto ci =
-        static_cast<Eigen::Index>(free_pose[static_cast<size_t>(sorted[static_cast<size_t>(row[i].first)].pose)]);
-    for (size_t j = 0; j < row.size(); ++j) {
-      const auto kj = static_cast<size_t>(row[j].first);
-      const auto cj = static_cast<Eigen::Index>(free_pose[static_cast<size_t>(sorted[kj].pose)]);
-      if (cj > ci) continue;  // only the lower triangle is needed
-      S.block<6, 6>(ci * 6, cj * 6).noalias() -= row[i].second * W[kj].transpose();
-    }
-  }
-}
-
 void BundleAdjuster::Workspace::add_sparse(size_t& next_slot) {
   for (size_t i = 0; i < row.size(); ++i) {
-    const auto ki = static_cast<uint32_t>(row[i].first);
-    const int32_t a = free_of(ki);
-    system.diagonal(static_cast<size_t>(a)).noalias() -= row[i].second * W[ki].transpose();
+    const PoseOfPoint& a = row[i];
+    system.diagonal(static_cast<size_t>(a.pose)).noalias() -= a.Y * a.W->transpose();
     for (size_t j = 0; j < i; ++j, ++next_slot) {
-      const auto kj = static_cast<uint32_t>(row[j].first);
-      const int32_t b = free_of(kj);
-      if (a < b) {
-        system.block(slot[next_slot]).noalias() -= row[i].second * W[kj].transpose();
-      } else if (b < a) {
-        system.block(slot[next_slot]).noalias() -= row[j].second * W[ki].transpose();
+      const PoseOfPoint& b = row[j];
+      if (a.pose < b.pose) {
+        system.block(slot[next_slot]).noalias() -= a.Y * b.W->transpose();
+      } else if (b.pose < a.pose) {
+        system.block(slot[next_slot]).noalias() -= b.Y * a.W->transpose();
       } else {  // one camera observes the point twice
-        const Matrix6d product = row[i].second * W[kj].transpose();
-        system.diagonal(static_cast<size_t>(a)) -= product + product.transpose();
+        const Matrix6d product = a.Y * b.W->transpose();
+        system.diagonal(static_cast<size_t>(a.pose)) -= product + product.transpose();
       }
     }
   }
@@ -143,12 +127,12 @@ bool BundleAdjuster::Workspace::solve_step(double lambda) {
       if (c < 0) continue;
       const Matrix6x3d Y = W[k] * V_inv[p];
       rhs.segment<6>(static_cast<Eigen::Index>(c) * 6).noalias() -= Y * b_p[p];
-      row.emplace_back(static_cast<int32_t>(k), Y);
+      row.push_back({c, &W[k], Y});
     }
     if (sparse) {
       add_sparse(next_slot);
     } else {
-      add_dense();
+      subtract_point(row, S.data(), S.outerStride());
     }
   }
   if (!solve_reduced()) return false;

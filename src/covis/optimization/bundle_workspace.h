@@ -20,11 +20,10 @@
 #include "covis/optimization/block_system.h"
 #include "covis/optimization/bundle_adjustment.h"
 #include "covis/optimization/pose_optimization.h"
+#include "covis/optimization/reduced_blocks.h"
 #include "covis/optimization/reprojection.h"
 
 namespace covis {
-
-using Matrix6x3d = Eigen::Matrix<double, 6, 3>;
 
 struct BundleAdjuster::Workspace {
   // Observations sorted by point; those of point p are [offset[p], offset[p + 1]).
@@ -46,7 +45,7 @@ struct BundleAdjuster::Workspace {
   AlignedVector<Eigen::Vector3d> step_p;
   std::vector<SE3> poses_try;
   std::vector<Eigen::Vector3d> points_try;
-  std::vector<std::pair<int32_t, Matrix6x3d>> row;  // W V^-1 of one point
+  std::vector<PoseOfPoint> row;  // the free poses of one point
 
   bool sparse = false;  // true: many poses, `system` is used instead of S
   BlockSystem<6> system;
@@ -62,7 +61,6 @@ struct BundleAdjuster::Workspace {
   void prepare_sparse();
   std::vector<BlockPair> co_observing() const;
   void start_reduced(double lambda);
-  void add_dense();
   void add_sparse(size_t& next_slot);
   bool solve_reduced();
 
