@@ -24,7 +24,7 @@ bool agree(const Map& map, const JoinSides& a, const JoinSides& b, double old_wa
 }
 
 // Claims between the same surroundings repeat one another: what more than so many would say is known.
-constexpr int kClaimsOfAPlace = 20;
+constexpr int kClaimsOfAPlace = 12;
 
 // The claims that have been made, by the key frames at both of their ends.
 class ClaimsAround {

@@ -118,6 +118,7 @@ SideBySide::SideBySide(const Map& map, const KeyFrameWays& ways, const JoinClaim
 
 void SideBySide::look(const Map& map, const KeyFrameWays& ways, const Pinhole& camera, uint32_t from, uint32_t to,
                       const std::vector<Link>& links, LoopVerifier& verifier) {
+  constexpr size_t kViews = 200;                                             // at most, spread over all
   constexpr double kWay = 1, kApart = 0.3, kTurned = std::numbers::pi / 9;  // shares of the depth; radians
   struct Nearest {
     double way = std::numeric_limits<double>::infinity();
@@ -132,9 +133,12 @@ void SideBySide::look(const Map& map, const KeyFrameWays& ways, const Pinhole& c
     }
   }
   const std::vector<KeyFrameId> there = map.key_frames(to);
-  for (const KeyFrameId& id : map.key_frames(from)) {
-    const auto& [way, link] = nearest[id.slot];
-    if (!link) continue;  // none reaches that far
+  std::vector<KeyFrameId> here = map.key_frames(from);
+  std::erase_if(here, [&](KeyFrameId id) { return !nearest[id.slot].link; });  // none reaches that far
+  const size_t step = (here.size() + kViews - 1) / kViews;
+  for (size_t k = 0; k < here.size(); k += step) {
+    const KeyFrameId id = here[k];
+    const Link* const link = nearest[id.slot].link;
     const SE3 T_cw = (Sim3(map.at(id).T_cw) * link->S_there_here.inverse()).as_pose();
     KeyFrameId beside;
     double least = kApart * link->depth;

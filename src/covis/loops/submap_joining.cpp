@@ -161,17 +161,23 @@ void Joining::tie(uint32_t submap) {
   maps_.at(submap).correction = graph.greatest_move();
 }
 
+// The points around the place are looked for in the key frames around the current one, but where they were already when
+// these surroundings were another place's.
 int Joining::fuse(const JoinClaim& claim, std::vector<FusedPlace>& fused, FuseMemory& memory) {
   const int matched = fuse_matches(map_, claim.current, claim.matches);
-  const auto done = [&](const FusedPlace& before) { return before.has(claim.current, claim.place); };
-  if (std::any_of(fused.begin(), fused.end(), done)) return matched;
+  const auto done = [&](KeyFrameId target) {
+    return std::any_of(fused.begin(), fused.end(), [&](const FusedPlace& f) { return f.has(target, claim.place); });
+  };
+  if (done(claim.current)) return matched;
   LoopPlace place(*map_.read(), claim.place);
-  FusedPlace& now = fused.emplace_back();
+  FusedPlace now;
   now.targets = beside(*map_.read(), claim.current, place);
+  std::erase_if(now.targets, done);
   const int around = fuse_around(map_, now.targets, place, fuser_, &memory);
   now.group = std::move(place.group);
   std::sort(now.targets.begin(), now.targets.end());
   std::sort(now.group.begin(), now.group.end());
+  fused.push_back(std::move(now));
   return matched + around;
 }
 
