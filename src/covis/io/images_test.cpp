@@ -219,6 +219,13 @@ TEST_F(Images, ThePartOfAJpegThatIsDamagedIsTold) {
   EXPECT_FALSE(problem_of_image(padded));
   padded.insert(padded.size() - 2, 16, '\0');
   EXPECT_FALSE(problem_of_image(padded));
+  // Codes of a first coefficient of more than 16 bits, short and long ones.
+  const std::string whole = saved("a.jpg", noise());
+  std::string meaningless = whole;
+  const size_t symbols = whole.find(std::string("\xff\xc4\0\x1f\0", 5)) + 21;
+  ASSERT_GT(symbols, 21u);
+  meaningless.replace(symbols, 12, 12, '\x21');
+  EXPECT_THAT(problem_of_image(meaningless).value_or(""), HasSubstr("damaged"));
 }
 
 TEST_F(Images, BytesThatAJpegMayHoldBetweenItsPartsAreNoDamage) {

@@ -10,14 +10,24 @@ namespace {
 
 constexpr size_t kIds = 4;  // tables of each class
 
-// A Huffman table (T.81, section C): symbols by the next 16 bits would take too much memory, so by the next nine, and
+// What is known of a code by its bits: how far it and the value behind it reach, and which coefficients it stands for.
+struct Code {
+  uint8_t bits = 0;  // of both; 0: there is no such code
+  uint8_t step = 0;  // coefficients to the next one, or kEnd
+};
+constexpr uint8_t kEnd = 64;  // the rest of the block is zeros
+
+enum class Kind { dc, ac };
+
+// A Huffman table (T.81, section C): codes by the next 16 bits would take too much memory, so by the next nine, and
 // longer codes by length.
 class HuffmanTable {
  public:
   // counts: the numbers of codes of 1 to 16 bits. False: they are no code.
-  bool make(std::string_view counts, std::string_view symbols) {
+  bool make(Kind kind, std::string_view counts, std::string_view symbols) {
+    kind_ = kind;
     symbols_ = symbols;
-    fast_.fill(0);
+    fast_.fill({});
     uint32_t code = 0, index = 0;
     for (uint32_t length = 1; length <= 16; ++length) {
       const uint32_t count = static_cast<unsigned char>(counts[length - 1]);
@@ -25,8 +35,7 @@ class HuffmanTable {
       if (code + count > 1u << length) return false;
       for (uint32_t k = 0; length <= kFast && k < count; ++k) {
         const uint32_t from = (code + k) << (kFast - length);
-        const auto entry = static_cast<uint16_t>(length << 8 | static_cast<unsigned char>(symbols[index + k]));
-        std::fill_n(fast_.begin() + from, 1u << (kFast - length), entry);
+        std::fill_n(fast_.begin() + from, 1u << (kFast - length), code_of(length, index + k));
       }
       code += count;
       index += count;
@@ -37,52 +46,56 @@ class HuffmanTable {
   }
   bool known() const { return !symbols_.empty(); }
 
-  // Finds the symbol and the length of the code that the 16 bits begin with. False: there is none.
-  bool find(uint32_t bits, uint32_t& symbol, uint32_t& length) const {
-    if (const uint16_t entry = fast_[bits >> (16 - kFast)]; entry != 0) {
-      symbol = entry & 0xff;
-      length = entry >> 8;
-      return true;
-    }
-    for (length = kFast + 1; length <= 16; ++length) {
-      const uint32_t code = bits >> (16 - length);
-      if (code >= end_[length]) continue;
-      symbol = static_cast<unsigned char>(symbols_[first_[length] + code]);
-      return true;
-    }
-    return false;
+  // Finds the code that the 16 bits begin with.
+  Code find(uint32_t bits) const {
+    const Code code = fast_[bits >> (16 - kFast)];
+    return code.bits != 0 ? code : find_long(bits);
   }
 
  private:
   static constexpr uint32_t kFast = 9;
-  std::array<uint16_t, 1 << kFast> fast_{};  // length and symbol; 0: the code is longer
+
+  // From the first length on, because short codes without meaning lead here as well.
+  Code find_long(uint32_t bits) const {
+    for (uint32_t length = 1; length <= 16; ++length) {
+      const uint32_t code = bits >> (16 - length);
+      if (code < end_[length]) return code_of(length, first_[length] + code);
+    }
+    return {};
+  }
+  Code code_of(uint32_t length, uint32_t index) const {
+    const uint32_t symbol = static_cast<unsigned char>(symbols_[index]);
+    if (kind_ == Kind::dc) return symbol > 16 ? Code{} : Code{static_cast<uint8_t>(length + symbol), 1};
+    const uint32_t zeros = symbol >> 4, size = symbol & 15;
+    return {static_cast<uint8_t>(length + size), size == 0 && zeros != 15 ? kEnd : static_cast<uint8_t>(zeros + 1)};
+  }
+
+  std::array<Code, 1 << kFast> fast_{};  // without bits: the code is longer
   std::array<uint32_t, 17> first_{}, end_{};
+  Kind kind_ = Kind::dc;
   std::string_view symbols_;
 };
 
 // Bits of compressed data, in which each byte 0xff is followed by 0, up to a marker.
 class ScanBits {
  public:
-  explicit ScanBits(std::string_view bytes) : bytes_(bytes) {}
+  explicit ScanBits(std::string_view bytes) : bytes_(bytes) { find_plain(); }
 
   // The next 16 bits; behind the data they are 0.
   uint32_t peek() {
-    while (count_ < 16) {
-      held_ = held_ << 8 | next_byte();
-      count_ += 8;
-    }
-    return held_ >> (count_ - 16) & 0xffff;
+    if (count_ < 32) refill();
+    return static_cast<uint32_t>(held_ >> 48);
   }
-  // At most 16.
+  // After peek(), at most 32.
   void skip(uint32_t bits) {
-    peek();
+    held_ <<= bits;
     count_ -= bits;
   }
   // True when more was skipped than there was.
   bool overrun() const { return count_ < 8 * behind_; }
-  // Without the fill bytes before a marker.
+  // Valid without overrun. Without the fill bytes before a marker.
   size_t bytes_left() const {
-    size_t left = 0;
+    size_t left = count_ / 8 - behind_;
     for (size_t i = at_; i < bytes_.size() && !is_marker(i); ++i) left += !is_fill(i);
     return left;
   }
@@ -94,6 +107,7 @@ class ScanBits {
     at_ += 2;
     count_ = behind_ = 0;
     held_ = 0;
+    find_plain();
     return marker >= 0xd0 && marker <= 0xd7;
   }
 
@@ -103,20 +117,34 @@ class ScanBits {
   }
   // Bytes 0xff may stand before that of a marker (T.81, B.1.1.2).
   bool is_fill(size_t i) const { return bytes_[i] == '\xff' && i + 1 < bytes_.size() && bytes_[i + 1] == '\xff'; }
-  uint32_t next_byte() {
+  uint64_t byte(size_t i) const { return static_cast<unsigned char>(bytes_[i]); }
+
+  void find_plain() { plain_ = std::min(bytes_.find('\xff', at_), bytes_.size()); }
+  // Makes at least 32 bits of fewer.
+  void refill() {
+    if (at_ + 4 <= plain_) {
+      held_ |= (byte(at_) << 24 | byte(at_ + 1) << 16 | byte(at_ + 2) << 8 | byte(at_ + 3)) << (32 - count_);
+      at_ += 4;
+      count_ += 32;
+      return;
+    }
+    for (; count_ <= 56; count_ += 8) held_ |= next_byte() << (56 - count_);
+  }
+  uint64_t next_byte() {
+    if (at_ < plain_) return byte(at_++);
     while (at_ < bytes_.size() && is_fill(at_)) ++at_;
     if (at_ >= bytes_.size() || is_marker(at_)) {
       ++behind_;
       return 0;
     }
-    const auto byte = static_cast<unsigned char>(bytes_[at_++]);
-    if (byte == 0xff) ++at_;
-    return byte;
+    at_ += 2;  // 0xff and 0
+    find_plain();
+    return 0xff;
   }
 
   const std::string_view bytes_;
-  size_t at_ = 0;
-  uint64_t held_ = 0;
+  size_t at_ = 0, plain_ = 0;        // no byte from the one to the other is 0xff
+  uint64_t held_ = 0;                // the next bits, from the highest on
   uint32_t count_ = 0, behind_ = 0;  // bits held; bytes of them that lie behind the data
 };
 
@@ -143,8 +171,9 @@ bool read_tables(std::string_view segment, JpegHeaders& headers) {
     size_t count = 0;
     for (size_t k = 1; k <= 16; ++k) count += byte_at(segment, k);
     if ((head & 15) >= kIds || head >> 4 > 1 || segment.size() < 17 + count) return false;
-    auto& tables = head >> 4 ? headers.ac : headers.dc;
-    if (!tables[head & 15].make(segment.substr(1, 16), segment.substr(17, count))) return false;
+    const Kind kind = head >> 4 ? Kind::ac : Kind::dc;
+    auto& tables = kind == Kind::ac ? headers.ac : headers.dc;
+    if (!tables[head & 15].make(kind, segment.substr(1, 16), segment.substr(17, count))) return false;
     segment.remove_prefix(17 + count);
   }
   return true;
@@ -211,18 +240,13 @@ bool read_headers(std::string_view bytes, JpegHeaders& headers) {
 
 // Walks through the 64 coefficients of a block.
 bool skip_block(const HuffmanTable& dc, const HuffmanTable& ac, ScanBits& bits) {
-  uint32_t symbol = 0, length = 0;
-  if (!dc.find(bits.peek(), symbol, length) || symbol > 16) return false;
-  bits.skip(length);
-  bits.skip(symbol);
-  for (uint32_t k = 1; k < 64; ++k) {
-    if (!ac.find(bits.peek(), symbol, length)) return false;
-    bits.skip(length);
-    const uint32_t zeros = symbol >> 4, size = symbol & 15;
-    if (size == 0 && zeros != 15) return true;  // the end of the block
-    k += zeros;
-    if (k > 63) return false;
-    bits.skip(size);
+  for (uint32_t k = 0; k < 64;) {
+    const Code code = (k == 0 ? dc : ac).find(bits.peek());
+    if (code.bits == 0) return false;
+    bits.skip(code.bits);
+    if (code.step == kEnd) return true;
+    k += code.step;
+    if (k > 64) return false;
   }
   return true;
 }
