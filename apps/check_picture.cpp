@@ -2,11 +2,11 @@
 #include "check_picture.h"
 
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "covis/core/atomic_file.h"
 #include "covis/features/frontend.h"
+#include "covis/io/codecs.h"
 
 namespace covis::app {
 namespace {
@@ -121,9 +121,9 @@ Result<void> CheckPicture::write(const std::filesystem::path& file) const {
   if (impl_->rows.empty()) return fail(file.string() + ": there is nothing to draw");
   cv::Mat all;
   cv::vconcat(impl_->rows, all);
-  std::vector<uint8_t> bytes;
-  cv::imencode(".png", all, bytes);
-  return write_atomically(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  const auto bytes = io::encode_image(".png", all);
+  if (!bytes) return fail(file.string() + ": " + bytes.error().message);
+  return write_atomically(file, *bytes);
 }
 
 std::string CheckPicture::caption() const {

@@ -14,7 +14,7 @@ function(covis_module name)
   endif()
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${M_DIR}/*.cpp)
   set(tests ${sources})
-  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
+  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$|/plugin_[a-z0-9_]+\\.cpp$")
   list(FILTER tests INCLUDE REGEX "_test\\.cpp$")
   if(NOT sources)
     file(WRITE ${PROJECT_BINARY_DIR}/${name}_empty.cpp "")
@@ -53,6 +53,23 @@ function(covis_module name)
     else()
       covis_discover_tests(${test} ${name})
     endif()
+  endif()
+endfunction()
+
+# covis_plugin(NAME DEPS …): the plug-in covis_NAME.so, of src/covis/io/plugin_NAME.cpp, which the module io opens when it is first
+# needed (src/covis/io/plugin.h). It goes where a program of the build finds it, and beside the build's Python package.
+function(covis_plugin name)
+  add_library(covis_${name} MODULE src/covis/io/plugin_${name}.cpp)
+  target_link_libraries(covis_${name} PRIVATE covis_flags ${ARGN})
+  set_target_properties(covis_${name} PROPERTIES PREFIX "" SUFFIX .so
+    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/${CMAKE_INSTALL_LIBDIR}/covis)
+  add_dependencies(covis_io covis_${name})
+  if(COVIS_PYTHON)
+    add_custom_command(TARGET covis_${name} POST_BUILD
+      COMMAND ${CMAKE_COMMAND} -E copy $<TARGET_FILE:covis_${name}> ${PROJECT_BINARY_DIR}/python/covis/covis_${name}.so)
+  endif()
+  if(COVIS_APPS)
+    install(TARGETS covis_${name} COMPONENT command LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/covis)
   endif()
 endfunction()
 

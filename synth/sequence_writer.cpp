@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "covis/core/atomic_file.h"
 #include "covis/core/blocking_queue.h"
 #include "covis/io/camera_file.h"
+#include "covis/io/codecs.h"
 #include "covis/io/files.h"
 #include "covis/io/trajectory.h"
 
@@ -51,22 +51,21 @@ class ImageWriter {
     cv::Mat image;
   };
   void run() {
-    std::vector<uint8_t> coded;
     while (auto job = queue_.pop()) {
       // Fast to write and to read, and for grey images no larger than with a search for matches.
-      if (!cv::imencode(
-              ".png", job->image, coded,
-              {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY})) {
-        error_ = Error{job->file.string() + ": it can't be coded as PNG"};
-      } else if (auto ok = write_atomically(job->file, {reinterpret_cast<const char*>(coded.data()), coded.size()});
-                 !ok) {
+      const auto coded = io::encode_image(
+          ".png", job->image,
+          {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY});
+      if (!coded) {
+        error_ = Error{job->file.string() + ": " + coded.error().message};
+      } else if (auto ok = write_atomically(job->file, *coded); !ok) {
         error_ = ok.error();
       }
       if (error_) {
         queue_.close();
         return;
       }
-      bytes_ += coded.size();
+      bytes_ += coded->size();
     }
   }
 

@@ -2,14 +2,15 @@
 #include "apps/calibrate/board_frames.h"
 
 #include <filesystem>
+#include <memory>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 #include <utility>
 
 #include "covis/core/log.h"
 #include "covis/io/files.h"
 #include "covis/io/images.h"
 #include "covis/io/recording.h"
+#include "covis/io/video_file.h"
 
 namespace covis::app {
 namespace {
@@ -28,8 +29,10 @@ class Frames {
     }
     if (!fs::exists(path)) return fail(path + ": there is no such video or folder of images");
     if (!io::is_regular(path)) return fail(path + ": it is no regular file; a video or a folder of images is expected");
-    if (!frames.video_.open(path, cv::CAP_FFMPEG))
-      return fail(path + ": it is neither a folder of images nor a video that can be read");
+    auto video = io::open_video_file(path);
+    if (!video) return tl::unexpected(video.error());
+    if (!*video) return fail(path + ": it is neither a folder of images nor a video that can be read");
+    frames.video_ = std::move(*video);
     return frames;
   }
   bool is_video() const { return files_.empty(); }
@@ -37,7 +40,7 @@ class Frames {
   bool next(cv::Mat& grey) {
     if (is_video()) {
       cv::Mat picture;
-      if (!video_.read(picture)) return false;
+      if (!video_->grab() || !video_->retrieve(picture)) return false;
       cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
     } else {
       if (at_ == files_.size()) return false;
@@ -52,7 +55,7 @@ class Frames {
 
  private:
   std::vector<fs::path> files_;
-  cv::VideoCapture video_;
+  std::unique_ptr<io::VideoFile> video_;
   io::ImageReader reader_;
   ImageU8 image_;
   size_t at_ = 0;

@@ -2,9 +2,10 @@
 #include "apps/view_server/image_store.h"
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
+
+#include "covis/io/codecs.h"
 
 namespace covis::view {
 
@@ -22,9 +23,7 @@ std::string jpeg_of(ImageView<const uint8_t> image, int width) {
     const int height = std::max(1, image.height * width / image.width);
     cv::resize(full, small, {width, height}, 0, 0, cv::INTER_AREA);
   }
-  std::vector<uint8_t> bytes;
-  cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, 80});
-  return {bytes.begin(), bytes.end()};
+  return io::encode_image(".jpg", small, {cv::IMWRITE_JPEG_QUALITY, 80}).value_or(std::string());
 }
 
 void ImageStore::put(int32_t frame, std::string jpeg) {

@@ -25,7 +25,7 @@ def test_the_example_of_the_documentation_runs(recording, tmp_path, monkeypatch,
     assert (tmp_path / 'trajectory.txt').exists() and (tmp_path / 'office.m').exists()
 
 
-def test_the_wheel_can_be_installed(tmp_path, monkeypatch):
+def test_the_wheel_can_be_installed(recording, tmp_path, monkeypatch):
     """With the module that is built already; pip install . compiles it."""
     monkeypatch.setattr(backend, 'build_package', lambda: pathlib.Path(covis.__file__).parent)
     name = backend.build_wheel(str(tmp_path))
@@ -34,10 +34,12 @@ def test_the_wheel_can_be_installed(tmp_path, monkeypatch):
     subprocess.run([sys.executable, '-m', 'pip', 'install', '--quiet', '--no-deps', '--no-index', '--target', target,
                     tmp_path / name], check=True)
     environment = {**os.environ, 'PYTHONPATH': str(target)}
-    said = subprocess.run([sys.executable, '-c', 'import covis; print(covis.__file__, covis.default_vocabulary())'],
+    said = subprocess.run([sys.executable, '-c', 'import covis, sys; print(covis.__file__, covis.default_vocabulary());'
+                           'print(next(iter(covis.Recording(sys.argv[1]))).image.shape)', recording('desk_rgbd')],
                           check=True, env=environment, capture_output=True, text=True, cwd=tmp_path).stdout
     assert said.count(str(target)) == 2
     assert pathlib.Path(said.split()[1]).exists()
+    assert '(240, 320)' in said, 'it brings what reads images'
 
 
 def test_arrays_are_made_so_that_numpy_2_is_served():

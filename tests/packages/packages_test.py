@@ -13,6 +13,8 @@ import sys
 import tempfile
 import unittest
 
+import inputs
+
 CPACK, BUILD = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
 WORK = pathlib.Path(tempfile.mkdtemp(prefix='covis_packages'))
 ROOT = WORK / 'root'
@@ -56,13 +58,17 @@ class Packages(unittest.TestCase):
             for wanted in ('BIND_NOW', 'GNU_RELRO', '__stack_chk_fail', '_chk@'):
                 self.assertTrue(wanted in read, f'{file}: {wanted}')
             self.assertTrue(re.search(r'GNU_STACK .* RW +0x', read), f'{file}: a stack that can be executed')
+        for file in (ROOT / 'usr/lib/covis').iterdir():
+            read = run('readelf', '--wide', '--dynamic', '--program-headers', file)
+            self.assertTrue('BIND_NOW' in read and 'GNU_RELRO' in read and re.search(r'GNU_STACK .* RW +0x', read), file)
         self.assertTrue('PIE' in run('readelf', '--wide', '--dynamic', ROOT / 'usr/bin/covis'))
 
     def test_each_has_its_name_and_what_it_needs(self):
         version = field(PACKAGES['covis'], 'Version')
         library = f'libcovis{".".join(version.split(".")[:2])}'
         self.assertEqual(set(PACKAGES), {'covis', 'covis-data', 'libcovis-dev', library, 'python3-covis'})
-        for name, wanted in (('covis', 'libopencv-core'), ('covis', 'librosbag-storage'), ('covis', 'libsqlite3'),
+        for name, wanted in (('covis', 'libopencv-core'), ('covis', 'librosbag-storage'), ('covis', 'libopencv-videoio'), ('covis', 'libopencv-imgcodecs'),
+                             ('python3-covis', 'librosbag-storage'), ('python3-covis', 'libopencv-videoio'), ('covis', 'libsqlite3'),
                              ('covis', f'covis-data (= {version})'), (library, 'libhwy'),
                              ('libcovis-dev', f'{library} (= {version})'), ('python3-covis', 'python3-numpy'), ('python3-covis', 'python3 (<<')):
             self.assertIn(wanted, field(PACKAGES[name], 'Depends'))
@@ -101,10 +107,19 @@ class Packages(unittest.TestCase):
         for file in (command, vocabulary):
             file.parent.mkdir(parents=True)
         shutil.copy(ROOT / 'usr/bin/covis', command)
+        shutil.copytree(ROOT / 'usr/lib/covis', WORK / 'other/lib/covis')
         vocabulary.write_text('no vocabulary')
         done = subprocess.run([command, 'run', WORK / 'desk', '--out', WORK / 'none'], stderr=subprocess.PIPE, text=True)
         self.assertEqual(done.returncode, 1)
         self.assertIn(f'{command.parent}/../share/covis/default.covis-voc: ', done.stderr)
+
+    def test_the_command_and_python_find_their_plug_ins(self):
+        self.assertNotRegex(run('readelf', '--dynamic', ROOT / 'usr/bin/covis'), 'opencv_(videoio|imgcodecs)|rosbag')
+        inputs.write(WORK)
+        for name in ('video.y4m', 'recording.bag'):
+            self.assertIn('3, 0 unreadable', installed('covis', 'check', name, '--camera', 'camera.yaml'))
+            self.assertIn('(72, 96)', installed('/usr/bin/python3', '-c', 'import covis, sys;'
+                                                'print(next(iter(covis.Recording(sys.argv[1], camera_file="camera.yaml"))).image.shape)', name))
 
     def test_python_finds_the_package_and_its_vocabulary(self):
         text = installed('/usr/bin/python3', '-c', 'import covis; print(covis.__file__); open(covis.default_vocabulary(), "rb")')

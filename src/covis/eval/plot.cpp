@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "covis/io/codecs.h"
 
 namespace covis {
 namespace {
@@ -158,9 +161,9 @@ cv::Mat paint(const Plot& plot) {
 }
 
 std::string encoded(const cv::Mat& image) {
-  std::vector<uint8_t> bytes;
-  cv::imencode(".png", image, bytes);
-  return {bytes.begin(), bytes.end()};
+  auto bytes = io::encode_image(".png", image);
+  if (!bytes) throw std::runtime_error(bytes.error().message);  // the installation lacks its part for that
+  return std::move(*bytes);
 }
 
 }  // namespace

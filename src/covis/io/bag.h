@@ -52,4 +52,16 @@ inline bool is_listed_type(const std::string& type) {
   return type == "sensor_msgs/Image" || type == "sensor_msgs/CompressedImage" || type == "sensor_msgs/CameraInfo";
 }
 
+// For the two sources of ROS 1 bags.
+inline tl::unexpected<Error> damaged_ros1_bag(const std::filesystem::path& file, const std::string& problem) {
+  return fail(file.string() + ": the bag can't be read: " + problem +
+              ". If it was cut short, `rosbag reindex` makes what is there readable");
+}
+
+// plugin_ros1_bag.cpp
+struct Ros1BagPlugin {
+  static constexpr const char *kName = "covis_ros1_bag", *kPurpose = "reads bags of ROS 1";
+  Result<std::unique_ptr<Bag>> (*open)(const std::filesystem::path& file);  // whose records were checked
+};
+
 }  // namespace covis::io

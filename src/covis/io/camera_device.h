@@ -29,7 +29,4 @@ class CameraDevice {
   virtual Result<void> retrieve(ImageU8& grey) = 0;
 };
 
-// Makes the device /dev/videoNUMBER, which is asked for the size and the rate of `wanted` whenever it is opened.
-std::unique_ptr<CameraDevice> make_v4l2_camera(int number, const CameraFile& wanted);
-
 }  // namespace covis::io

@@ -3,14 +3,15 @@
 
 #include <cmath>
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string_view>
 
 #include "covis/core/atomic_file.h"
+#include "covis/io/codecs.h"
 #include "covis/io/files.h"
 #include "covis/io/image_bytes.h"
 #include "covis/io/opencv_picture.h"
+#include "covis/io/plugin.h"
 
 namespace covis::io {
 namespace {
@@ -68,12 +69,14 @@ Result<cv::Mat> decode_file(const std::filesystem::path& file, std::string& byte
 Result<cv::Mat> decode_image(const std::string& name, std::string_view bytes, int flags, cv::Mat to) {
   if (const auto problem = problem_of_image(bytes)) return fail(name + ": " + *problem);
   if (bytes.size() > kLargestFile) return fail(name + ": the image file is too large");
+  const auto codecs = plugin<CodecPlugin>();
+  if (!codecs) return fail(name + ": " + codecs.error().message);
   const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
   const ReusedMemory memory(std::move(to));
   cv::Mat decoded;
   decoded.allocator = const_cast<ReusedMemory*>(&memory);
   try {
-    cv::imdecode(buffer, flags, &decoded);
+    (*codecs)->decode(buffer, flags, decoded);
   } catch (const cv::Exception& error) {
     if (error.code == cv::Error::StsNoMem) return tl::unexpected(no_memory(name));
     decoded.release();
@@ -134,10 +137,9 @@ Result<void> write_picture(const std::filesystem::path& file, const Picture& pic
     cv::cvtColor(image, bgr, cv::COLOR_RGB2BGR);
     image = bgr;
   }
-  std::vector<uint8_t> bytes;
-  if (!cv::imencode(file.extension() == ".jpg" ? ".jpg" : ".png", image, bytes, {cv::IMWRITE_JPEG_QUALITY, 95}))
-    return fail(file.string() + ": the picture can't be encoded");
-  return write_atomically(file, std::string(bytes.begin(), bytes.end()));
+  const auto bytes = encode_image(file.extension() == ".jpg" ? ".jpg" : ".png", image, {cv::IMWRITE_JPEG_QUALITY, 95});
+  if (!bytes) return fail(file.string() + ": " + bytes.error().message);
+  return write_atomically(file, *bytes);
 }
 
 Result<void> ImageReader::depth(const std::filesystem::path& file, double scale, ImageF& depth) {

@@ -8,19 +8,13 @@
 #include "covis/io/decode_ahead.h"
 #include "covis/io/files.h"
 #include "covis/io/live_camera.h"
-#include "covis/io/opencv_capture.h"
 #include "covis/io/opencv_picture.h"
+#include "covis/io/plugin.h"
 #include "covis/io/sequence_sources.h"
+#include "covis/io/video_file.h"
 
 namespace covis::io {
 namespace {
-
-// Only the suitable back ends are tried, because a search through all of them takes longer and leaks memory.
-cv::VideoCapture capture_of(const std::string& path) {
-  return open_quietly([&](cv::VideoCapture& capture) {
-    if (!capture.open(path, cv::CAP_FFMPEG)) capture.open(path, cv::CAP_OPENCV_MJPEG);
-  });
-}
 
 // Properties of a stream that are known before its frames are read.
 struct Video {
@@ -31,9 +25,9 @@ struct Video {
 
 class VideoSequence : public Sequence {
  public:
-  VideoSequence(cv::VideoCapture capture, std::string name, const Camera& camera, const Video& video, int64_t frames,
-                const SequenceOptions& options)
-      : capture_(std::move(capture)),
+  VideoSequence(std::unique_ptr<VideoFile> file, std::string name, const Camera& camera, const Video& video,
+                int64_t frames, const SequenceOptions& options)
+      : file_(std::move(file)),
         name_(std::move(name)),
         camera_(camera),
         video_(video),
@@ -58,18 +52,19 @@ class VideoSequence : public Sequence {
   Result<std::optional<Frame>> next(Frame recycled) override { return ahead_.next(std::move(recycled)); }
   Result<Picture> picture(int64_t frame) override {
     if (!again_ || frame < next_again_) {
-      again_ = capture_of(name_);
+      auto opened = open_video_file(name_);
+      if (!opened) return tl::unexpected(opened.error());
+      again_ = std::move(*opened);
       next_again_ = 0;
     }
     for (; next_again_ <= frame; ++next_again_) {
-      if (!again_->grab()) {
+      if (!again_ || !again_->grab()) {
         again_.reset();
         return fail(name_ + ": frame " + std::to_string(frame) + " can't be read again");
       }
     }
     cv::Mat image;
-    if (!again_->retrieve(image) || image.empty())
-      return fail(name_ + ": frame " + std::to_string(frame) + " can't be decoded");
+    if (!again_->retrieve(image)) return fail(name_ + ": frame " + std::to_string(frame) + " can't be decoded");
     return picture_of(image);
   }
   bool may_have_colours(int64_t) const override { return true; }
@@ -78,13 +73,12 @@ class VideoSequence : public Sequence {
   Result<std::optional<Frame>> decode(Frame frame) {
     if (options_.count >= 0 && given_ >= options_.count) return std::optional<Frame>();
     while (read_ < options_.first || (read_ - options_.first) % options_.stride != 0) {
-      if (!capture_.grab()) return end();
+      if (!file_->grab()) return end();
       ++read_;
     }
-    if (!capture_.grab()) return end();
+    if (!file_->grab()) return end();
     const int64_t index = read_++;
-    if (!capture_.retrieve(picture_) || picture_.empty())
-      return fail(name_ + ": frame " + std::to_string(index) + " can't be decoded");
+    if (!file_->retrieve(picture_)) return fail(name_ + ": frame " + std::to_string(index) + " can't be decoded");
     ++given_;
     if (picture_.cols != camera_.width || picture_.rows != camera_.height) {
       return fail(name_ + ": frame " + std::to_string(index) + " is " + std::to_string(picture_.cols) + "x" +
@@ -104,7 +98,7 @@ class VideoSequence : public Sequence {
     Timestamp stamp = by_rate(index);
     if (video_.has_times) {
       constexpr double kLongest = 1e12;  // milliseconds
-      const double time = capture_.get(cv::CAP_PROP_POS_MSEC);
+      const double time = file_->time();
       const Timestamp told = time >= 0 && time < kLongest ? static_cast<Timestamp>(std::llround(time * 1e6)) : 0;
       stamp = last_index_ < 0 || told > last_stamp_ ? told : last_stamp_ + by_rate(index - last_index_);
     }
@@ -125,7 +119,7 @@ class VideoSequence : public Sequence {
     return std::nullopt;
   }
 
-  cv::VideoCapture capture_;
+  const std::unique_ptr<VideoFile> file_;
   const std::string name_;
   const Camera camera_;
   const Video video_;
@@ -139,21 +133,15 @@ class VideoSequence : public Sequence {
   std::vector<std::string> notes_;  // guarded by notes_mutex_
   cv::Mat picture_;
   // Used by picture() only: the video once more, and the next frame it gives.
-  std::optional<cv::VideoCapture> again_;
+  std::unique_ptr<VideoFile> again_;
   int64_t next_again_ = 0;
   DecodeAhead ahead_;  // last member: its thread uses the others
 };
 
-int64_t promised_frames(const cv::VideoCapture& capture) {
-  const double all = capture.get(cv::CAP_PROP_FRAME_COUNT);
-  return all > 0 && all < 1e12 ? static_cast<int64_t>(all) : 0;
-}
-
 // Returns the number of frames to come; -1 when the file does not contain it.
-int64_t count_frames(const cv::VideoCapture& capture, const SequenceOptions& options) {
-  const int64_t all = promised_frames(capture);
-  if (all == 0) return -1;
-  const int64_t frames = std::max<int64_t>(0, (all - options.first + options.stride - 1) / options.stride);
+int64_t count_frames(int64_t promised, const SequenceOptions& options) {
+  if (promised == 0) return -1;
+  const int64_t frames = std::max<int64_t>(0, (promised - options.first + options.stride - 1) / options.stride);
   return options.count >= 0 ? std::min(frames, options.count) : frames;
 }
 
@@ -198,22 +186,21 @@ Result<std::unique_ptr<Sequence>> open_video(const std::string& path, const Requ
   if (!request.given && !request.uncalibrated) return tl::unexpected(no_calibration(path, "--camera"));
   const CameraFile given = request.given.value_or(CameraFile());
   if (!is_regular(path)) return fail(path + ": it is no regular file; a video file is expected, or a camera's number");
-  cv::VideoCapture capture = capture_of(path);
-  if (!capture.isOpened()) return fail(path + ": it is not a video that can be read");
+  auto file = open_video_file(path);
+  if (!file) return tl::unexpected(file.error());
+  if (!*file) return fail(path + ": it is not a video that can be read");
   Camera camera = given.camera;
   camera.pinhole.bf = 0;
-  if (const auto settled = settle_size(path, given, static_cast<int>(capture.get(cv::CAP_PROP_FRAME_WIDTH)),
-                                       static_cast<int>(capture.get(cv::CAP_PROP_FRAME_HEIGHT)), camera);
-      !settled)
+  const VideoFile::Properties properties = (*file)->properties();
+  if (const auto settled = settle_size(path, given, properties.width, properties.height, camera); !settled)
     return tl::unexpected(settled.error());
   if (const auto problem = request.given ? problem_of(camera) : std::nullopt)
     return fail(given.file.string() + ": " + *problem);
-  const Video video{.rate = settle_rate(given.fps, capture.get(cv::CAP_PROP_FPS)),
-                    .promised = promised_frames(capture),
-                    // OpenCV's own reader of AVI files tells the time of the frame after.
-                    .has_times = !(given.fps > 0) && capture.getBackendName() == "FFMPEG"};
-  const int64_t frames = count_frames(capture, options);
-  return std::make_unique<VideoSequence>(std::move(capture), path, camera, video, frames, options);
+  const Video video{.rate = settle_rate(given.fps, properties.rate),
+                    .promised = properties.frames,
+                    .has_times = !(given.fps > 0) && properties.has_times};
+  const int64_t frames = count_frames(properties.frames, options);
+  return std::make_unique<VideoSequence>(std::move(*file), path, camera, video, frames, options);
 }
 
 Result<std::unique_ptr<Sequence>> open_camera(const std::string& path, const Request& request,
@@ -227,7 +214,9 @@ Result<std::unique_ptr<Sequence>> open_camera(const std::string& path, const Req
                 "because its images can't be played again. covis calibrate makes one, or covis run on a video that the "
                 "camera took");
   }
-  std::unique_ptr<CameraDevice> device = make_v4l2_camera(*number, *request.given);
+  const auto cameras = plugin<VideoPlugin>();
+  if (!cameras) return fail(path + ": " + cameras.error().message);
+  std::unique_ptr<CameraDevice> device = (*cameras)->make_camera(*number, *request.given);
   const auto format = device->open();
   if (!format) return fail(path + ": " + format.error().message);
   LiveCamera::Setup setup{.name = path, .camera = request.given->camera, .options = options};

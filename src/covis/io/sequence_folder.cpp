@@ -2,9 +2,11 @@
 #include <algorithm>
 
 #include "covis/geometry/camera_check.h"
+#include "covis/io/codecs.h"
 #include "covis/io/decode_ahead.h"
 #include "covis/io/files.h"
 #include "covis/io/images.h"
+#include "covis/io/plugin.h"
 #include "covis/io/sequence_sources.h"
 
 namespace covis::io {
@@ -182,6 +184,10 @@ Result<std::unique_ptr<Sequence>> open_folder(Recording recording, const Sequenc
   Pinhole& pinhole = recording.camera.pinhole;
   if (recording.sensor == Sensor::monocular) pinhole.bf = 0;
   if (recording.sensor == Sensor::rgbd && !(pinhole.bf > 0)) pinhole.bf = pinhole.fx * kVirtualBaseline;
+  if (recording.kind != SequenceKind::bag) {
+    // Else each image would be reported as one that can't be read.
+    if (const auto codecs = plugin<CodecPlugin>(); !codecs) return tl::unexpected(codecs.error());
+  }
   if (auto settled = settle_size(recording); !settled) return tl::unexpected(settled.error());
   if (auto checked = check_camera(recording); !checked) return tl::unexpected(checked.error());
   return std::make_unique<FolderSequence>(std::move(recording), options);
