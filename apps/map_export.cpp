@@ -4,9 +4,11 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
+#include <iomanip>
 #include <iostream>
 #include <map>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -87,7 +89,25 @@ Result<void> write_images(const ExportArguments& a, std::vector<Scene>& scenes) 
   return {};
 }
 
+// These hold a point by the pixels at which it is seen.
+bool has_observations(Format format) { return format == Format::colmap || format == Format::bundler; }
+
+// Says what is left out.
+void keep_tracks(const ExportArguments& a, std::vector<Scene>& scenes) {
+  for (size_t k = 0; k < scenes.size(); ++k) {
+    const exchange::LeftOut left_out = exchange::keep_tracks(scenes[k]);
+    std::ostringstream text;
+    text << a.out << ": left out are " << left_out.observations << " observations more than "
+         << exchange::kMaxObservationError << " pixels off and " << left_out.points
+         << " points that fewer than two key frames then see; the mean reprojection error is " << std::fixed
+         << std::setprecision(2) << exchange::mean_error(scenes[k]) << " pixels";
+    if (scenes.size() > 1) text << " (map " << k << ")";
+    log(LogLevel::info, text.str());
+  }
+}
+
 Result<void> fill_folder(Format format, const ExportArguments& a, std::vector<Scene>& scenes) {
+  if (has_observations(format)) keep_tracks(a, scenes);
   if (format == Format::bundler) {
     for (Scene& scene : scenes) scene = exchange::centred(scene);
   }

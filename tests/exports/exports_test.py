@@ -52,6 +52,12 @@ def export(to, name, *more):
     return out
 
 
+def rotation_of(w, x, y, z):
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+
+
 def info():
     return json.loads(run(COVIS, 'map', 'info', MAP, '--json'))
 
@@ -79,6 +85,21 @@ def read_model(folder):
     return points, images
 
 
+def reprojection_errors(folder):
+    """Of each observation of a COLMAP model in text, pixels, by the id of its point."""
+    points, images = read_model(folder)
+    fx, fy, cx, cy = (float(v) for v in (folder / 'cameras.txt').read_text().splitlines()[-1].split()[4:8])
+    errors = {}
+    for line in (folder / 'images.txt').read_text().splitlines()[2::2]:
+        *pose, _, name = line.split()[1:]
+        w, x, y, z, *t = (float(v) for v in pose)
+        for u, v, point in images[name]:
+            at = rotation_of(w, x, y, z) @ points[int(point)] + t
+            error = np.hypot(fx * at[0] / at[2] + cx - u, fy * at[1] / at[2] + cy - v) if at[2] > 0 else np.inf
+            errors.setdefault(int(point), []).append(error)
+    return errors
+
+
 def distances(model, other):
     """Between points of two models that were seen within a pixel in the same image, each by its distance from the first camera."""
     (points, images), (other_points, other_images) = model, other
@@ -93,10 +114,16 @@ def distances(model, other):
 
 class Colmap(unittest.TestCase):
     def test_colmap_reads_the_model(self):
-        figures = analysed(export('colmap', 'colmap') / 'sparse/0')
+        model = export('colmap', 'colmap') / 'sparse/0'
+        figures = analysed(model)
         self.assertEqual(figures['Registered images'], info()['key_frames'])
         self.assertGreater(figures['Points'], 300)
         self.assertLess(figures['Mean reprojection error'], 1)
+        errors = reprojection_errors(model)
+        self.assertLessEqual(max(map(max, errors.values())), 4.001)
+        self.assertGreaterEqual(min(map(len, errors.values())), 2)
+        self.assertEqual(sum(map(len, errors.values())), figures['Observations'])
+        self.assertAlmostEqual(np.mean([np.mean(e) for e in errors.values()]), figures['Mean reprojection error'], delta=1e-3)
         self.assertGreater(figures['Mean track length'], 2)
         print(f"our model: {figures['Points']:.0f} points, mean reprojection error {figures['Mean reprojection error']:.2f} pixels")
 
@@ -193,9 +220,7 @@ class OtherFormats(unittest.TestCase):
         lines = (export('colmap', 'poses') / 'sparse/0/images.txt').read_text().splitlines()[2::2]
         for line, pose in zip(lines, kitti):
             w, x, y, z, *t = (float(v) for v in line.split()[1:8])
-            rotation = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                                 [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                                 [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+            rotation = rotation_of(w, x, y, z)
             np.testing.assert_allclose(rotation.T, pose[:, :3], atol=1e-5)
             np.testing.assert_allclose(-rotation.T @ t, pose[:, 3], atol=1e-5)
 

@@ -4,15 +4,12 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "covis/core/atomic_file.h"
 #include "covis/exchange/text.h"
 
 namespace covis::exchange {
 namespace {
-
-bool has_track(const ScenePoint& point) { return point.seen.size() >= 2; }
 
 std::string cameras_text(const Scene& scene) {
   Text text;
@@ -24,17 +21,6 @@ std::string cameras_text(const Scene& scene) {
   return text.take();
 }
 
-// A view's keypoints in COLMAP's list are those whose point has a track; the index of each there.
-std::vector<uint32_t> indices_in_file(const Scene& scene, const SceneView& view) {
-  std::vector<uint32_t> indices;
-  uint32_t next = 0;
-  for (const SceneView::Keypoint& keypoint : view.keypoints) {
-    indices.push_back(next);
-    next += has_track(scene.points[keypoint.point]);
-  }
-  return indices;
-}
-
 std::string images_text(const Scene& scene) {
   Text text;
   text.line("# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME");
@@ -44,27 +30,21 @@ std::string images_text(const Scene& scene) {
     const Eigen::Vector3d& t = view.T_cw.t();
     text.line(view.serial + 1, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z(), view.camera + 1,
               view.image.empty() ? image_name(view.serial) : view.image);
-    for (const SceneView::Keypoint& keypoint : view.keypoints) {
-      if (has_track(scene.points[keypoint.point]))
-        text(keypoint.u + kPixelCentre, keypoint.v + kPixelCentre, keypoint.point + 1);
-    }
+    for (const SceneView::Keypoint& keypoint : view.keypoints)
+      text(keypoint.u + kPixelCentre, keypoint.v + kPixelCentre, keypoint.point + 1);
     text.end_line();
   }
   return text.take();
 }
 
 std::string points_text(const Scene& scene) {
-  std::vector<std::vector<uint32_t>> indices;
-  for (const SceneView& view : scene.views) indices.push_back(indices_in_file(scene, view));
   Text text;
   text.line("# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)");
   for (uint32_t i = 0; i < scene.points.size(); ++i) {
     const ScenePoint& point = scene.points[i];
-    if (!has_track(point)) continue;
     const Eigen::Vector3d& p = point.position;
     text(i + 1, p.x(), p.y(), p.z(), int{point.colour[0]}, int{point.colour[1]}, int{point.colour[2]}, point.error);
-    for (const ScenePoint::Sight& sight : point.seen)
-      text(scene.views[sight.view].serial + 1, indices[sight.view][sight.keypoint]);
+    for (const ScenePoint::Sight& sight : point.seen) text(scene.views[sight.view].serial + 1, sight.keypoint);
     text.end_line();
   }
   return text.take();

@@ -11,8 +11,7 @@
 
 namespace covis::exchange {
 
-// Writes the model into a folder, which is made. Points that one view alone sees, by its depth, are left out: COLMAP
-// knows no depth.
+// Writes the model into a folder, which is made; the scene after keep_tracks().
 Result<void> write_colmap(const std::filesystem::path& folder, const Scene& scene);
 
 }  // namespace covis::exchange

@@ -23,7 +23,8 @@ std::vector<std::string> lines_of(const std::filesystem::path& file) {
 
 TEST(Colmap, AModelReadByItsFormatIsTheScene) {
   const TemporaryFolder folder;
-  const Scene scene = ring_scenes()[0];
+  Scene scene = ring_scenes()[0];
+  keep_tracks(scene);
   ASSERT_TRUE(write_colmap(folder / "sparse", scene));
   std::istringstream camera(lines_of(folder / "sparse/cameras.txt").at(0));
   std::string id, model;

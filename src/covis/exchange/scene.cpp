@@ -3,10 +3,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <unordered_map>
 
 #include "covis/exchange/kept_images.h"
+#include "covis/geometry/measurement.h"
 #include "covis/map/colours.h"
 
 namespace covis::exchange {
@@ -65,14 +67,20 @@ void add_view(const Map& map, const KeyFrame& from, Points& points, Scene& scene
   }
 }
 
+// Of a keypoint from its point's projection, pixels; infinite where that is behind the camera.
+double error_of(const Scene& scene, const SceneView& view, const SceneView::Keypoint& keypoint) {
+  const Eigen::Vector3d p_c = view.T_cw * scene.points[keypoint.point].position;
+  if (!(p_c.z() > kMinDepth)) return std::numeric_limits<double>::infinity();
+  const Eigen::Vector2d at = scene.cameras[view.camera].pinhole.project(p_c);
+  return (at - Eigen::Vector2d(keypoint.u, keypoint.v)).norm();
+}
+
 void find_sights(Scene& scene) {
   for (uint32_t v = 0; v < scene.views.size(); ++v) {
     const SceneView& view = scene.views[v];
     for (uint32_t k = 0; k < view.keypoints.size(); ++k) {
-      const SceneView::Keypoint& keypoint = view.keypoints[k];
-      ScenePoint& point = scene.points[keypoint.point];
-      const Eigen::Vector2d at = scene.cameras[view.camera].pinhole.project(view.T_cw * point.position);
-      point.error += (at - Eigen::Vector2d(keypoint.u, keypoint.v)).norm();
+      ScenePoint& point = scene.points[view.keypoints[k].point];
+      point.error += error_of(scene, view, view.keypoints[k]);
       point.seen.push_back({v, k});
     }
   }
@@ -114,6 +122,40 @@ std::vector<Scene> scenes_of(const Map& map, const Camera& given) {
   std::stable_sort(scenes.begin(), scenes.end(),
                    [](const Scene& a, const Scene& b) { return a.views.size() > b.views.size(); });
   return scenes;
+}
+
+LeftOut keep_tracks(Scene& scene) {
+  LeftOut left_out;
+  std::vector<uint32_t> sights(scene.points.size());
+  for (SceneView& view : scene.views) {
+    left_out.observations += std::erase_if(view.keypoints, [&](const SceneView::Keypoint& keypoint) {
+      return !(error_of(scene, view, keypoint) <= kMaxObservationError);
+    });
+    for (const SceneView::Keypoint& keypoint : view.keypoints) ++sights[keypoint.point];
+  }
+  std::vector<uint32_t> number(scene.points.size());
+  std::vector<ScenePoint> points;
+  for (size_t i = 0; i < scene.points.size(); ++i) {
+    number[i] = static_cast<uint32_t>(points.size());
+    if (sights[i] < 2) continue;
+    ScenePoint& point = points.emplace_back(std::move(scene.points[i]));
+    point.error = 0;
+    point.seen.clear();
+  }
+  left_out.points = scene.points.size() - points.size();
+  scene.points = std::move(points);
+  for (SceneView& view : scene.views) {
+    std::erase_if(view.keypoints, [&](const SceneView::Keypoint& keypoint) { return sights[keypoint.point] < 2; });
+    for (SceneView::Keypoint& keypoint : view.keypoints) keypoint.point = number[keypoint.point];
+  }
+  find_sights(scene);
+  return left_out;
+}
+
+double mean_error(const Scene& scene) {
+  double sum = 0;
+  for (const ScenePoint& point : scene.points) sum += point.error;
+  return scene.points.empty() ? 0 : sum / static_cast<double>(scene.points.size());
 }
 
 Scene centred(const Scene& scene) {

@@ -63,6 +63,21 @@ struct Scene {
 // digits. Keypoints that lie outside the undistorted image are left out. `given`: the map's own camera as it was given.
 std::vector<Scene> scenes_of(const Map& map, const Camera& given);
 
+// How far an observation may lie from its point's projection: COLMAP's own bound (Mapper.filter_max_reproj_error).
+inline constexpr double kMaxObservationError = 4;  // pixels
+
+struct LeftOut {
+  size_t observations = 0;  // farther off than kMaxObservationError, or of a point behind the camera
+  size_t points = 0;        // seen by fewer than two views: by a depth alone, or once the others are left out
+};
+
+// Leaves out those observations, then those points, for programs that know points by their observations alone. The
+// other points are numbered anew; positions and poses stay.
+LeftOut keep_tracks(Scene& scene);
+
+// The mean of the points' errors, pixels; 0 without a point.
+double mean_error(const Scene& scene);
+
 // The name of a key frame's image, where nothing else is known of it.
 std::string image_name(uint32_t serial);
 

@@ -72,6 +72,57 @@ TEST(Scene, HasTheCamerasThatKeyFramesName) {
   EXPECT_EQ(centred(scene).cameras[0].pinhole.cx, 639.5);
 }
 
+// The first point from `from` on with so many sights.
+uint32_t point_seen_by(const Scene& scene, size_t views, uint32_t from = 0) {
+  while (scene.points.at(from).seen.size() != views) ++from;
+  return from;
+}
+
+void move_sight(Scene& scene, uint32_t point, size_t sight, double pixels) {
+  const auto [view, keypoint] = scene.points[point].seen[sight];
+  scene.views[view].keypoints[keypoint].u += pixels;
+}
+
+size_t observations(const Scene& scene) {
+  size_t count = 0;
+  for (const SceneView& view : scene.views) count += view.keypoints.size();
+  return count;
+}
+
+TEST(Scene, KeepsTheTracksOfPointsThatAreWhereTheyAreSeen) {
+  Scene scene = ring_scenes()[0];
+  keep_tracks(scene);
+  for (SceneView& view : scene.views) {
+    for (size_t k = 0; k < view.keypoints.size(); ++k) view.keypoints[k].v += k % 2 ? 0.5 : -0.5;  // noise
+  }
+  const uint32_t seen_often = point_seen_by(scene, 3), seen_twice = point_seen_by(scene, 2);
+  const uint32_t behind = point_seen_by(scene, 3, seen_often + 1);
+  move_sight(scene, seen_often, 1, 100);
+  move_sight(scene, seen_twice, 0, -4.5);
+  move_sight(scene, point_seen_by(scene, 2, seen_twice + 1), 0, 3.5);
+  const SceneView& view = scene.views[scene.points[behind].seen[0].view];
+  scene.points[behind].position = view.T_cw.inverse() * Eigen::Vector3d(0, 0, -5);
+  const Scene before = scene;
+
+  const LeftOut left_out = keep_tracks(scene);
+  EXPECT_EQ(left_out.points, 2u) << "the one behind cameras, and the one that a single view is left to see";
+  EXPECT_EQ(scene.points.size(), before.points.size() - 2);
+  EXPECT_EQ(left_out.observations, 1u + 1u + 3u);
+  EXPECT_EQ(observations(scene), observations(before) - left_out.observations - 1);
+  const uint32_t now = seen_often - (seen_twice < seen_often) - (behind < seen_often);
+  EXPECT_EQ(scene.points[now].position, before.points[seen_often].position);
+  EXPECT_EQ(scene.points[now].seen.size(), 2u);
+  for (size_t v = 0; v < scene.views.size(); ++v) EXPECT_EQ(scene.views[v].T_cw.t(), before.views[v].T_cw.t());
+  for (const ScenePoint& point : scene.points) {
+    ASSERT_GE(point.seen.size(), 2u);
+    EXPECT_LE(point.error, 0.5 + 3.5 / 2);
+    for (const ScenePoint::Sight& sight : point.seen)
+      EXPECT_EQ(&scene.points[scene.views[sight.view].keypoints[sight.keypoint].point], &point);
+  }
+  EXPECT_NEAR(mean_error(scene), 0.5, 0.05);
+  EXPECT_EQ(keep_tracks(scene).observations, 0u);
+}
+
 TEST(Scene, HasAnUpwardDirectionAndAViewFromAbove) {
   const Scene scene = ring_scenes()[0];
   EXPECT_TRUE(upward(scene).isApprox(Eigen::Vector3d(0, -1, 0), 1e-9)) << "its cameras are held level, y is down";
