@@ -53,6 +53,19 @@ def slowed(recording, folder, times):
         (folder / name).write_text(''.join(f'{times * float(stamp):.6f} {image}\n' for stamp, image in rows))
 
 
+# The times of the first pictures of a page whose model changes all the time.
+PICTURES_OF_CHANGES = """
+  const done = arguments[0], times = [];
+  const look = () => {
+    if (times.at(-1) !== covis.page.updated) times.push(covis.page.updated);
+    if (times.length > 3) return done(times);
+    covis.model.changed.add('frames');
+    requestAnimationFrame(look);
+  };
+  look();
+"""
+
+
 class ViewerTest(unittest.TestCase):
     covis = None
     pictures = None
@@ -265,6 +278,10 @@ class ViewerTest(unittest.TestCase):
             self.pixels('image')
             browser.until(f'return covis.model.frames.length > {frames}')
             self.assertLess(frames, 60)
+            # The processor draws here, so the page pauses between pictures, whatever changes meanwhile.
+            times = browser.driver.execute_async_script(PICTURES_OF_CHANGES)
+            self.assertGreater(len(times), 2)
+            self.assertGreaterEqual(np.diff(times).min(), 250)
 
     def test_d_submaps_have_their_colours_and_edges_their_threshold(self):
         browser = self.browser

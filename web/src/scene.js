@@ -10,7 +10,7 @@ THREE.ColorManagement.enabled = false;
 const PICK_PIXELS = 10;
 const SLOW_MS = 30, STILL_MS = 400, MOST_THINNED = 16, FEW_POINTS = 20000;
 // False where the processor draws in place of a graphics card: smooth edges cost it half of its frames.
-function drawsFast() {
+export function drawsFast() {
   const context = document.createElement('canvas').getContext('webgl2');
   const names = context?.getExtension('WEBGL_debug_renderer_info');
   return !!context && !/swiftshader|llvmpipe|software/i.test(names ? context.getParameter(names.UNMASKED_RENDERER_WEBGL) : '');

@@ -7,11 +7,13 @@ import {layOut} from './layout.js';
 import {Model} from './model.js';
 import {Picture} from './picture.js';
 import {Player} from './player.js';
-import {Scene} from './scene.js';
+import {Scene, drawsFast} from './scene.js';
 import {Selection} from './selection.js';
 import {EmbeddedSource, SocketSource} from './source.js';
 
 const CLICK_PIXELS = 4;
+// Between two pictures of a run that goes on, where the processor draws: it may be the one that tracks.
+const PAUSE_MS = 250;
 
 class Page {
   constructor(root, embedded) {
@@ -31,6 +33,8 @@ class Page {
       chart(this.parts.times, {title: 'time of tracking', unit: 'ms', digits: 1, colour: palette[3], of: f => f.trackingMs > 0 ? f.trackingMs : null}),
     ];
     this.shownLoop = null;
+    this.pauses = !drawsFast();
+    this.updated = -Infinity;  // when, milliseconds
     this.#listen();
     this.forced = false;
     requestAnimationFrame(now => this.#step(now));
@@ -67,11 +71,17 @@ class Page {
   #step(now) {
     requestAnimationFrame(next => this.#step(next));
     this.player.tick(now);
-    const changed = this.model.takeChanges();
-    if (changed.size) this.#update(changed);
+    if (!this.pauses || this.model.info.mode !== 'live' || now - this.updated >= PAUSE_MS) this.#takeChanges(now);
     if (this.forced) this.scene.stale = true;
     this.scene.render(now);
     for (const chart of this.charts) chart.draw();
+  }
+
+  #takeChanges(now) {
+    const changed = this.model.takeChanges();
+    if (!changed.size) return;
+    this.updated = now;
+    this.#update(changed);
   }
 
   #update(changed) {
