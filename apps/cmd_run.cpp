@@ -24,7 +24,9 @@
 #include "covis/core/fields.h"
 #include "covis/core/log.h"
 #include "covis/features/simd.h"
+#include "covis/io/codecs.h"
 #include "covis/io/config.h"
+#include "covis/io/plugin.h"
 #include "covis/io/sequence.h"
 #include "covis/slam/system.h"
 #include "covis/storage/compatibility.h"
@@ -214,6 +216,13 @@ Result<void> open_outputs(const RunArguments& arguments, const SaveInterval& int
   return unchecked ? check_map_target(arguments.save_map, interval) : Result<void>();
 }
 
+// The results have pictures. That none can be written is an error before anything is tracked.
+auto open_recording(const std::string& path, const io::SequenceOptions& reading) {
+  auto sequence = io::open_sequence(path, reading);
+  if (const auto codecs = io::plugin<io::CodecPlugin>(); sequence && !codecs) sequence = tl::unexpected(codecs.error());
+  return sequence;
+}
+
 int run(const RunArguments& arguments) {
   SystemOptions options;
   const Fields known = fields(options);
@@ -230,7 +239,7 @@ int run(const RunArguments& arguments) {
   io::SequenceOptions reading = arguments.reading.options();
   reading.uncalibrated = arguments.map.empty();
   reading.stop = &interrupted;
-  auto sequence = io::open_sequence(arguments.path, reading);
+  auto sequence = open_recording(arguments.path, reading);
   if (!sequence) return fail_with(sequence.error());
   options.sensor = (*sequence)->sensor();
   if (options.localize && arguments.map.empty())

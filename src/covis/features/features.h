@@ -72,8 +72,8 @@ struct FeatureGrid {
 
   void build(const ImageBounds& bounds, const AlignedVector<float>& x, const AlignedVector<float>& y);
 
-  // Calls visit(first, last) for each row of cells under a window, |x - px| <= radius and |y - py| <= radius, that is not
-  // empty there: its cells hold indices[first .. last).
+  // Calls visit(first, last) for each row of cells under a window, |x - px| <= radius and |y - py| <= radius, that is
+  // not empty there: its cells hold indices[first .. last).
   template <class Visit>
   void for_each_run(float px, float py, float radius, Visit&& visit) const {
     const int c0 = std::max(0, static_cast<int>((px - radius - bounds.min_x) * inv_cell_width));

@@ -118,7 +118,7 @@ SideBySide::SideBySide(const Map& map, const KeyFrameWays& ways, const JoinClaim
 
 void SideBySide::look(const Map& map, const KeyFrameWays& ways, const Pinhole& camera, uint32_t from, uint32_t to,
                       const std::vector<Link>& links, LoopVerifier& verifier) {
-  constexpr size_t kViews = 200;                                             // at most, spread over all
+  constexpr size_t kViews = 200;  // at most, spread over all (docs/notes/032-merging-maps.md)
   constexpr double kWay = 1, kApart = 0.3, kTurned = std::numbers::pi / 9;  // shares of the depth; radians
   struct Nearest {
     double way = std::numeric_limits<double>::infinity();
@@ -132,26 +132,31 @@ void SideBySide::look(const Map& map, const KeyFrameWays& ways, const Pinhole& c
       if (way[slot] < nearest[slot].way) nearest[slot] = {way[slot], &link};
     }
   }
+  struct Pair {
+    KeyFrameId here, beside;
+    SE3 T_cw;  // of `here` in the other world
+  };
+  std::vector<Pair> pairs;
   const std::vector<KeyFrameId> there = map.key_frames(to);
-  std::vector<KeyFrameId> here = map.key_frames(from);
-  std::erase_if(here, [&](KeyFrameId id) { return !nearest[id.slot].link; });  // none reaches that far
-  const size_t step = (here.size() + kViews - 1) / kViews;
-  for (size_t k = 0; k < here.size(); k += step) {
-    const KeyFrameId id = here[k];
+  for (const KeyFrameId& id : map.key_frames(from)) {
     const Link* const link = nearest[id.slot].link;
-    const SE3 T_cw = (Sim3(map.at(id).T_cw) * link->S_there_here.inverse()).as_pose();
-    KeyFrameId beside;
+    if (!link) continue;  // none reaches that far
+    Pair pair{id, {}, (Sim3(map.at(id).T_cw) * link->S_there_here.inverse()).as_pose()};
     double least = kApart * link->depth;
     for (const KeyFrameId& other : there) {
       const SE3& pose = map.at(other).T_cw;
-      const double apart = (pose.centre() - T_cw.centre()).norm();
-      if (apart > least || so3_log(pose.R() * T_cw.R().transpose()).norm() > kTurned) continue;
+      const double apart = (pose.centre() - pair.T_cw.centre()).norm();
+      if (apart > least || so3_log(pose.R() * pair.T_cw.R().transpose()).norm() > kTurned) continue;
       least = apart;
-      beside = other;
+      pair.beside = other;
     }
-    if (!beside.valid()) continue;
+    if (pair.beside.valid()) pairs.push_back(pair);
+  }
+  const size_t step = (pairs.size() + kViews - 1) / kViews;
+  for (size_t k = 0; k < pairs.size(); k += step) {
     using View = LoopVerifier::View;
-    const View view = verifier.look_for(LoopPlace(map, beside), camera, KeyFrameView(map, id), T_cw);
+    const Pair& pair = pairs[k];
+    const View view = verifier.look_for(LoopPlace(map, pair.beside), camera, KeyFrameView(map, pair.here), pair.T_cw);
     agree += view == View::agrees;
     disagree += view == View::disagrees || view == View::contradicts;
     contradict += view == View::contradicts;

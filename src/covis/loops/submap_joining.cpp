@@ -161,8 +161,8 @@ void Joining::tie(uint32_t submap) {
   maps_.at(submap).correction = graph.greatest_move();
 }
 
-// The points around the place are looked for in the key frames around the current one, but where they were already when
-// these surroundings were another place's.
+// Looks for the points around the place in the key frames around the current one. Skips key frames in which they were
+// looked for with an earlier claim.
 int Joining::fuse(const JoinClaim& claim, std::vector<FusedPlace>& fused, FuseMemory& memory) {
   const int matched = fuse_matches(map_, claim.current, claim.matches);
   const auto done = [&](KeyFrameId target) {

@@ -72,7 +72,8 @@ void PointSet::add_seen(MapPointId point, const Eigen::Vector3d& position_w, con
   level.push_back(static_cast<uint8_t>(seen_at_level));
 }
 
-// By a bit for each slot between the lowest and the highest, which sorts them too.
+// Marks each point's slot with a bit, so that reading the bits gives the points sorted and once. Points that key frames
+// hold are live (map_check.cpp), so that the slot tells the handle.
 std::vector<MapPointId> points_of(const Map& map, std::span<const KeyFrameId> key_frames) {
   std::vector<const KeyFrame*> sources;
   uint32_t lowest = MapPointId::kNoSlot, highest = 0;
@@ -98,7 +99,8 @@ std::vector<MapPointId> points_of(const Map& map, std::span<const KeyFrameId> ke
   points.reserve(count);
   for (size_t k = 0; k < seen.size(); ++k) {
     for (uint64_t bits = seen[k]; bits != 0; bits &= bits - 1)
-      points.push_back(map.point_in(lowest + static_cast<uint32_t>(64 * k) + static_cast<uint32_t>(std::countr_zero(bits))));
+      points.push_back(
+          map.point_in(lowest + static_cast<uint32_t>(64 * k + static_cast<size_t>(std::countr_zero(bits)))));
   }
   return points;
 }

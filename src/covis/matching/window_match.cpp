@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -71,9 +72,10 @@ void WindowMatcher::InGridOrder::gather(const Features& features) {
   }
 }
 
-// Most features of the cells under a window are not in it, which no branch predictor guesses: each is written down, and
-// the next one over it where it is outside.
+// Writes every feature of the cells under the window to the end of the list, and lengthens the list only for those
+// inside, so that there is no branch to mispredict: most are outside.
 std::span<const uint16_t> WindowMatcher::in_window(const Features& features, const WindowQuery& query) {
+  assert(query.max_level >= query.min_level);
   size_t count = 0;
   const auto low = static_cast<unsigned>(query.min_level);
   const auto levels = static_cast<unsigned>(query.max_level) - low;

@@ -16,9 +16,9 @@ namespace covis {
 // A descriptor that is looked for, and the window. Pixels are undistorted.
 struct WindowQuery {
   float u = 0, v = 0;
-  float disparity = 0;  // expected, pixels; 0: not checked
-  float radius = 0;     // half the window's side
-  int min_level = 0, max_level = 0;
+  float disparity = 0;               // expected, pixels; 0: not checked
+  float radius = 0;                  // half the window's side
+  int min_level = 0, max_level = 0;  // the least may be -1; the greatest is not less
   const Descriptor* descriptor = nullptr;
 };
 

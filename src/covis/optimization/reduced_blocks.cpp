@@ -14,7 +14,7 @@ namespace covis::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Rows [first, 6) of a block, as many at once as a vector of D holds.
+// Subtracts the rows [first, 6) of a block, as many at once as a vector of D holds. Returns the first row that is left.
 template <class D>
 HWY_INLINE size_t SubtractRows(D d, size_t first, const double* Y, const double* W, double* block, ptrdiff_t stride) {
   const size_t lanes = hn::Lanes(d);

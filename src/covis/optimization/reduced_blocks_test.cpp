@@ -10,8 +10,8 @@
 namespace covis {
 namespace {
 
-// By the scalar twin and by every instruction set: the product as it is written, where one pose observes the point
-// twice too.
+// The scalar twin and every instruction set give the product as it is written, also where one pose observes the point
+// twice.
 TEST(ReducedBlocks, SubtractAPointFromTheLowerTriangle) {
   std::srand(5);  // Eigen's Random() draws from it
   for (const std::vector<int32_t>& seen_by : {std::vector<int32_t>{}, {3}, {0, 2, 5}, {4, 1, 1, 0, 5}}) {

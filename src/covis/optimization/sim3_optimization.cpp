@@ -32,7 +32,7 @@ bool carried_residual(const Sim3& S, const Sim3& S_inverse, const CarriedPoint& 
   return true;
 }
 
-// As sim3_residual().
+// sim3_residual(), with the inverse of S_12 made once for many matches.
 bool pair_residual(const Sim3& S_12, const Sim3& S_21, const Sim3Match& match, const Pinhole& camera_1,
                    const Pinhole& camera_2, Eigen::Vector4d& e, Eigen::Matrix<double, 4, 7>* J = nullptr) {
   // Each camera is the only view of its map, and its frame of reference.

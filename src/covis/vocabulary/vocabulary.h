@@ -47,7 +47,7 @@ struct DirectIndex {
 // 1 - |a - b|_1 / 2 (Gálvez-López and Tardós 2012, eq. 2): 1 for equal images, 0 without common words.
 double word_score(const std::vector<WordWeight>& a, const std::vector<WordWeight>& b);
 
-// The weights of one image's words where each is found at once, to compare it with many others.
+// The weights of one image's words (Words::words, ascending), in an array by word, to compare it with many others.
 class WeightsByWord {
  public:
   explicit WeightsByWord(const std::vector<WordWeight>& words);
@@ -117,7 +117,7 @@ class Vocabulary {
   };
 
   Vocabulary();
-  // The words of all, which descend side by side: they wait for memory together.
+  // The words of all. The descriptors descend side by side, so that they wait for memory together.
   std::vector<uint32_t> words_of(std::span<const Descriptor> descriptors) const;
   Leaf descend(const Descriptor& descriptor) const;
   Result<void> open(std::span<const std::byte> bytes);  // checks a whole file's bytes, and points into them
