@@ -59,8 +59,12 @@ void subtract_point(std::span<const PoseOfPoint> poses, double* S, ptrdiff_t str
   for (const PoseOfPoint& i : poses) {
     for (const PoseOfPoint& j : poses) {
       if (j.pose > i.pose) continue;
-      using Block = Eigen::Map<Eigen::Matrix<double, 6, 6>, Eigen::Unaligned, Eigen::OuterStride<>>;
-      Block(S + 6 * j.pose * stride + 6 * i.pose, Eigen::OuterStride<>(stride)).noalias() -= i.Y * j.W->transpose();
+      double* const block = S + 6 * j.pose * stride + 6 * i.pose;
+      const double *const Y = i.Y.data(), *const W = j.W->data();
+      for (int c = 0; c < 6; ++c) {
+        // In this order: Eigen's product would be contracted on some machines.
+        for (int r = 0; r < 6; ++r) block[c * stride + r] -= Y[r] * W[c] + Y[6 + r] * W[6 + c] + Y[12 + r] * W[12 + c];
+      }
     }
   }
 }
