@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The Dockerfile: no container is built here, but what it names must exist."""
+"""The Dockerfile: tools/test_dockerfile builds it; here what it names must exist."""
 import pathlib
 import unittest
 
