@@ -23,7 +23,7 @@
 #include "covis/core/atomic_file.h"
 #include "covis/core/fields.h"
 #include "covis/core/log.h"
-#include "covis/features/simd.h"
+#include "covis/core/simd_targets.h"
 #include "covis/io/codecs.h"
 #include "covis/io/config.h"
 #include "covis/io/plugin.h"

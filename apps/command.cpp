@@ -83,7 +83,7 @@ int say(const CLI::App& app, const CLI::ParseError& error) {
 
 int covis_command(int argc, char** argv) {
   connect_log();
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of writing, as a full disk is
+  std::signal(SIGXFSZ, SIG_IGN);              // a limit on the size of files is an error of writing, as a full disk is
   setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // Covis alone reports a video that it can't read
   CLI::App app{"Covis: visual SLAM for monocular, stereo and RGB-D cameras"};
   app.set_version_flag("--version", std::string("covis ") + covis::version());

@@ -98,8 +98,7 @@ TEST_F(CommandSandbox, TouchesNoOtherProcess) {
     return ::syscall(SYS_rt_sigqueueinfo, parent, SIGCONT, &info);
   });
   const int weight = ::getpriority(PRIO_PROCESS, 0);
-  expect_refused("setpriority", inside,
-                 [&] { return ::setpriority(PRIO_PROCESS, static_cast<id_t>(parent), weight); });
+  expect_refused("setpriority", inside, [&] { return ::setpriority(PRIO_PROCESS, static_cast<id_t>(parent), weight); });
   expect_refused("prlimit", inside, [&] {
     rlimit limit{};
     return ::prlimit(parent, RLIMIT_CORE, nullptr, &limit);

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every instruction set, and the scalar twins, give the same trajectory to the last bit.
-#include "covis/features/simd.h"
-
 #include <gtest/gtest.h>
 
+#include "covis/core/simd_targets.h"
 #include "rendered.h"
 
 namespace covis {

@@ -26,7 +26,7 @@ LAYERS = {
     'vocabulary': {'core', 'features'},
     'map': {'core', 'geometry', 'features', 'vocabulary'},
     'matching': {'core', 'geometry', 'features', 'vocabulary', 'map'},
-    'optimization': {'core', 'geometry', 'features'},
+    'optimization': {'core', 'geometry'},
     'tracking': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization'},
     'mapping': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization'},
     'loops': {'core', 'geometry', 'features', 'vocabulary', 'map', 'matching', 'optimization', 'mapping'},

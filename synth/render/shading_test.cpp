@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "covis/core/random.h"
-#include "covis/features/test_targets.h"
+#include "covis/core/test_targets.h"
 #include "synth/test_worlds.h"
 
 namespace covis {

@@ -26,7 +26,7 @@ Eigen::Matrix4d camera_to_world(const SE3& T_cw, const SE3& T_nw) {
 
 nlohmann::json intrinsics(const SceneCamera& camera) {
   const Pinhole& c = camera.pinhole;
-  return {{"w", camera.given.width},   {"h", camera.given.height},  {"fl_x", c.fx}, {"fl_y", c.fy},
+  return {{"w", camera.given.width},   {"h", camera.given.height}, {"fl_x", c.fx}, {"fl_y", c.fy},
           {"cx", c.cx + kPixelCentre}, {"cy", c.cy + kPixelCentre}};
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "covis/core/simd_targets.h"
 #include "covis/features/simd.h"
 
 namespace covis {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "covis/core/random.h"
+#include "covis/core/test_targets.h"
 #include "covis/features/extractor.h"
 #include "covis/features/test_images.h"
-#include "covis/features/test_targets.h"
 
 namespace covis {
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "covis/core/simd_targets.h"
 #include "covis/features/orb_pattern.h"
 #include "covis/features/simd.h"
 

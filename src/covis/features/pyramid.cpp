@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "covis/core/simd_targets.h"
+
 namespace covis {
 namespace {
 

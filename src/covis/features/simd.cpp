@@ -2,8 +2,8 @@
 #include "covis/features/simd.h"
 
 #include <array>
-#include <cctype>
 
+#include "covis/core/simd_targets.h"
 #include "covis/features/fast.h"
 #include "covis/features/hamming.h"
 
@@ -116,51 +116,14 @@ HWY_AFTER_NAMESPACE();
 namespace covis {
 namespace {
 
-bool enabled = true;
-
 HWY_EXPORT(FastScoreRow);
 HWY_EXPORT(LocalMaximaRow);
 HWY_EXPORT(HammingRow);
 
-// Sorted best first: Highway gives better targets lower numbers.
-template <class Visit>
-void for_each_target(Visit&& visit) {
-  hwy::SetSupportedTargetsForTest(0);
-  for (int64_t rest = hwy::SupportedTargets() & HWY_TARGETS; rest != 0; rest &= rest - 1) {
-    const int64_t target = rest & -rest;
-    std::string name = hwy::TargetName(target);
-    for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    visit(name, target);
-  }
-}
-
 }  // namespace
 
-bool simd_enabled() { return enabled; }
-
-std::vector<std::string> simd_targets() {
-  std::vector<std::string> names;
-  for_each_target([&](const std::string& name, int64_t) { names.push_back(name); });
-  names.emplace_back("scalar");
-  return names;
-}
-
-bool use_simd_target(std::string_view name) {
-  enabled = name != "scalar";
-  int64_t chosen = 0;  // 0: all targets
-  bool known = name == "best" || name == "scalar";
-  for_each_target([&](const std::string& target, int64_t bit) {
-    if (target != name) return;
-    chosen = bit;
-    known = true;
-  });
-  hwy::SetSupportedTargetsForTest(chosen);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  return known;
-}
-
 void fast_score_row(const uint8_t* pixel, ptrdiff_t stride, int count, int threshold, uint8_t* out) {
-  if (enabled) {
+  if (simd_enabled()) {
     HWY_DYNAMIC_DISPATCH(FastScoreRow)(pixel, stride, count, threshold, out);
   } else {
     for (int x = 0; x < count; ++x) out[x] = static_cast<uint8_t>(fast_score(pixel + x, stride, threshold));
@@ -168,7 +131,7 @@ void fast_score_row(const uint8_t* pixel, ptrdiff_t stride, int count, int thres
 }
 
 int local_maxima_row(const uint8_t* above, const uint8_t* row, const uint8_t* below, int count, uint16_t* columns) {
-  if (enabled) return HWY_DYNAMIC_DISPATCH(LocalMaximaRow)(above, row, below, count, columns);
+  if (simd_enabled()) return HWY_DYNAMIC_DISPATCH(LocalMaximaRow)(above, row, below, count, columns);
   int found = 0;
   for (int x = 0; x < count; ++x) {
     const uint8_t s = row[x];
@@ -180,7 +143,7 @@ int local_maxima_row(const uint8_t* above, const uint8_t* row, const uint8_t* be
 }
 
 void hamming_row(const Descriptor& a, const Descriptor* b, int n, uint16_t* out) {
-  if (enabled) {
+  if (simd_enabled()) {
     HWY_DYNAMIC_DISPATCH(HammingRow)(a, b, n, out);
   } else {
     for (int j = 0; j < n; ++j) out[j] = static_cast<uint16_t>(hamming(a, b[j]));

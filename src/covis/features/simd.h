@@ -1,27 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels that benefit from SIMD. Each exists for every instruction set that Highway supports on this machine,
-// chosen at run time, and as a scalar twin with bit-identical results; the tests compare them all.
+// The kernels that benefit from SIMD, each with a scalar twin (core/simd_targets.h).
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "covis/features/features.h"
 #include "covis/features/gradients.h"
 
 namespace covis {
-
-// Returns the instruction sets that this machine and this build support, best first, by their Highway names in lower
-// case, and last "scalar", the scalar twins. All give the same results.
-std::vector<std::string> simd_targets();
-// Selects one of them for all later calls; "best" restores the default. Returns false when there is none of that name.
-// Not thread-safe.
-bool use_simd_target(std::string_view name);
-bool simd_enabled();  // false: the scalar twins are selected
 
 // FAST-9/16 scores of `count` neighbouring pixels (fast_score() in fast.h) at a threshold. The image must extend 3 rows
 // above and below and 3 pixels left and right, with 64 readable bytes after the pixels.

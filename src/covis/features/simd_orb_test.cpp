@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "covis/core/random.h"
+#include "covis/core/test_targets.h"
 #include "covis/features/extractor.h"
 #include "covis/features/orb.h"
 #include "covis/features/test_images.h"
-#include "covis/features/test_targets.h"
 
 namespace covis {
 namespace {

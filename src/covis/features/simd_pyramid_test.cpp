@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "covis/core/random.h"
+#include "covis/core/test_targets.h"
 #include "covis/features/pyramid.h"
-#include "covis/features/test_targets.h"
 #include "tests/opencv_images.h"
 
 namespace covis {

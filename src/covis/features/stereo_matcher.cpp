@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "covis/core/reserve.h"
+#include "covis/core/simd_targets.h"
 #include "covis/features/simd.h"
 
 namespace covis {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "covis/core/test_targets.h"
 #include "covis/features/test_images.h"
-#include "covis/features/test_targets.h"
 
 namespace covis {
 namespace {

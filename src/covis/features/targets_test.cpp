@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "covis/core/simd_targets.h"
+#include "covis/core/test_targets.h"
 #include "covis/features/frontend.h"
 #include "covis/features/hamming.h"
-#include "covis/features/simd.h"
 #include "covis/features/test_images.h"
-#include "covis/features/test_targets.h"
 
 namespace covis {
 namespace {

@@ -15,10 +15,8 @@ namespace fs = std::filesystem;
 std::string missing_file(const FrameFiles& frame) {
   const auto missing = [](const fs::path& file) { return !file.empty() && !fs::exists(file); };
   if (missing(frame.image)) return frame.image + ": the file is listed but missing";
-  if (missing(frame.right))
-    return frame.right + ": the right image of " + frame.image + " is missing";
-  if (missing(frame.depth))
-    return frame.depth + ": the depth image of " + frame.image + " is missing";
+  if (missing(frame.right)) return frame.right + ": the right image of " + frame.image + " is missing";
+  if (missing(frame.depth)) return frame.depth + ": the depth image of " + frame.image + " is missing";
   return {};
 }
 

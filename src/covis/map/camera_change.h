@@ -10,10 +10,11 @@
 
 namespace covis {
 
-// Expresses all key frames of a map that `made_by` made in the pixels and the baseline of `to`. Poses, points and depths
-// are those of before; a measured depth has the noise that the new camera's has. Key frames name their camera from then
-// on (Features::made_by), unless it is `to` itself, refined in the same way. An error, and nothing done, where the
-// pixels of one would be more than 64 times as large as those of the other, or images would lie beyond all bounds.
+// Expresses all key frames of a map that `made_by` made in the pixels and the baseline of `to`. Poses, points and
+// depths are those of before; a measured depth has the noise that the new camera's has. Key frames name their camera
+// from then on (Features::made_by), unless it is `to` itself, refined in the same way. An error, and nothing done,
+// where the pixels of one would be more than 64 times as large as those of the other, or images would lie beyond all
+// bounds.
 Result<void> express_in(MapState& map, const Camera& made_by, const RefinedCamera& to);
 
 // The cameras that key frames name, each once, in the order of their first key frames.

@@ -29,8 +29,7 @@ size_t memory_of(const KeyFrame& key_frame) {
 size_t memory_of(const Map& map) {
   size_t bytes = 0;
   map.for_each_key_frame([&](KeyFrameId, const KeyFrame& key_frame) { bytes += memory_of(key_frame); });
-  map.for_each_point(
-      [&](MapPointId, const MapPoint& point) { bytes += sizeof(point) + bytes_of(point.observations); });
+  map.for_each_point([&](MapPointId, const MapPoint& point) { bytes += sizeof(point) + bytes_of(point.observations); });
   return bytes;
 }
 

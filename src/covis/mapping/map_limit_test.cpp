@@ -47,9 +47,9 @@ TEST(MapLimit, AGrowingMapStaysWithinItsBound) {
 TEST(MapLimit, WhereTheMapIsDenseItGivesUpMore) {
   const PointScene scene = PointScene::ring(1200, 400);
   SceneMap world(scene);
-  world.add_key_frames(50, 0, 4);    // the first half of the ring, every fourth view
+  world.add_key_frames(50, 0, 4);     // the first half of the ring, every fourth view
   world.add_key_frames(100, 200, 1);  // a quarter, every view
-  world.add_key_frames(60, 300, 1);  // the newest
+  world.add_key_frames(60, 300, 1);   // the newest
   int erased = 0;
   for (size_t k = 0; k < 40; ++k) {  // it is looked at again and again
     world.add_key_frames(1, 360 + k);

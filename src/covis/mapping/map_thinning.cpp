@@ -40,8 +40,8 @@ class Observers {
  private:
   // The rule is that of Map::erase_observation().
   bool is_held_by_one(const MapPoint& point) const {
-    const auto last = std::ranges::find_if(point.observations,
-                                           [&](const Observation& o) { return !gone_[o.key_frame.slot]; });
+    const auto last =
+        std::ranges::find_if(point.observations, [&](const Observation& o) { return !gone_[o.key_frame.slot]; });
     return map_.at(last->key_frame).features->has_depth(static_cast<int>(last->feature));
   }
 

@@ -3,7 +3,7 @@
 
 #include <type_traits>
 
-#include "covis/features/simd.h"
+#include "covis/core/simd_targets.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "covis/matching/near_line.cpp"

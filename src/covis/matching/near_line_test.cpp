@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "covis/core/random.h"
-#include "covis/features/test_targets.h"
+#include "covis/core/test_targets.h"
 
 namespace covis {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "covis/features/test_targets.h"
+#include "covis/core/test_targets.h"
 #include "covis/matching/test_matching.h"
 
 namespace covis {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/optimization/reduced_blocks.h"
 
-#include "covis/features/simd.h"
+#include "covis/core/simd_targets.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "covis/optimization/reduced_blocks.cpp"

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "covis/features/test_targets.h"
+#include "covis/core/test_targets.h"
 
 namespace covis {
 namespace {

@@ -189,8 +189,8 @@ void SensorMonitor::forget_share() {
 
 void SensorMonitor::forget_depths() {
   depth_figures_ = {};
-  for (const SensorDoubt doubt : {SensorDoubt::no_disparity, SensorDoubt::rows_differ, SensorDoubt::depth_too_near,
-                                  SensorDoubt::no_relief})
+  for (const SensorDoubt doubt :
+       {SensorDoubt::no_disparity, SensorDoubt::rows_differ, SensorDoubt::depth_too_near, SensorDoubt::no_relief})
     wrong_[static_cast<size_t>(doubt)] = false;
 }
 

@@ -265,7 +265,8 @@ TEST_F(MapFile, CamerasOfKeyFramesAreInFilesOfSeveralAlone) {
   expect_refused(with(std::string(4, '\xff') + cameras.substr(4)), "more than a map can have");
   const size_t camera = (cameras.size() - 4 - 4 * state.key_frames.size());
   expect_refused(with(std::string("\2\0\0\0", 4) + cameras.substr(4, camera) + cameras.substr(4)), "made no key frame");
-  expect_refused(with(cameras.substr(0, 4) + std::string(8, '\0') + cameras.substr(12)), "a key frame's camera: its camera has no image size");
+  expect_refused(with(cameras.substr(0, 4) + std::string(8, '\0') + cameras.substr(12)),
+                 "a key frame's camera: its camera has no image size");
 }
 
 TEST_F(MapFile, ColoursAreInFilesOfColouredMapsAlone) {

@@ -10,8 +10,7 @@ std::string problem_of(const Camera& camera) {
   constexpr int kMaxSide = 1'000'000;      // pixels, as for positions of features
   constexpr double kMaxCoefficient = 1e9;  // no lens is near
   const auto bounded = [](double v) { return std::abs(v) <= kMaxCoefficient; };
-  if (!valid_camera(camera.pinhole) ||
-      !std::all_of(camera.coefficients.begin(), camera.coefficients.end(), bounded)) {
+  if (!valid_camera(camera.pinhole) || !std::all_of(camera.coefficients.begin(), camera.coefficients.end(), bounded)) {
     return "its camera is not valid";
   }
   if (camera.width < 1 || camera.height < 1 || camera.width > kMaxSide || camera.height > kMaxSide)

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "covis/features/simd.h"
+#include "covis/core/simd_targets.h"
 
 namespace covis {
 
