@@ -91,8 +91,9 @@ struct Best {
 
 Best query(const std::vector<Entry>& map, const Entry& asked) {
   Best best;
+  const WeightsByWord weights(asked.words);
   for (const Entry& entry : map) {
-    const double score = word_score(entry.words, asked.words);
+    const double score = weights.score(entry.words);
     const double distance = entry.place == asked.place ? (entry.position - asked.position).norm() : 1e9;
     best.all = std::max(best.all, score);
     if (distance <= 2) best.near = std::max(best.near, score);
@@ -169,7 +170,8 @@ void BM_Score(benchmark::State& state) {
   if (!voc) return;
   const Words a = voc->transform(places().front().first[0].descriptors);
   const Words b = voc->transform(places().front().first[1].descriptors);
-  for (auto _ : state) benchmark::DoNotOptimize(word_score(a.words, b.words));
+  const WeightsByWord weights(a.words);
+  for (auto _ : state) benchmark::DoNotOptimize(weights.score(b.words));
 }
 BENCHMARK(BM_Score)->Unit(benchmark::kMicrosecond);
 

@@ -68,11 +68,12 @@ std::vector<KeyFrameDatabase::Candidate> KeyFrameDatabase::query(const Map& map,
   for (uint32_t slot = 0; slot < shared.size(); ++slot) {
     if (shared[slot] > most && !left_out(slot)) most = shared[slot];
   }
+  const WeightsByWord weights(words.words);
   std::vector<Candidate> scored;  // sorted by handle
   for (uint32_t slot = 0; slot < shared.size(); ++slot) {
     if (shared[slot] == 0 || shared[slot] < kSharedWords * most || left_out(slot)) continue;
     const KeyFrameId id = map.key_frame_in(slot);
-    const double score = word_score(words.words, map.at(id).words->words);
+    const double score = weights.score(map.at(id).words->words);
     if (score >= min_score) scored.push_back({id, score});
   }
   struct Group {

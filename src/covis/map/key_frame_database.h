@@ -30,7 +30,7 @@ class KeyFrameDatabase {
 
   struct Candidate {
     KeyFrameId key_frame;
-    double score = 0;  // word_score() of the key frame itself
+    double score = 0;  // the key frame's own (WeightsByWord::score)
   };
   // Returns the key frames of the map that look most like an image of these words. It keeps those that share at least
   // 80 % of the greatest number of shared words and score at least `min_score`; those that are excluded are left out

@@ -49,7 +49,7 @@ std::vector<KeyFrameId> oracle(const Map& map, const Words& words, const std::ve
   std::map<KeyFrameId, double> score;
   for (const auto& [id, common] : sharing) {
     if (common < 0.8 * most) continue;
-    const double s = word_score(words.words, map.at(id).words->words);
+    const double s = WeightsByWord(words.words).score(map.at(id).words->words);
     if (s >= min_score) score[id] = s;
   }
   std::vector<std::pair<double, KeyFrameId>> groups;

@@ -55,28 +55,13 @@ Result<void> check_header(const VocabularyHeader& header, uint64_t bytes) {
 
 }  // namespace
 
-double word_score(const std::vector<WordWeight>& a, const std::vector<WordWeight>& b) {
-  // Both sum to 1, so 1 - |a - b|_1 / 2 is the sum of the smaller weights of the common words.
-  double score = 0;
-  for (size_t i = 0, j = 0; i < a.size() && j < b.size();) {
-    if (a[i].word < b[j].word) {
-      ++i;
-    } else if (b[j].word < a[i].word) {
-      ++j;
-    } else {
-      score += std::min(a[i++].weight, b[j++].weight);
-    }
-  }
-  return score;
-}
-
 WeightsByWord::WeightsByWord(const std::vector<WordWeight>& words) {
   if (!words.empty()) weight_.resize(words.back().word + size_t{1});
   for (const WordWeight& w : words) weight_[w.word] = w.weight;
 }
 
 double WeightsByWord::score(const std::vector<WordWeight>& other) const {
-  double score = 0;
+  double score = 0;  // both sum to 1, so it is the sum of the smaller weights of the common words
   for (const WordWeight& w : other) {
     if (w.word >= weight_.size()) break;
     score += std::min(weight_[w.word], w.weight);
@@ -162,30 +147,13 @@ Result<void> Vocabulary::save_text(const std::filesystem::path& file) const {
   return write_atomically(file, write_vocabulary_text(text), Durability::durable);
 }
 
-Vocabulary::Leaf Vocabulary::descend(const Descriptor& descriptor) const {
-  std::array<uint16_t, kMaxBranching> distance;
-  uint32_t node = 0, direct_node = 0;
-  for (int level = 0;; ++level) {
-    if (level <= kDirectIndexLevel) direct_node = node;
-    const uint32_t first = nodes_[node].child;
-    const auto children = static_cast<int>(nodes_[node + 1].child - first);
-    if (children == 0) return {nodes_[node].word, direct_node};
-    hamming_row(descriptor, &descriptors_[first], children, distance.data());
-    node =
-        first + static_cast<uint32_t>(std::min_element(distance.data(), distance.data() + children) - distance.data());
-  }
-}
-
-uint32_t Vocabulary::word(const Descriptor& descriptor) const { return descend(descriptor).word; }
-
-std::vector<uint32_t> Vocabulary::words_of(std::span<const Descriptor> descriptors) const {
+std::vector<uint32_t> Vocabulary::descend(std::span<const Descriptor> descriptors, int levels) const {
   constexpr size_t kTogether = 32, kLine = 64 / sizeof(Descriptor);
   std::array<uint16_t, kMaxBranching> distance;
   std::vector<uint32_t> nodes(descriptors.size());
   for (size_t begin = 0; begin < nodes.size(); begin += kTogether) {
     const size_t end = std::min(begin + kTogether, nodes.size());
-    for (bool descended = true; descended;) {
-      descended = false;
+    for (int level = 0; level < levels; ++level) {
       for (size_t i = begin; i < end; ++i) {
         for (uint32_t child = nodes_[nodes[i]].child; child < nodes_[nodes[i] + 1].child; child += kLine)
           __builtin_prefetch(&descriptors_[child]);
@@ -197,16 +165,19 @@ std::vector<uint32_t> Vocabulary::words_of(std::span<const Descriptor> descripto
         hamming_row(descriptors[i], &descriptors_[first], children, distance.data());
         const auto* const nearest = std::min_element(distance.data(), distance.data() + children);
         nodes[i] = first + static_cast<uint32_t>(nearest - distance.data());
-        descended = true;
       }
     }
   }
-  for (uint32_t& node : nodes) node = nodes_[node].word;
   return nodes;
 }
 
+uint32_t Vocabulary::word(const Descriptor& descriptor) const {
+  return nodes_[descend({&descriptor, 1}, depth_).front()].word;
+}
+
 Words Vocabulary::transform(std::span<const Descriptor> descriptors) const {
-  std::vector<uint32_t> words = words_of(descriptors);
+  std::vector<uint32_t> words = descend(descriptors, depth_);
+  for (uint32_t& node : words) node = nodes_[node].word;
   std::sort(words.begin(), words.end());
   Words out;
   double sum = 0;
@@ -224,8 +195,9 @@ Words Vocabulary::transform(std::span<const Descriptor> descriptors) const {
 }
 
 DirectIndex Vocabulary::direct_index(std::span<const Descriptor> descriptors) const {
-  std::vector<uint64_t> keys(descriptors.size());  // high half: node, low half: feature
-  for (size_t i = 0; i < descriptors.size(); ++i) keys[i] = (uint64_t{descend(descriptors[i]).direct_node} << 32) | i;
+  const std::vector<uint32_t> nodes = descend(descriptors, kDirectIndexLevel);
+  std::vector<uint64_t> keys(nodes.size());  // high half: node, low half: feature
+  for (size_t i = 0; i < keys.size(); ++i) keys[i] = (uint64_t{nodes[i]} << 32) | i;
   std::sort(keys.begin(), keys.end());
   DirectIndex index;
   for (size_t i = 0; i < keys.size(); ++i) {

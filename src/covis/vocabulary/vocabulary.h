@@ -44,14 +44,12 @@ struct DirectIndex {
   friend bool operator==(const DirectIndex&, const DirectIndex&) = default;
 };
 
-// 1 - |a - b|_1 / 2 (Gálvez-López and Tardós 2012, eq. 2): 1 for equal images, 0 without common words.
-double word_score(const std::vector<WordWeight>& a, const std::vector<WordWeight>& b);
-
-// The weights of one image's words (Words::words, ascending), in an array by word, to compare it with many others.
+// The weights of one image's words (Words::words, ascending) in an array by word, to compare the image with others.
 class WeightsByWord {
  public:
   explicit WeightsByWord(const std::vector<WordWeight>& words);
-  // The same bits as word_score() of the two.
+  // Returns 1 - |a - b|_1 / 2 (Gálvez-López and Tardós 2012, eq. 2), where b are the words of another image: 1 for
+  // equal images, 0 without common words. It is the same either way round, to the bit.
   double score(const std::vector<WordWeight>& other) const;
 
  private:
@@ -112,14 +110,11 @@ class Vocabulary {
     uint32_t child;  // first child
     uint32_t word;   // number of words among the earlier nodes, which is a word's own number
   };
-  struct Leaf {
-    uint32_t word, direct_node;
-  };
 
   Vocabulary();
-  // The words of all. The descriptors descend side by side, so that they wait for memory together.
-  std::vector<uint32_t> words_of(std::span<const Descriptor> descriptors) const;
-  Leaf descend(const Descriptor& descriptor) const;
+  // Returns the node of each descriptor after so many levels, or the leaf above. The descriptors descend side by side,
+  // so that they wait for memory together.
+  std::vector<uint32_t> descend(std::span<const Descriptor> descriptors, int levels) const;
   Result<void> open(std::span<const std::byte> bytes);  // checks a whole file's bytes, and points into them
   Result<void> check_nodes() const;
 

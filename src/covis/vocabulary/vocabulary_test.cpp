@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "covis/features/test_targets.h"
+#include "covis/core/test_targets.h"
 #include "covis/vocabulary/test_vocabulary.h"
 #include "covis/vocabulary/vocabulary_text.h"
 
@@ -127,21 +127,19 @@ TEST_F(WordsTest, ScoreIsOneOfEqualNoneOfDisjointAndSymmetric) {
   std::vector<std::vector<WordWeight>> all;
   for (size_t i = 0; i < 30; ++i) all.push_back(vocabulary_->transform(images_.image(i)).words);
   for (const auto& a : all) {
-    EXPECT_NEAR(word_score(a, a), 1, 1e-5);
     const WeightsByWord weights(a);
+    EXPECT_NEAR(weights.score(a), 1, 1e-5);
     for (const auto& b : all) {
-      EXPECT_EQ(word_score(a, b), word_score(b, a));
-      EXPECT_EQ(weights.score(b), word_score(a, b));
+      EXPECT_EQ(weights.score(b), WeightsByWord(b).score(a));
       double difference = 0;  // as the paper writes it
       std::map<uint32_t, double> by_word;
       for (const WordWeight& w : a) by_word[w.word] += static_cast<double>(w.weight);
       for (const WordWeight& w : b) by_word[w.word] -= static_cast<double>(w.weight);
       for (const auto& [word, weight] : by_word) difference += std::abs(weight);
-      EXPECT_NEAR(word_score(a, b), 1 - difference / 2, 1e-5);
+      EXPECT_NEAR(weights.score(b), 1 - difference / 2, 1e-5);
     }
   }
-  EXPECT_EQ(word_score({{1, 0.5f}, {4, 0.5f}}, {{2, 0.25f}, {3, 0.75f}}), 0);
-  EXPECT_EQ(word_score({}, {{2, 1.0f}}), 0);
+  EXPECT_EQ(WeightsByWord({{1, 0.5f}, {4, 0.5f}}).score({{2, 0.25f}, {3, 0.75f}}), 0);
   EXPECT_EQ(WeightsByWord({}).score({{2, 1.0f}}), 0);
   EXPECT_EQ(WeightsByWord({{2, 1.0f}}).score({}), 0);
 }
