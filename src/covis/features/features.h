@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -116,19 +115,6 @@ struct Features {
   const AlignedVector<float>& image_x() const { return raw_x.empty() ? x : raw_x; }
   const AlignedVector<float>& image_y() const { return raw_y.empty() ? y : raw_y; }
   bool has_depth(int i) const { return depth[static_cast<size_t>(i)] > 0; }
-
-  // Calls visit(index) for each keypoint with |x - px| <= radius, |y - py| <= radius and min_level <= level <=
-  // max_level, in a fixed order. Reads only the grid cells under the window.
-  template <class Visit>
-  void for_each_in_window(float px, float py, float radius, int min_level, int max_level, Visit&& visit) const {
-    grid.for_each_run(px, py, radius, [&](uint32_t first, uint32_t last) {
-      for (uint32_t k = first; k < last; ++k) {
-        const uint32_t i = grid.indices[k];
-        if (level[i] < min_level || level[i] > max_level) continue;
-        if (std::abs(x[i] - px) <= radius && std::abs(y[i] - py) <= radius) visit(static_cast<int>(i));
-      }
-    });
-  }
 };
 
 using FeaturesPtr = std::shared_ptr<const Features>;

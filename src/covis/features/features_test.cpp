@@ -35,14 +35,23 @@ Features spread_out(Random& random, int count, bool anywhere) {
                          : static_cast<float>(random.uniform(anywhere ? -10 : 200, anywhere ? 650 : 230)));
     f.y.push_back(corner ? 480 * static_cast<float>(i % 4 / 2)
                          : static_cast<float>(random.uniform(anywhere ? -10 : 100, anywhere ? 490 : 110)));
-    f.level.push_back(static_cast<uint8_t>(random.below(8)));
   }
   return f;
 }
 
+// The keypoints of the cells under a window, in the order of the visits.
+std::vector<uint16_t> under(const FeatureGrid& grid, float x, float y, float radius) {
+  std::vector<uint16_t> all;
+  grid.for_each_run(x, y, radius, [&](uint32_t first, uint32_t last) {
+    EXPECT_LT(first, last) << "a row without keypoints is not visited";
+    all.insert(all.end(), grid.indices.begin() + first, grid.indices.begin() + last);
+  });
+  return all;
+}
+
 class FeatureGridWindows : public testing::TestWithParam<std::tuple<int, bool>> {};
 
-TEST_P(FeatureGridWindows, FindWhatBruteForceFinds) {
+TEST_P(FeatureGridWindows, HoldEachKeypointInsideOnceAndNoneFarAway) {
   const auto& [count, anywhere] = GetParam();
   Random random(7);
   Features f = spread_out(random, count, anywhere);
@@ -55,15 +64,15 @@ TEST_P(FeatureGridWindows, FindWhatBruteForceFinds) {
   for (int trial = 0; trial < 500; ++trial) {
     const float x = static_cast<float>(random.uniform(-60, 700)), y = static_cast<float>(random.uniform(-60, 540));
     const float radius = static_cast<float>(random.uniform(0.5, 80));
-    const int low = static_cast<int>(random.below(8)), high = low + static_cast<int>(random.below(4));
-    std::set<int> found, expected;
-    f.for_each_in_window(x, y, radius, low, high, [&](int i) { EXPECT_TRUE(found.insert(i).second); });
-    for (int i = 0; i < f.size(); ++i) {
-      const auto k = static_cast<size_t>(i);
-      if (f.level[k] >= low && f.level[k] <= high && std::abs(f.x[k] - x) <= radius && std::abs(f.y[k] - y) <= radius)
-        expected.insert(i);
+    const float cell = std::max(1 / f.grid.inv_cell_width, 1 / f.grid.inv_cell_height);
+    const std::vector<uint16_t> visited = under(f.grid, x, y, radius);
+    const std::set<uint16_t> found(visited.begin(), visited.end());
+    EXPECT_EQ(found.size(), visited.size());
+    for (uint16_t k = 0; k < f.size(); ++k) {
+      const float away = std::max(std::abs(f.x[k] - x), std::abs(f.y[k] - y));
+      EXPECT_TRUE(away > radius || found.contains(k));
+      EXPECT_TRUE(away <= radius + 2 * cell || !found.contains(k));
     }
-    EXPECT_EQ(found, expected);
   }
 }
 
@@ -77,14 +86,13 @@ TEST(FeatureGrid, WindowsVisitInAFixedOrder) {
   Features f = spread_out(random, 2000, true);
   const ImageBounds bounds{0, 0, 640, 480};  // some lie outside, and stand in the cells at the border
   f.grid.build(bounds, f.x, f.y);
-  const auto place = [&](int i) {
-    const auto k = static_cast<size_t>(i);
+  const auto place = [&](uint16_t k) {
     const int c = std::clamp(static_cast<int>(f.x[k] / 10), 0, 63),
               r = std::clamp(static_cast<int>(f.y[k] / 10), 0, 47);
-    return std::tuple(r, c, i);
+    return std::tuple(r, c, k);
   };
-  std::vector<std::tuple<int, int, int>> visited;
-  f.for_each_in_window(320, 240, 1000, 0, 7, [&](int i) { visited.push_back(place(i)); });
+  std::vector<std::tuple<int, int, uint16_t>> visited;
+  for (const uint16_t k : under(f.grid, 320, 240, 1000)) visited.push_back(place(k));
   EXPECT_EQ(visited.size(), f.x.size());
   EXPECT_TRUE(std::is_sorted(visited.begin(), visited.end()));
 }

@@ -73,7 +73,7 @@ void WindowMatcher::InGridOrder::gather(const Features& features) {
 }
 
 // Writes every feature of the cells under the window to the end of the list, and lengthens the list only for those
-// inside, so that there is no branch to mispredict: most are outside.
+// inside, so that there is no branch to mispredict: most are outside. No more are written than there are.
 std::span<const uint16_t> WindowMatcher::in_window(const Features& features, const WindowQuery& query) {
   assert(query.max_level >= query.min_level);
   size_t count = 0;
@@ -98,8 +98,8 @@ int WindowMatcher::match(const Features& features, std::span<const WindowQuery> 
   reserve_ahead(owner_, static_cast<size_t>(features.size()));
   owner_.assign(static_cast<size_t>(features.size()), Owner{});
   ordered_.gather(features);
-  reserve_ahead(inside_, ordered_.x.size() + 1);
-  inside_.resize(ordered_.x.size() + 1);
+  reserve_ahead(inside_, ordered_.x.size());
+  inside_.resize(ordered_.x.size());
   int count = 0;
   for (size_t q = 0; q < queries.size(); ++q) {
     const WindowQuery& query = queries[q];

@@ -3,6 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
 #include "covis/matching/test_matching.h"
 
 namespace covis {
@@ -28,6 +34,65 @@ TEST(WindowMatch, FindsTheMostSimilarInTheWindowOnly) {
   // Too different.
   EXPECT_EQ(matcher.match(f, queries, {}, {}, {.max_distance = 9}, match), 0);
   EXPECT_EQ(match[0], WindowMatcher::kUnlike);
+}
+
+// The definition, one pair after the other: each query to the most similar of its window, each feature to the most
+// similar of its queries.
+std::vector<int32_t> matches_one_by_one(const Features& f, const std::vector<WindowQuery>& queries, int max_distance) {
+  std::vector<int32_t> match(queries.size(), WindowMatcher::kUnlike);
+  std::map<int32_t, std::pair<int, size_t>> owner;  // by feature: distance and query
+  std::vector<int> distance(queries.size(), max_distance + 1);
+  for (size_t q = 0; q < queries.size(); ++q) {
+    const WindowQuery& query = queries[q];
+    for (size_t i = 0; i < f.x.size(); ++i) {
+      const int d = hamming(*query.descriptor, f.descriptor[i]);
+      const bool inside = std::abs(f.x[i] - query.u) <= query.radius && std::abs(f.y[i] - query.v) <= query.radius;
+      if (!inside || f.level[i] < query.min_level || f.level[i] > query.max_level || d >= distance[q]) continue;
+      distance[q] = d;
+      match[q] = static_cast<int32_t>(i);
+    }
+    if (match[q] < 0) continue;
+    const auto first = owner.emplace(match[q], std::pair(distance[q], q)).first;
+    first->second = std::min(first->second, std::pair(distance[q], q));
+  }
+  for (size_t q = 0; q < queries.size(); ++q) {
+    if (match[q] >= 0 && owner[match[q]].second != q) match[q] = WindowMatcher::kGivenAway;
+  }
+  return match;
+}
+
+TEST(WindowMatch, FindsWhatComparingAllFinds) {
+  Random random(6);
+  std::vector<Descriptor> kinds;
+  for (int k = 0; k < 20; ++k) kinds.push_back(random_descriptor(random));
+  const auto anywhere = [&] { return static_cast<float>(random.uniform(0, 400)); };
+  WindowMatcher matcher;
+  std::vector<int32_t> match;
+  for (const int count : {0, 1, 700}) {
+    Features f = no_features();
+    for (int i = 0; i < count; ++i) {
+      const Descriptor& kind = kinds[random.below(kinds.size())];
+      add(f, anywhere(), anywhere(), static_cast<int>(random.below(8)), turned(kind, 20, random));
+    }
+    finish(f);
+    std::vector<WindowQuery> queries;
+    for (int q = 0; q < 300; ++q) {
+      const int level = static_cast<int>(random.below(8)) - 1;  // from the least that is allowed
+      queries.push_back({.u = anywhere(),
+                         .v = anywhere(),
+                         .radius = static_cast<float>(random.uniform(1, 90)),
+                         .min_level = level,
+                         .max_level = level + static_cast<int>(random.below(3)),
+                         .descriptor = &kinds[random.below(kinds.size())]});
+    }
+    const int found = matcher.match(f, queries, {}, {}, {}, match);
+    EXPECT_EQ(match, matches_one_by_one(f, queries, WindowMatchOptions{}.max_distance));
+    EXPECT_EQ(found, std::count_if(match.begin(), match.end(), [](int32_t i) { return i >= 0; }));
+    if (count > 100) {
+      EXPECT_GT(found, 50);
+      EXPECT_GT(std::count(match.begin(), match.end(), WindowMatcher::kGivenAway), 5);
+    }
+  }
 }
 
 TEST(WindowMatch, RatioIsAskedWithinOneLevelOnly) {

@@ -87,10 +87,11 @@ inline std::vector<MapPointId> points_seen(const Map& map, KeyFrameId from, cons
     const auto u = static_cast<float>(camera.fx * p.x() / p.z() + camera.cx);
     const auto v = static_cast<float>(camera.fy * p.y() / p.z() + camera.cy);
     int best = kHammingLow, best_feature = -1;
-    features.for_each_in_window(u, v, 2, 0, 7, [&](int i) {
-      const int distance = hamming(map.at(id).descriptor, features.descriptor[static_cast<size_t>(i)]);
-      if (distance < best && !seen[static_cast<size_t>(i)].valid()) best = distance, best_feature = i;
-    });
+    for (size_t i = 0; i < seen.size(); ++i) {
+      if (std::abs(features.x[i] - u) > 2 || std::abs(features.y[i] - v) > 2 || seen[i].valid()) continue;
+      const int distance = hamming(map.at(id).descriptor, features.descriptor[i]);
+      if (distance < best) best = distance, best_feature = static_cast<int>(i);
+    }
     if (best_feature >= 0) seen[static_cast<size_t>(best_feature)] = id;
   }
   return seen;
