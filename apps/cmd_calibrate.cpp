@@ -82,7 +82,7 @@ int run(const CalibrateArguments& a) {
   if (!made) return fail_with(a.path + ": " + made.error().message);
   if (const auto written = write_atomically(a.out, file_text(*made)); !written) return fail_with(written.error());
   if (!a.picture.empty()) {
-    if (const auto written = write_atomically(a.picture, residual_picture(*made)); !written)
+    if (const auto written = write_plots(a.picture, {residual_plot(*made)}); !written)
       return fail_with(written.error());
   }
   const Pinhole& p = made->camera.pinhole;

@@ -9,7 +9,6 @@
 
 #include "commands.h"
 #include "common.h"
-#include "covis/core/atomic_file.h"
 #include "covis/storage/map_file.h"
 #include "map_export.h"
 #include "map_import.h"
@@ -76,10 +75,8 @@ int run_info(const MapArguments& a) {
   if (!a.picture.empty()) {
     const auto loaded = storage::load_map(a.file);
     if (!loaded) return fail_with(loaded.error());
-    if (const auto written =
-            write_atomically(a.picture, picture_from_above(loaded->map, loaded->header.camera, a.file));
-        !written)
-      return fail_with(written.error());
+    const auto plots = plots_from_above(loaded->map, loaded->header.camera, a.file);
+    if (const auto written = write_plots(a.picture, plots); !written) return fail_with(written.error());
   }
   const nlohmann::json json = to_json(a.file, *info);
   if (a.json) {

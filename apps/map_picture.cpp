@@ -6,7 +6,6 @@
 #include <cmath>
 #include <vector>
 
-#include "covis/eval/plot.h"
 #include "covis/exchange/scene.h"
 
 namespace covis::app {
@@ -59,14 +58,14 @@ Plot plot_of(const exchange::Scene& scene, const std::string& title) {
 
 }  // namespace
 
-std::string picture_from_above(const Map& map, const Camera& camera, const std::string& title) {
+std::vector<Plot> plots_from_above(const Map& map, const Camera& camera, const std::string& title) {
   std::vector<Plot> plots;
   for (const exchange::Scene& scene : exchange::scenes_of(map, camera)) {
     const std::string which = map.submaps().size() > 1 ? ", map " + std::to_string(plots.size()) : "";
     plots.push_back(plot_of(scene, title + which));
   }
   if (plots.empty()) plots.push_back(Plot{.title = title + ": empty", .x_label = "", .y_label = "", .series = {}});
-  return draw_stacked(plots);
+  return plots;
 }
 
 }  // namespace covis::app

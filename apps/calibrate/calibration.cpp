@@ -8,7 +8,6 @@
 #include <opencv2/calib3d.hpp>
 
 #include "covis/core/quantile.h"
-#include "covis/eval/plot.h"
 
 namespace covis::app {
 namespace {
@@ -130,7 +129,7 @@ Result<Calibration> calibrate(std::vector<BoardView> views, cv::Size image, Dist
   return result;
 }
 
-std::string residual_picture(const Calibration& c) {
+Plot residual_plot(const Calibration& c) {
   constexpr double kLonger = 50;
   PlotSeries corners{
       .label = "corners", .x = {}, .y = {}, .colour = {120, 130, 145}, .style = PlotSeries::Style::dots, .width = 1.5};
@@ -154,7 +153,7 @@ std::string residual_picture(const Calibration& c) {
   plot.height = 800;
   plot.x_range = {0, static_cast<double>(c.camera.width)};
   plot.y_range = {0, static_cast<double>(c.camera.height)};
-  return draw(plot);
+  return plot;
 }
 
 }  // namespace covis::app

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/calibrate/board.h"
+#include "covis/eval/plot.h"
 #include "covis/geometry/camera.h"
 
 namespace covis::app {
@@ -29,7 +30,7 @@ inline constexpr size_t kLeastViews = 6;
 // camera: all of them from one direction, say.
 Result<Calibration> calibrate(std::vector<BoardView> views, cv::Size image, Distortion lens);
 
-// Returns the bytes of a PNG: each corner with its residual, drawn 50 times as long.
-std::string residual_picture(const Calibration& calibration);
+// Each corner with its residual, drawn 50 times as long.
+Plot residual_plot(const Calibration& calibration);
 
 }  // namespace covis::app

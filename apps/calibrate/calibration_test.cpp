@@ -136,7 +136,9 @@ TEST(Calibration, FindsTheCameraFromACheckerboard) {
   EXPECT_NEAR(made->camera.pinhole.cx, 236, 2);
   EXPECT_LT(made->rms, 0.3);
   EXPECT_LT(greatest_difference(brown(), made->camera), 1);
-  EXPECT_EQ(residual_picture(*made).substr(1, 3), "PNG");
+  const Plot plot = residual_plot(*made);
+  EXPECT_EQ(plot.series.front().x.size(), made->residuals.size());
+  EXPECT_TRUE(draw({plot}));
 }
 
 TEST(Calibration, FindsAFisheyeFromACharucoBoard) {

@@ -86,6 +86,12 @@ std::string html_image(const std::string& png, const std::string& what) {
   return "<img alt=\"" + html_escaped(what) + "\" src=\"data:image/png;base64," + base64(png) + "\">\n";
 }
 
+Result<std::string> html_plot(const Plot& plot, const std::string& what) {
+  const auto png = draw({plot});
+  if (!png) return tl::unexpected(png.error());
+  return html_image(*png, what);
+}
+
 std::string html_page(const std::string& title, const std::string& body) {
   return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
          "content=\"width=device-width\"><title>Covis: " +

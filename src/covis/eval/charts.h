@@ -25,6 +25,7 @@ Plot error_plot(const Evaluation& evaluation);
 std::string base64(const std::string& bytes);
 std::string html_escaped(const std::string& text);
 std::string html_image(const std::string& png, const std::string& what);
+Result<std::string> html_plot(const Plot& plot, const std::string& what);  // error: as draw()
 // Returns a self-contained page. `body` is HTML, the title is plain text.
 std::string html_page(const std::string& title, const std::string& body);
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdio>
 #include <opencv2/imgproc.hpp>
-#include <stdexcept>
 #include <utility>
 
+#include "covis/core/atomic_file.h"
 #include "covis/io/codecs.h"
 
 namespace covis {
@@ -160,22 +160,20 @@ cv::Mat paint(const Plot& plot) {
   return c.image;
 }
 
-std::string encoded(const cv::Mat& image) {
-  auto bytes = io::encode_image(".png", image);
-  if (!bytes) throw std::runtime_error(bytes.error().message);  // the installation lacks its part for that
-  return std::move(*bytes);
-}
-
 }  // namespace
 
-std::string draw(const Plot& plot) { return encoded(paint(plot)); }
-
-std::string draw_stacked(const std::vector<Plot>& plots) {
+Result<std::string> draw(const std::vector<Plot>& plots) {
   std::vector<cv::Mat> images;
   for (const Plot& plot : plots) images.push_back(paint(plot));
   cv::Mat all;
   cv::vconcat(images, all);
-  return encoded(all);
+  return io::encode_image(".png", all);
+}
+
+Result<void> write_plots(const std::filesystem::path& file, const std::vector<Plot>& plots) {
+  const auto png = draw(plots);
+  if (!png) return tl::unexpected(png.error());
+  return write_atomically(file, *png);
 }
 
 }  // namespace covis

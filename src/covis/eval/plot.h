@@ -4,8 +4,11 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
+
+#include "covis/core/error.h"
 
 namespace covis {
 
@@ -31,9 +34,10 @@ struct Plot {
   std::array<double, 2> x_range{0, 0}, y_range{0, 0};
 };
 
-// Returns the bytes of a PNG file.
-std::string draw(const Plot& plot);
-// Draws plots one below the other; they must have the same width.
-std::string draw_stacked(const std::vector<Plot>& plots);
+// Returns the bytes of a PNG file: the plots one below the other. They must have the same width. Error: the
+// installation has no part that writes images.
+Result<std::string> draw(const std::vector<Plot>& plots);
+// Draws them into a PNG file, whatever its name.
+Result<void> write_plots(const std::filesystem::path& file, const std::vector<Plot>& plots);
 
 }  // namespace covis

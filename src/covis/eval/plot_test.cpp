@@ -16,9 +16,10 @@ TEST(PlotTest, NothingAndOnePointAndNanCanBeDrawn) {
   const double nan = std::nan("");
   for (const std::vector<double>& v : std::vector<std::vector<double>>{{}, {1}, {nan}, {nan, 1, nan, 2, 3}}) {
     Plot plot{.title = "t", .x_label = "x", .y_label = "y", .series = {{"s", v, v, kBlue}}};
-    const std::string png = draw(plot);
-    const cv::Mat image = cv::imdecode(std::vector<uint8_t>(png.begin(), png.end()), cv::IMREAD_COLOR);
-    EXPECT_EQ(image.size(), cv::Size(plot.width, plot.height));
+    const auto png = draw({plot, plot});
+    ASSERT_TRUE(png) << png.error().message;
+    const cv::Mat image = cv::imdecode(std::vector<uint8_t>(png->begin(), png->end()), cv::IMREAD_COLOR);
+    EXPECT_EQ(image.size(), cv::Size(plot.width, 2 * plot.height));
   }
 }
 

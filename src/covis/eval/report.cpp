@@ -12,7 +12,7 @@
 namespace covis {
 namespace {
 
-std::string path_picture(const ReportInput& in, const Result<Evaluation>& evaluation) {
+Plot path_from_above(const ReportInput& in, const Result<Evaluation>& evaluation) {
   std::vector<Eigen::Vector3d> path, frames;
   for (const StampedPose& p : in.estimate) path.push_back(p.T_wc.t());
   for (const StampedPose& p : in.key_frames) frames.push_back(p.T_wc.t());
@@ -54,10 +54,10 @@ std::string path_picture(const ReportInput& in, const Result<Evaluation>& evalua
   }
   const double room = 0.35 * std::max(plot.x_range[1] - plot.x_range[0], plot.y_range[1] - plot.y_range[0]) + 1e-6;
   for (auto* range : {&plot.x_range, &plot.y_range}) *range = {(*range)[0] - room, (*range)[1] + room};
-  return draw(plot);
+  return plot;
 }
 
-std::string time_picture(const ReportInput& in) {
+Plot time_plot(const ReportInput& in) {
   PlotSeries time{"tracking", {}, {}, kBlue, PlotSeries::Style::line, 1},
       marks{"key frame", {}, {}, kBlack, PlotSeries::Style::marks, 2.5};
   std::vector<double> values;
@@ -83,10 +83,10 @@ std::string time_picture(const ReportInput& in) {
     }
   }
   plot.y_range = {0, std::max(1e-3, 1.6 * quantile(values, 0.98))};
-  return draw(plot);
+  return plot;
 }
 
-std::string coverage_picture(const ReportInput& in) {
+Plot coverage_plot(const ReportInput& in) {
   PlotSeries inliers{"inliers", {}, {}, kBlue, PlotSeries::Style::line, 1},
       missing{"not tracked", {}, {}, kRed, PlotSeries::Style::dots, 2.5};
   for (const ReportFrame& f : in.frames) {
@@ -104,7 +104,7 @@ std::string coverage_picture(const ReportInput& in) {
   double high = 10;
   for (const double v : inliers.y) high = std::isfinite(v) ? std::max(high, v) : high;
   plot.y_range = {-0.05 * high, 1.05 * high};
-  return draw(plot);
+  return plot;
 }
 
 // Intervals without a pose, with the reason of their first frame.
@@ -137,14 +137,24 @@ Result<void> write_report(const std::filesystem::path& folder, const ReportInput
   html += "</table>\n";
   html += in.viewer;
   Result<void> problem;
+  const auto add = [&](const Plot& plot, const std::string& what) {
+    auto image = html_plot(plot, what);
+    if (image) {
+      html += *image;
+    } else {
+      problem = tl::unexpected(std::move(image.error()));  // the page is written without it
+    }
+  };
   if (!in.estimate.empty()) {
-    const std::string path = path_picture(in, evaluation);
-    html += html_image(path, "path from above");
-    problem = write_atomically(folder / "trajectory.png", path);
+    const Plot path = path_from_above(in, evaluation);
+    add(path, "path from above");
+    if (problem) problem = write_plots(folder / "trajectory.png", {path});
   }
-  if (evaluation) html += html_image(draw(error_plot(*evaluation)), "error over time");
-  if (in.viewer.empty())
-    html += html_image(coverage_picture(in), "inliers per frame") + html_image(time_picture(in), "time per frame");
+  if (evaluation) add(error_plot(*evaluation), "error over time");
+  if (in.viewer.empty()) {
+    add(coverage_plot(in), "inliers per frame");
+    add(time_plot(in), "time per frame");
+  }
   html += "<h2>Frames without a pose</h2>\n" + gaps_table(in);
   if (auto written = write_atomically(folder / "report.html", html_page(in.title, html)); !written) return written;
   return problem;
@@ -159,11 +169,13 @@ Result<void> write_picture(const std::filesystem::path& file, const std::string&
   const auto axes = widest_axes(truth);
   Plot path = path_plot(axes);
   path.series = {path_series("truth", truth, axes, kRed), path_series("path", estimate, axes, kBlue)};
-  if (file.extension() == ".png") return write_atomically(file, draw_stacked({path, error_plot(evaluation)}));
+  if (file.extension() == ".png") return write_plots(file, {path, error_plot(evaluation)});
   if (file.extension() != ".html") return fail(file.string() + ": the picture's name must end in .png or .html");
-  return write_atomically(file, html_page(title, "<pre>" + html_escaped(to_text(evaluation)) + "</pre>\n" +
-                                                     html_image(draw(path), "path from above") +
-                                                     html_image(draw(error_plot(evaluation)), "error over time")));
+  const auto above = html_plot(path, "path from above");
+  const auto errors = html_plot(error_plot(evaluation), "error over time");
+  if (!above || !errors) return tl::unexpected((above ? errors : above).error());
+  return write_atomically(
+      file, html_page(title, "<pre>" + html_escaped(to_text(evaluation)) + "</pre>\n" + *above + *errors));
 }
 
 }  // namespace covis
