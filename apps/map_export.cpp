@@ -89,10 +89,10 @@ Result<void> write_images(const ExportArguments& a, std::vector<Scene>& scenes) 
   return {};
 }
 
-// These hold a point by the pixels at which it is seen.
+// These formats hold a point by the pixels at which it is seen.
 bool has_observations(Format format) { return format == Format::colmap || format == Format::bundler; }
 
-// Says what is left out.
+// Leaves out what does not make a track, and logs how much that is.
 void keep_tracks(const ExportArguments& a, std::vector<Scene>& scenes) {
   for (size_t k = 0; k < scenes.size(); ++k) {
     const exchange::LeftOut left_out = exchange::keep_tracks(scenes[k]);

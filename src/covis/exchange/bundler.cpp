@@ -26,6 +26,7 @@ std::string bundle_text(const Scene& scene) {
     text.line(t.x(), t.y(), t.z());
   }
   for (const ScenePoint& point : scene.points) {
+    assert(point.seen.size() >= 2);
     text.line(point.position.x(), point.position.y(), point.position.z());
     text.line(int{point.colour[0]}, int{point.colour[1]}, int{point.colour[2]});
     text(point.seen.size());

@@ -11,8 +11,8 @@
 
 namespace covis::exchange {
 
-// Writes both files into a folder, which is made. The scene is centred() (asserted), after keep_tracks(). `images`: the
-// folder of the images in list.txt, relative to it.
+// Writes both files into a folder, which is made. The scene is centred() and after keep_tracks() (both asserted).
+// `images`: the folder of the images in list.txt, relative to it.
 Result<void> write_bundler(const std::filesystem::path& folder, const Scene& scene, const std::string& images);
 
 }  // namespace covis::exchange

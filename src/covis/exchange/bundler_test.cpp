@@ -11,6 +11,7 @@ namespace {
 TEST(Bundler, ItsCamerasProjectItsPointsToTheirPixels) {
   const TemporaryFolder folder;
   Scene scene = centred(ring_scenes()[0]);
+  keep_tracks(scene);
   ASSERT_TRUE(write_bundler(folder.path(), scene, "images"));
   std::istringstream text(read_file(folder / "bundle.out"));
   std::string head;

@@ -2,6 +2,7 @@
 #include "covis/exchange/colmap.h"
 
 #include <Eigen/Geometry>
+#include <cassert>
 #include <cstdint>
 #include <string>
 
@@ -42,6 +43,7 @@ std::string points_text(const Scene& scene) {
   text.line("# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)");
   for (uint32_t i = 0; i < scene.points.size(); ++i) {
     const ScenePoint& point = scene.points[i];
+    assert(point.seen.size() >= 2);
     const Eigen::Vector3d& p = point.position;
     text(i + 1, p.x(), p.y(), p.z(), int{point.colour[0]}, int{point.colour[1]}, int{point.colour[2]}, point.error);
     for (const ScenePoint::Sight& sight : point.seen) text(scene.views[sight.view].serial + 1, sight.keypoint);

@@ -11,7 +11,7 @@
 
 namespace covis::exchange {
 
-// Writes the model into a folder, which is made; the scene after keep_tracks().
+// Writes the model into a folder, which is made; the scene after keep_tracks() (asserted).
 Result<void> write_colmap(const std::filesystem::path& folder, const Scene& scene);
 
 }  // namespace covis::exchange

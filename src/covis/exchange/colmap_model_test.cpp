@@ -11,7 +11,8 @@ using testing::HasSubstr;
 
 TEST(ColmapModel, IsReadAsItWasWritten) {
   const TemporaryFolder folder;
-  const Scene scene = ring_scenes()[0];
+  Scene scene = ring_scenes()[0];
+  keep_tracks(scene);
   ASSERT_TRUE(write_colmap(folder.path(), scene));
   const auto model = read_colmap(folder.path());
   ASSERT_TRUE(model) << model.error().message;

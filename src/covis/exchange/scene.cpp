@@ -67,7 +67,7 @@ void add_view(const Map& map, const KeyFrame& from, Points& points, Scene& scene
   }
 }
 
-// Of a keypoint from its point's projection, pixels; infinite where that is behind the camera.
+// The distance of a keypoint from its point's projection, pixels; infinite where that is behind the camera.
 double error_of(const Scene& scene, const SceneView& view, const SceneView::Keypoint& keypoint) {
   const Eigen::Vector3d p_c = view.T_cw * scene.points[keypoint.point].position;
   if (!(p_c.z() > kMinDepth)) return std::numeric_limits<double>::infinity();
@@ -87,7 +87,7 @@ void find_sights(Scene& scene) {
   for (ScenePoint& point : scene.points) point.error /= static_cast<double>(point.seen.size());
 }
 
-// From all observers, those outside the undistorted image included.
+// A point's colour is the mean of all its observers, those outside the undistorted image included.
 void find_colours(const Map& map, const std::vector<KeyFrameId>& key_frames, const Points& points, Scene& scene) {
   MeanColours colours(scene.points.size());
   for (const KeyFrameId& id : key_frames) {

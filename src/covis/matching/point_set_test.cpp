@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <set>
+#include <vector>
+
 #include "covis/map/test_point_scene.h"
 
 namespace covis {
@@ -37,11 +41,30 @@ TEST_F(PointSetTest, HoldsWhatTheMapHas) {
 }
 
 TEST_F(PointSetTest, ListsEachPointOnceInTheOrderOfHandles) {
+  for (size_t p = 0; p < world.handles.size(); p += 3) world.shared.write()->erase_point(world.handles[p]);
+  world.add(scene.T_cw(3));  // new points in the slots of the erased ones
+  world.forget_points();
+  world.add(scene.T_cw(4));  // new points alone, in slots of their own
   const auto map = world.shared.read();
-  const std::vector<MapPointId> points = points_of(*map, std::vector{world.frames[0], world.frames[1], KeyFrameId{}});
-  EXPECT_TRUE(std::is_sorted(points.begin(), points.end()));
-  EXPECT_EQ(std::adjacent_find(points.begin(), points.end()), points.end());
-  EXPECT_LT(points.size(), map->point_count()) << "the third key frame sees new ones";
+  const auto expect_all_of = [&](const std::vector<KeyFrameId>& key_frames) {
+    std::set<MapPointId> expected;
+    for (const KeyFrameId& key_frame : key_frames) {
+      if (!key_frame.valid()) continue;
+      for (const MapPointId& point : map->at(key_frame).points) {
+        if (point.valid()) expected.insert(point);
+      }
+    }
+    const std::vector<MapPointId> points = points_of(*map, key_frames);
+    EXPECT_EQ(points, std::vector<MapPointId>(expected.begin(), expected.end()));
+    return points;
+  };
+  expect_all_of({});
+  expect_all_of({KeyFrameId{}});
+  const auto old = expect_all_of({world.frames[0], world.frames[1], KeyFrameId{}});
+  EXPECT_LT(old.size(), map->point_count()) << "the others see new ones";
+  const auto reused = expect_all_of({world.frames[3], world.frames[2], world.frames[3]});
+  EXPECT_TRUE(std::any_of(reused.begin(), reused.end(), [](const MapPointId& id) { return id.generation > 0; }));
+  EXPECT_GT(expect_all_of({world.frames[4]}).front().slot, 64u);
 }
 
 TEST_F(PointSetTest, AnIndexIsFoundByHandle) {
