@@ -99,12 +99,13 @@ int LocalMaximaRow(const uint8_t* above, const uint8_t* row, const uint8_t* belo
 
 void HammingRow(const Descriptor& a, const Descriptor* b, int n, uint16_t* out) {
   const hn::FixedTag<uint64_t, 2> two;
+  const hn::Repartition<uint8_t, decltype(two)> bytes;
   const auto a0 = hn::LoadU(two, a.bits.data()), a1 = hn::LoadU(two, a.bits.data() + 2);
   for (int j = 0; j < n; ++j) {
     const uint64_t* q = b[j].bits.data();
-    const auto c0 = hn::PopulationCount(hn::Xor(a0, hn::LoadU(two, q)));
-    const auto c1 = hn::PopulationCount(hn::Xor(a1, hn::LoadU(two, q + 2)));
-    const auto sum = hn::Add(c0, c1);
+    const auto c0 = hn::PopulationCount(hn::BitCast(bytes, hn::Xor(a0, hn::LoadU(two, q))));
+    const auto c1 = hn::PopulationCount(hn::BitCast(bytes, hn::Xor(a1, hn::LoadU(two, q + 2))));
+    const auto sum = hn::SumsOf8(hn::Add(c0, c1));
     out[j] = static_cast<uint16_t>(hn::GetLane(sum) + hn::GetLane(hn::UpperHalf(hn::Half<decltype(two)>(), sum)));
   }
 }

@@ -18,16 +18,19 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 NearestTwo NearestRow(const Descriptor& a, uint32_t a_index, const DescriptorPlanes& many, uint64_t* column) {
   const hn::CappedTag<uint64_t, DescriptorPlanes::kStep> d;
+  const hn::Repartition<uint8_t, decltype(d)> bytes;
   const size_t lanes = hn::Lanes(d), n = many.size();
   const auto a0 = hn::Set(d, a.bits[0]), a1 = hn::Set(d, a.bits[1]), a2 = hn::Set(d, a.bits[2]),
              a3 = hn::Set(d, a.bits[3]);
   const auto owner = hn::Set(d, a_index), end = hn::Set(d, n), step = hn::Set(d, lanes);
   auto index = hn::Iota(d, 0), best = hn::Set(d, kFarthest), second = best;
   for (size_t j = 0; j < n; j += lanes) {
+    // The bits of a byte are counted in all four words before the bytes are summed, which takes longest.
     const auto turned = [&](auto bits, size_t k) {
-      return hn::PopulationCount(hn::Xor(bits, hn::Load(d, many.plane(k) + j)));
+      return hn::PopulationCount(hn::BitCast(bytes, hn::Xor(bits, hn::Load(d, many.plane(k) + j))));
     };
-    const auto distance = hn::Add(hn::Add(turned(a0, 0), turned(a1, 1)), hn::Add(turned(a2, 2), turned(a3, 3)));
+    const auto distance =
+        hn::SumsOf8(hn::Add(hn::Add(turned(a0, 0), turned(a1, 1)), hn::Add(turned(a2, 2), turned(a3, 3))));
     const auto high = hn::ShiftLeft<kNearIndexBits>(distance);
     hn::Store(hn::Min(hn::Load(d, column + j), hn::Or(high, owner)), d, column + j);
     // The padding of the planes is nobody's nearest.

@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "covis/optimization/observation_blocks.h"
 #include "covis/optimization/reprojection.h"
 
 namespace covis {
@@ -71,6 +72,7 @@ double BundleAdjuster::Workspace::linearise(const BundleProblem& problem, Loss l
   W.resize(sorted.size());
   used.assign(sorted.size(), 0);
   double total = 0;
+  WeightedJacobians jacobians;
   for (size_t k = 0; k < sorted.size(); ++k) {
     const BundleObservation& o = sorted[k];
     const auto p = static_cast<size_t>(o.point);
@@ -93,11 +95,10 @@ double BundleAdjuster::Workspace::linearise(const BundleProblem& problem, Loss l
     b_p[p].noalias() += wJ_p.transpose() * e;
     const int32_t c = free_pose[static_cast<size_t>(o.pose)];
     if (c < 0) continue;
-    const Matrix3x6d J_c = pose_jacobian(J_pi, p_c);
-    const Matrix3x6d wJ_c = weight.asDiagonal() * J_c;
-    U[static_cast<size_t>(c)].noalias() += J_c.transpose() * wJ_c;
-    b_c[static_cast<size_t>(c)].noalias() += wJ_c.transpose() * e;
-    W[k].noalias() = wJ_c.transpose() * J_p;
+    jacobians.J_p = J_p;
+    jacobians.J_c = pose_jacobian(J_pi, p_c).transpose();
+    jacobians.wJ_c.noalias() = jacobians.J_c * weight.asDiagonal();
+    add_observation(jacobians, e, U[static_cast<size_t>(c)], b_c[static_cast<size_t>(c)], W[k]);
   }
   return total;
 }
