@@ -181,7 +181,7 @@ TEST_F(FocalLength, IsKeptWithASavedMapLong) {
 }
 
 // A map that another camera made is expressed in the present one, and is found and continued with it.
-TEST_F(FocalLength, OfAnotherCameraIsNotThatOfTheMapAnyMore) {
+TEST_F(FocalLength, OfAnotherCameraIsNotThatOfTheMapAnyMoreLong) {
   const Camera other = camera(1.001);
   for (const bool localize : {false, true}) {
     SystemOptions o = options();
