@@ -61,6 +61,7 @@ endfunction()
 function(covis_plugin name)
   add_library(covis_${name} MODULE src/covis/io/plugin_${name}.cpp)
   target_link_libraries(covis_${name} PRIVATE covis_flags ${ARGN})
+  target_compile_definitions(covis_${name} PRIVATE COVIS_PLUGIN_VERSION="${PROJECT_VERSION}")
   set_target_properties(covis_${name} PROPERTIES PREFIX "" SUFFIX .so
     LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/${CMAKE_INSTALL_LIBDIR}/covis)
   add_dependencies(covis_io covis_${name})

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace covis::io {
 namespace {
@@ -41,13 +42,21 @@ fs::path file_of(const char* name) {
 
 Result<const void*> open_plugin(const char* name, const char* purpose) {
   const fs::path file = file_of(name);
+  const std::string whence =
+      ". It is installed with the command (Debian's package covis) and with the Python package (python3-covis)";
   void* const opened = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-  void* const table = opened ? dlsym(opened, "covis_plugin") : nullptr;
-  if (table) return reinterpret_cast<const void* (*)()>(table)();
-  const char* const reason = dlerror();  // it names a file
-  return fail(
-      file.filename().string() + ", which " + purpose + ", can't be opened: " + (reason ? reason : "") +
-      ". It is installed with the command (Debian's package covis) and with the Python package (python3-covis)");
+  if (!opened) {
+    const char* const reason = dlerror();  // it names the file
+    return fail(file.filename().string() + ", which " + purpose + ", can't be opened: " + (reason ? reason : "") +
+                whence);
+  }
+  const auto version = reinterpret_cast<const char* (*)()>(dlsym(opened, "covis_plugin_version"));
+  const auto table = reinterpret_cast<const void* (*)()>(dlsym(opened, "covis_plugin_table"));
+  if (version && table && std::string_view(version()) == COVIS_PLUGIN_VERSION) return table();
+  const std::string found = version ? std::string("is of Covis ") + version() : "does not say its version";
+  dlclose(opened);
+  return fail(file.string() + ", which " + purpose + ", " + found +
+              "; the one of Covis " COVIS_PLUGIN_VERSION " is needed" + whence);
 }
 
 }  // namespace covis::io

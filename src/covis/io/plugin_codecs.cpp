@@ -14,10 +14,6 @@ bool encode(const std::string& ending, const cv::Mat& image, const std::vector<i
 }
 
 }  // namespace
-}  // namespace covis::io
+COVIS_PLUGIN(CodecPlugin, decode, encode)
 
-COVIS_PLUGIN {
-  using namespace covis::io;
-  static constexpr CodecPlugin table{decode, encode};
-  return &table;
-}
+}  // namespace covis::io

@@ -92,10 +92,6 @@ Result<std::unique_ptr<Bag>> open(const std::filesystem::path& file) {
 }
 
 }  // namespace
-}  // namespace covis::io
+COVIS_PLUGIN(Ros1BagPlugin, open)
 
-COVIS_PLUGIN {
-  using namespace covis::io;
-  static constexpr Ros1BagPlugin table{open};
-  return &table;
-}
+}  // namespace covis::io

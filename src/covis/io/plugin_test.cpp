@@ -6,12 +6,14 @@
 #include "covis/io/bag.h"
 #include "covis/io/codecs.h"
 #include "covis/io/video_file.h"
+#include "tests/plugin/small.h"
 
 namespace covis::io {
 namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::MatchesRegex;
 
 TEST(Plugins, StayOpen) {
   const auto codecs = plugin<CodecPlugin>();
@@ -26,6 +28,23 @@ TEST(Plugins, OneThatIsMissingIsNamedWithItsPurposeAndPackages) {
   ASSERT_FALSE(opened);
   EXPECT_THAT(opened.error().message, AllOf(HasSubstr("covis_smell.so, which reads smells, can't be opened: /"),
                                             HasSubstr("No such file"), HasSubstr("Debian's package covis")));
+}
+
+TEST(Plugins, OneOfAnotherVersionIsRefused) {
+  const auto opened = open_plugin("covis_older", "doubles numbers");
+  ASSERT_FALSE(opened);
+  EXPECT_THAT(opened.error().message,
+              MatchesRegex("/.*/covis_older.so, which doubles numbers, is of Covis 0.0.1; the one of Covis "
+                           "[0-9.]+ is needed.*"));
+  const auto same = open_plugin("covis_small", "doubles numbers");
+  ASSERT_TRUE(same) << same.error().message;
+  EXPECT_EQ(static_cast<const SmallPlugin*>(*same)->twice(21), 42);
+}
+
+TEST(Plugins, ALibraryThatIsNoneIsRefused) {
+  const auto opened = open_plugin("covis_foreign", "does nothing");
+  ASSERT_FALSE(opened);
+  EXPECT_THAT(opened.error().message, HasSubstr("covis_foreign.so, which does nothing, does not say its version"));
 }
 
 TEST(Plugins, EncodeAnImage) {

@@ -108,10 +108,6 @@ std::unique_ptr<CameraDevice> make_camera(int number, const CameraFile& wanted) 
 }
 
 }  // namespace
-}  // namespace covis::io
+COVIS_PLUGIN(VideoPlugin, open_file, make_camera)
 
-COVIS_PLUGIN {
-  using namespace covis::io;
-  static constexpr VideoPlugin table{open_file, make_camera};
-  return &table;
-}
+}  // namespace covis::io
