@@ -6,6 +6,8 @@
 // version, so a plug-in says which one it is of.
 #pragma once
 
+#include <atomic>
+
 #include "covis/core/error.h"
 
 namespace covis::io {
@@ -15,11 +17,15 @@ namespace covis::io {
 Result<const void*> open_plugin(const char* name, const char* purpose);
 
 // The table of functions by which a plug-in is used. Each has a name and a purpose, and the source plugin_NAME.cpp,
-// which ends with COVIS_PLUGIN. The first call opens the plug-in; it stays open.
+// which ends with COVIS_PLUGIN. The first call that finds the plug-in opens it; it stays open. One that is installed
+// while the program runs is found by the next call.
 template <class Table>
 Result<const Table*> plugin() {
-  static const Result<const void*> opened = open_plugin(Table::kName, Table::kPurpose);
-  return opened.map([](const void* table) { return static_cast<const Table*>(table); });
+  static std::atomic<const Table*> opened = nullptr;
+  if (const Table* table = opened) return table;
+  const auto found = open_plugin(Table::kName, Table::kPurpose);
+  if (!found) return tl::unexpected(found.error());
+  return opened = static_cast<const Table*>(*found);
 }
 
 }  // namespace covis::io

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
+
 #include "covis/io/bag.h"
 #include "covis/io/codecs.h"
 #include "covis/io/video_file.h"
@@ -11,16 +13,27 @@
 namespace covis::io {
 namespace {
 
+namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::MatchesRegex;
 
-TEST(Plugins, StayOpen) {
-  const auto codecs = plugin<CodecPlugin>();
-  ASSERT_TRUE(codecs) << codecs.error().message;
-  EXPECT_EQ(*plugin<CodecPlugin>(), *codecs);
-  EXPECT_TRUE(plugin<VideoPlugin>());
+TEST(Plugins, OfTheBuildAreFound) {
+  for (const auto& problem : {plugin<CodecPlugin>().map([](auto) {}), plugin<VideoPlugin>().map([](auto) {})})
+    EXPECT_TRUE(problem) << problem.error().message;
   EXPECT_EQ(plugin<Ros1BagPlugin>().has_value(), reads_ros1_bags());
+}
+
+TEST(Plugins, OneThatIsInstalledLaterIsFoundAndStaysOpen) {
+  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path(), late = folder / "covis_late.so";
+  fs::remove(late);
+  EXPECT_FALSE(plugin<SmallPlugin>());
+  fs::copy_file(folder / "covis_small.so", late);
+  const auto found = plugin<SmallPlugin>();
+  fs::remove(late);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ((*found)->twice(21), 42);
+  EXPECT_EQ(plugin<SmallPlugin>().value_or(nullptr), *found) << "although its file is gone";
 }
 
 TEST(Plugins, OneThatIsMissingIsNamedWithItsPurposeAndPackages) {
@@ -36,9 +49,6 @@ TEST(Plugins, OneOfAnotherVersionIsRefused) {
   EXPECT_THAT(opened.error().message,
               MatchesRegex("/.*/covis_older.so, which doubles numbers, is of Covis 0.0.1; the one of Covis "
                            "[0-9.]+ is needed.*"));
-  const auto same = open_plugin("covis_small", "doubles numbers");
-  ASSERT_TRUE(same) << same.error().message;
-  EXPECT_EQ(static_cast<const SmallPlugin*>(*same)->twice(21), 42);
 }
 
 TEST(Plugins, ALibraryThatIsNoneIsRefused) {
