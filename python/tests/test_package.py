@@ -42,6 +42,23 @@ def test_the_wheel_can_be_installed(recording, tmp_path, monkeypatch):
     assert '(240, 320)' in said, 'it brings what reads images'
 
 
+LOADED_BY_A_RELATIVE_PATH = """
+import importlib.machinery, importlib.util, os, sys
+loader = importlib.machinery.ExtensionFileLoader('_covis', sys.argv[1])
+module = importlib.util.module_from_spec(importlib.machinery.ModuleSpec('_covis', loader, origin=sys.argv[1]))
+os.chdir(sys.argv[2])
+next(iter(module.Recording('.')))
+"""
+
+
+def test_plug_ins_are_not_looked_for_from_the_working_folder(recording):
+    """The loader keeps a relative path as it was, and another folder may have become the working one."""
+    module = pathlib.Path(covis._covis.__file__)
+    run = subprocess.run([sys.executable, '-c', LOADED_BY_A_RELATIVE_PATH, f'./{module.name}', recording('desk_rgbd')],
+                         cwd=module.parent, capture_output=True, text=True)
+    assert f"can't be looked for: Covis was loaded by a relative path, ./{module.name}" in run.stderr
+
+
 def test_arrays_are_made_so_that_numpy_2_is_served():
     """pybind11 before 2.12 reads the size of an untyped array's elements where NumPy 2 keeps flags; py::array_t knows it by itself."""
     untyped = re.compile(r'\bpy::array(?!_t)\b(?! *(?:>|::))\s*\w*\s*[({]|\bpy::dtype\b|\b(?:itemsize|nbytes|has_fields)\(')
