@@ -94,13 +94,13 @@ TEST_F(CommandPlugins, AreFoundBesideACopyAndNamedWithoutThem) {
   expect_missing("video.avi", "covis_video.so");
   if (io::reads_ros1_bags()) expect_missing("recording.bag", "covis_ros1_bag.so");
   // A video needs no codecs, but the pictures of its results do, which is an error before anything is tracked.
-  fs::copy_file(fs::path(COVIS_PLUGINS) / "covis_video.so", copy.parent_path() / "covis_video.so");
+  fs::copy_file(fs::path(COVIS_BUILT_PLUGINS) / "covis_video.so", copy.parent_path() / "covis_video.so");
   const Outcome run =
       execute(copy, {"run", folder / "video.avi", "--camera", images / "camera.yaml", "--out", folder / "result"});
   EXPECT_EQ(run.code, 1);
   EXPECT_THAT(run.error, HasSubstr("covis_codecs.so, which reads and writes compressed images"));
   EXPECT_FALSE(fs::exists(folder / "result"));
-  for (const auto& plugin : fs::directory_iterator(COVIS_PLUGINS)) {
+  for (const auto& plugin : fs::directory_iterator(COVIS_BUILT_PLUGINS)) {
     fs::copy_file(plugin, copy.parent_path() / plugin.path().filename(), fs::copy_options::overwrite_existing);
   }
   EXPECT_EQ(execute(copy, check(images.filename())).code, 0);
