@@ -133,7 +133,8 @@ class SuiteTest(InFolder):
     def setUp(self):
         super().setUp()
         make_tum(self.folder / 'rec')
-        self.covis = self.folder / 'covis'
+        self.covis = self.folder / 'build/apps/covis'
+        self.covis.parent.mkdir(parents=True)
         self.covis.write_text(PRETENDER.format(python=sys.executable))
         self.covis.chmod(0o755)
 
@@ -172,6 +173,19 @@ class SuiteTest(InFolder):
         self.assertEqual(len(self.calls()), 9, 'real time is another run each time')
         self.suite('--fresh', '--starts', '0', '--strides', '1')
         self.assertEqual(len(self.calls()), 10)
+
+    def test_other_plug_ins_are_another_version(self):
+        options = ('--starts', '0', '--strides', '1')
+        self.suite(*options)
+        sums = [self.suite(*options)[1]['versions'][0]['sha256']]
+        self.assertEqual(len(self.calls()), 1)
+        for place in ('.', '../lib/covis', '../lib/x86_64-linux-gnu/covis'):
+            plug_in = self.covis.parent / place / 'covis_codecs.so'
+            plug_in.parent.mkdir(parents=True, exist_ok=True)
+            plug_in.write_bytes(place.encode())
+            sums.append(self.suite(*options)[1]['versions'][0]['sha256'])
+        self.assertEqual(len(self.calls()), 4)
+        self.assertEqual(len(set(sums)), 4)
 
     def test_two_settings(self):
         done, found = self.suite('--set', 'lost=2', '--against-set', '', '--strides', '1')
