@@ -3,12 +3,12 @@
 
 #include <filesystem>
 #include <memory>
-#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "covis/core/log.h"
 #include "covis/io/files.h"
 #include "covis/io/images.h"
+#include "covis/io/opencv_picture.h"
 #include "covis/io/recording.h"
 #include "covis/io/video_file.h"
 
@@ -39,16 +39,17 @@ class Frames {
   // False at the end. An image that can't be read is empty; what `grey` shows holds until the next call.
   bool next(cv::Mat& grey) {
     if (is_video()) {
-      cv::Mat picture;
-      if (!video_->grab() || !video_->retrieve(picture)) return false;
-      cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+      if (!video_->grab() || !video_->retrieve(picture_)) return false;
+      io::to_grey(picture_, image_);
     } else {
       if (at_ == files_.size()) return false;
       const auto read = reader_.grey(files_[at_], image_);
-      if (!read) log(LogLevel::warning, read.error().message + "; it is passed over");
-      const auto stride = static_cast<size_t>(image_.stride());
-      grey = read ? cv::Mat(image_.height(), image_.width(), CV_8UC1, image_.row(0), stride) : cv::Mat();
+      if (!read) {
+        log(LogLevel::warning, read.error().message + "; it is passed over");
+        image_ = {};
+      }
     }
+    grey = io::as_mat(image_, CV_8UC1);
     ++at_;
     return true;
   }
@@ -56,6 +57,7 @@ class Frames {
  private:
   std::vector<fs::path> files_;
   std::unique_ptr<io::VideoFile> video_;
+  cv::Mat picture_;
   io::ImageReader reader_;
   ImageU8 image_;
   size_t at_ = 0;

@@ -218,17 +218,24 @@ class BoardFiles : public testing::Test {
 
 TEST_F(BoardFiles, AreImagesOrAVideo) {
   std::filesystem::create_directories(folder / "images");
-  cv::VideoWriter video((folder / "board.avi").string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10,
-                        {kWidth, kHeight});
+  const auto video_of = [&](const char* name, bool coloured) {
+    return cv::VideoWriter((folder / name).string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, {kWidth, kHeight},
+                           coloured);
+  };
+  cv::VideoWriter video = video_of("board.avi", true), grey = video_of("grey.avi", false);
   for (size_t i = 0; i < images.size(); ++i) {
     cv::imwrite((folder / ("images/" + std::to_string(i) + ".png")).string(), images[i]);
     cv::Mat colour;
     cv::cvtColor(images[i], colour, cv::COLOR_GRAY2BGR);
-    for (int k = 0; k < 5; ++k) video.write(colour);
+    for (int k = 0; k < 5; ++k) {
+      video.write(colour);
+      grey.write(images[i]);
+    }
   }
   video.release();
+  grey.release();
   write_file(folder / "images/9.png", "no image");
-  for (const std::string name : {"images", "board.avi"}) {
+  for (const std::string name : {"images", "board.avi", "grey.avi"}) {
     const auto seen = look(name);
     ASSERT_TRUE(seen) << seen.error().message;
     EXPECT_EQ(seen->frames, 4);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Between OpenCV's images and ours. For .cpp files of this module only.
+// Between OpenCV's images and ours. For .cpp files only.
 #pragma once
 
 #include <cstring>
