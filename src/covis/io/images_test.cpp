@@ -10,6 +10,7 @@
 #include "covis/core/random.h"
 #include "covis/io/files.h"
 #include "covis/io/image_bytes.h"
+#include "covis/io/opencv_picture.h"
 #include "covis/io/test_recordings.h"
 
 namespace covis::io {
@@ -91,6 +92,17 @@ TEST_F(Images, GreyIsWhatOpenCvMakesOfColour) {
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) ASSERT_NEAR(grey(x, y), wanted.at<uint8_t>(y, x), 1) << name;
     }
+  }
+}
+
+TEST_F(Images, FramesOfAnyNumberOfChannelsBecomeGrey) {
+  const cv::Mat colour = noise();
+  cv::Mat wanted, with_alpha;
+  cv::cvtColor(colour, wanted, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(colour, with_alpha, cv::COLOR_BGR2BGRA);
+  for (const cv::Mat& frame : {colour, wanted, with_alpha}) {
+    to_grey(frame, grey);
+    EXPECT_EQ(cv::norm(as_mat(grey, CV_8UC1), wanted, cv::NORM_INF), 0) << frame.channels();
   }
 }
 
@@ -226,6 +238,46 @@ TEST_F(Images, ThePartOfAJpegThatIsDamagedIsTold) {
   ASSERT_GT(symbols, 21u);
   meaningless.replace(symbols, 12, 12, '\x21');
   EXPECT_THAT(problem_of_image(meaningless).value_or(""), HasSubstr("damaged"));
+}
+
+// A JPEG of one block, whose coefficients but the first have Huffman codes of these lengths. There is one code of each
+// length, ones and a zero at the end: that of 1 ends the block, that of 16 has this symbol, others are for a
+// coefficient of one bit.
+std::string jpeg_of_codes(const std::vector<int>& lengths, char symbol_of_16 = 1) {
+  std::string bits = "0";  // the first coefficient's
+  for (const int length : lengths)
+    bits += std::string(static_cast<size_t>(length) - 1, '1') + (length > 1 ? "01" : "0");
+  bits.resize((bits.size() + 7) / 8 * 8, '1');
+  std::string bytes = "\xff\xd8\xff\xdb" + std::string("\0\x43\0", 3) + std::string(64, '\1') +
+                      std::string("\xff\xc0\0\x0b\x08\0\x08\0\x08\x01\x01\x11\0", 13) +
+                      std::string("\xff\xc4\0\x14\0\1", 6) + std::string(16, '\0') +
+                      std::string("\xff\xc4\0\x23\x10", 5) + std::string(16, '\1') + std::string(1, '\0') +
+                      std::string(14, '\1') + symbol_of_16 + std::string("\xff\xda\0\x08\x01\x01\0\0\x3f\0", 10);
+  for (size_t i = 0; i < bits.size(); i += 8) {
+    bytes += static_cast<char>(std::stoi(bits.substr(i, 8), nullptr, 2));
+    if (bytes.back() == '\xff') bytes += '\0';
+  }
+  return bytes + "\xff\xd9";
+}
+
+TEST_F(Images, LongCodesOfAJpegAreFollowed) {
+  std::vector<int> lengths{9, 10, 11, 12, 13, 14, 15, 16, 1};
+  for (const auto& codes : {lengths, std::vector<int>(63, 16)}) {
+    const std::string whole = jpeg_of_codes(codes);
+    EXPECT_EQ(problem_of_image(whole), std::nullopt);
+    write("a.jpg", whole);
+    EXPECT_TRUE(reader.grey(folder / "a.jpg", grey)) << "as the decoder reads it";
+    std::string cut = whole;
+    cut.erase(cut.size() - 6, 4);
+    EXPECT_THAT(problem_of_image(cut).value_or(""), HasSubstr("damaged"));
+  }
+  lengths.insert(lengths.begin(), 17);
+  EXPECT_THAT(problem_of_image(jpeg_of_codes(lengths)).value_or(""), HasSubstr("damaged")) << "16 ones are no code";
+  std::vector<int> skipping{16, 16, 16};
+  skipping.insert(skipping.end(), 15, 15);
+  EXPECT_EQ(problem_of_image(jpeg_of_codes(skipping, '\xf1')), std::nullopt) << "three times 16 and 15 coefficients";
+  EXPECT_THAT(problem_of_image(jpeg_of_codes({16, 16, 16, 16, 1}, '\xf1')).value_or(""), HasSubstr("damaged"))
+      << "four times 16 coefficients and the first are more than a block";
 }
 
 TEST_F(Images, BytesThatAJpegMayHoldBetweenItsPartsAreNoDamage) {
