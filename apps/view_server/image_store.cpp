@@ -14,8 +14,8 @@ RawImage::RawImage(int32_t frame_index, ImageView<const uint8_t> image)
   for (int y = 0; y < image.height; ++y) std::copy_n(image.row(y), image.width, grey.view().row(y));
 }
 
-std::string jpeg_of(ImageView<const uint8_t> image, int width) {
-  if (image.empty()) return {};
+Result<std::string> jpeg_of(ImageView<const uint8_t> image, int width) {
+  if (image.empty()) return std::string();
   const cv::Mat full(image.height, image.width, CV_8U, const_cast<uint8_t*>(image.data),
                      static_cast<size_t>(image.stride));
   cv::Mat small = full;
@@ -23,7 +23,7 @@ std::string jpeg_of(ImageView<const uint8_t> image, int width) {
     const int height = std::max(1, image.height * width / image.width);
     cv::resize(full, small, {width, height}, 0, 0, cv::INTER_AREA);
   }
-  return io::encode_image(".jpg", small, {cv::IMWRITE_JPEG_QUALITY, 80}).value_or(std::string());
+  return io::encode_image(".jpg", small, {cv::IMWRITE_JPEG_QUALITY, 80});
 }
 
 void ImageStore::put(int32_t frame, std::string jpeg) {

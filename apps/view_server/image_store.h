@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/view/rows.h"
+#include "covis/core/error.h"
 #include "covis/core/image.h"
 
 namespace covis::view {
@@ -21,8 +22,9 @@ struct RawImage {
   std::vector<KeypointRow> keypoints;
 };
 
-// At most `width` pixels wide.
-std::string jpeg_of(ImageView<const uint8_t> image, int width);
+// Returns a JPEG that is at most `width` pixels wide; nothing for an empty image. The error says why there is none: the
+// plug-in that encodes is missing, say.
+Result<std::string> jpeg_of(ImageView<const uint8_t> image, int width);
 
 // By frame. Beyond its limit the oldest go.
 class ImageStore {

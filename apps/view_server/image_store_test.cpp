@@ -16,7 +16,7 @@ ImageU8 grey_image(int width, int height, uint8_t value) {
 }
 
 TEST(ImageStore, ImagesAreMadeSmall) {
-  const std::string jpeg = jpeg_of(grey_image(640, 480, 90).view(), 320);
+  const std::string jpeg = jpeg_of(grey_image(640, 480, 90).view(), 320).value();
   const cv::Mat read = cv::imdecode(std::vector<char>(jpeg.begin(), jpeg.end()), cv::IMREAD_GRAYSCALE);
   EXPECT_EQ(read.cols, 320);
   EXPECT_EQ(read.rows, 240);

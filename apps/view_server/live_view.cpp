@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "apps/run/run_view.h"
+#include "covis/core/log.h"
 
 namespace covis::view {
 namespace {
@@ -107,9 +108,19 @@ void LiveView::encode(Inbox& inbox) {
   if (inbox.image) {
     state_.image = {inbox.image->frame, static_cast<uint32_t>(inbox.image->grey.width()),
                     static_cast<uint32_t>(inbox.image->grey.height()), std::move(inbox.image->keypoints),
-                    jpeg_of(inbox.image->grey.view(), kImageWidth)};
+                    encoded(*inbox.image, kImageWidth)};
   }
-  for (const RawImage& image : inbox.key_frames) images_.put(image.frame, jpeg_of(image.grey.view(), kKeyFrameWidth));
+  for (const RawImage& image : inbox.key_frames) {
+    if (std::string jpeg = encoded(image, kKeyFrameWidth); !jpeg.empty()) images_.put(image.frame, std::move(jpeg));
+  }
+}
+
+std::string LiveView::encoded(const RawImage& image, int width) {
+  auto jpeg = jpeg_of(image.grey.view(), width);
+  if (jpeg) return std::move(*jpeg);
+  if (!std::exchange(problem_told_, true))
+    log(LogLevel::warning, "viewer: it can't show images: " + jpeg.error().message);
+  return {};
 }
 
 void LiveView::read_map() {

@@ -54,6 +54,8 @@ class LiveView : public app::RunObserver, public ViewSource {
   void take_inbox();
   void read_map();
   void encode(Inbox& inbox);
+  // Empty where the image can't be encoded; the first time that is logged.
+  std::string encoded(const RawImage& image, int width);
 
   std::mutex inbox_mutex_;
   Inbox inbox_;
@@ -67,6 +69,7 @@ class LiveView : public app::RunObserver, public ViewSource {
   Reading reading_;
   Stopwatch since_image_;
   ImageStore images_;
+  bool problem_told_ = false;  // that an image can't be encoded
 };
 
 }  // namespace covis::view

@@ -3,7 +3,11 @@
 
 #include <gmock/gmock.h>
 
+#include <string>
 #include <thread>
+#include <vector>
+
+#include "covis/core/log.h"
 
 namespace covis::view {
 namespace {
@@ -14,10 +18,10 @@ struct TrackedFrames {
   TrackedFrames() : system(Camera{64, 48, {50, 50, 32, 24, 4}}, SystemOptions()) {}
 
   // As if it had been tracked at x.
-  void track(LiveView& live, int64_t frame, bool key_frame) {
+  void track(LiveView& live, int64_t frame, bool key_frame, int height = 48) {
     io::Frame image;
     image.index = frame;
-    image.image.resize(64, 48);
+    image.image.resize(64, height);
     FrameReport report;
     report.track.state = TrackingState::tracking;
     report.track.key_frame = key_frame;
@@ -55,6 +59,22 @@ TEST(LiveView, ImagesAreCopiedOnlyWhenAPageWantsThem) {
   int64_t next = 1;
   while (live.refresh().image.frame < 0) frames.track(live, next++, false);
   EXPECT_GT(live.refresh().image.jpeg.size(), 0u);
+}
+
+TEST(LiveView, ThatImagesCantBeEncodedIsToldOnce) {
+  TrackedFrames frames;
+  LiveView live("{}");
+  live.run_begins(frames.system);
+  std::vector<std::string> said;
+  set_log_sink([&](LogLevel, std::string_view text) { said.emplace_back(text); });
+  for (int64_t k = 0; k < 3; ++k) frames.track(live, k, true, 70000);  // a JPEG has 65500 rows at most
+  live.tidy();
+  frames.track(live, 3, true, 70000);
+  live.tidy();
+  set_log_sink({});
+  ASSERT_THAT(said, SizeIs(1));
+  EXPECT_THAT(said[0], testing::StartsWith("viewer: it can't show images: "));
+  EXPECT_EQ(live.key_frame_image(KeyFrameRow()), std::nullopt);
 }
 
 TEST(LiveView, TrackingAndTheServerNeverMeet) {
