@@ -9,8 +9,8 @@ THREE.ColorManagement.enabled = false;
 
 const PICK_PIXELS = 10;
 const SLOW_MS = 30, STILL_MS = 400, MOST_THINNED = 16, FEW_POINTS = 20000;
-// False where the processor draws in place of a graphics card: smooth edges cost it half of its frames.
-export function drawsFast() {
+// Returns false where the processor draws in place of a graphics card.
+function drawsFast() {
   const context = document.createElement('canvas').getContext('webgl2');
   const names = context?.getExtension('WEBGL_debug_renderer_info');
   return !!context && !/swiftshader|llvmpipe|software/i.test(names ? context.getParameter(names.UNMASKED_RENDERER_WEBGL) : '');
@@ -30,9 +30,9 @@ function quantile(values, share) {
 const UP = new THREE.Vector3(0, -1, 0);  // a camera's y axis points down
 
 // Without WebGL nothing is drawn in 3D, and the page says so; its charts and texts need none.
-function rendererFor(canvas) {
+function rendererFor(canvas, antialias) {
   try {
-    return new THREE.WebGLRenderer({canvas, antialias: drawsFast()});
+    return new THREE.WebGLRenderer({canvas, antialias});
   } catch {
     const note = document.createElement('p');
     note.className = 'covis-note';
@@ -46,7 +46,8 @@ export class Scene {
   constructor(canvas, model) {
     this.model = model;
     this.canvas = canvas;
-    this.renderer = rendererFor(canvas);
+    this.drawsFast = drawsFast();
+    this.renderer = rendererFor(canvas, this.drawsFast);  // smooth edges cost a processor half of its frames
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.camera = new THREE.PerspectiveCamera(50, 1, 0.01, 10000);

@@ -7,12 +7,12 @@ import {layOut} from './layout.js';
 import {Model} from './model.js';
 import {Picture} from './picture.js';
 import {Player} from './player.js';
-import {Scene, drawsFast} from './scene.js';
+import {Scene} from './scene.js';
 import {Selection} from './selection.js';
 import {EmbeddedSource, SocketSource} from './source.js';
 
 const CLICK_PIXELS = 4;
-// Between two pictures of a run that goes on, where the processor draws: it may be the one that tracks.
+// The time between two pictures of a run that goes on, where the processor draws: it may be the one that tracks.
 const PAUSE_MS = 250;
 
 class Page {
@@ -33,7 +33,6 @@ class Page {
       chart(this.parts.times, {title: 'time of tracking', unit: 'ms', digits: 1, colour: palette[3], of: f => f.trackingMs > 0 ? f.trackingMs : null}),
     ];
     this.shownLoop = null;
-    this.pauses = !drawsFast();
     this.updated = -Infinity;  // when, milliseconds
     this.#listen();
     this.forced = false;
@@ -71,7 +70,7 @@ class Page {
   #step(now) {
     requestAnimationFrame(next => this.#step(next));
     this.player.tick(now);
-    if (!this.pauses || this.model.info.mode !== 'live' || now - this.updated >= PAUSE_MS) this.#takeChanges(now);
+    if (this.scene.drawsFast || this.model.info.mode !== 'live' || now - this.updated >= PAUSE_MS) this.#takeChanges(now);
     if (this.forced) this.scene.stale = true;
     this.scene.render(now);
     for (const chart of this.charts) chart.draw();
