@@ -86,7 +86,7 @@ def read_model(folder):
 
 
 def reprojection_errors(folder):
-    """Of each observation of a COLMAP model in text, pixels, by the id of its point."""
+    """Returns the reprojection error of each observation of a COLMAP model in text, pixels, by the id of its point."""
     points, images = read_model(folder)
     fx, fy, cx, cy = (float(v) for v in (folder / 'cameras.txt').read_text().splitlines()[-1].split()[4:8])
     errors = {}

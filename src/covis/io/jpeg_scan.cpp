@@ -10,7 +10,7 @@ namespace {
 
 constexpr size_t kIds = 4;  // tables of each class
 
-// What is known of a code by its bits: how far it and the value behind it reach, and which coefficients it stands for.
+// A code of a Huffman table: how many bits it and the value behind it take, and which coefficients it stands for.
 struct Code {
   uint8_t bits = 0;  // of both; 0: there is no such code
   uint8_t step = 0;  // coefficients to the next one, or kEnd
@@ -55,7 +55,7 @@ class HuffmanTable {
  private:
   static constexpr uint32_t kFast = 9;
 
-  // From the first length on, because short codes without meaning lead here as well.
+  // The search begins with the first length, because short codes without meaning lead here as well.
   Code find_long(uint32_t bits) const {
     for (uint32_t length = 1; length <= 16; ++length) {
       const uint32_t code = bits >> (16 - length);
@@ -70,7 +70,7 @@ class HuffmanTable {
     return {static_cast<uint8_t>(length + size), size == 0 && zeros != 15 ? kEnd : static_cast<uint8_t>(zeros + 1)};
   }
 
-  std::array<Code, 1 << kFast> fast_{};  // without bits: the code is longer
+  std::array<Code, 1 << kFast> fast_{};  // an entry without bits: the code is longer
   std::array<uint32_t, 17> first_{}, end_{};
   Kind kind_ = Kind::dc;
   std::string_view symbols_;
@@ -86,14 +86,14 @@ class ScanBits {
     if (count_ < 32) refill();
     return static_cast<uint32_t>(held_ >> 48);
   }
-  // After peek(), at most 32.
+  // Valid after peek(), for 32 bits at most.
   void skip(uint32_t bits) {
     held_ <<= bits;
     count_ -= bits;
   }
   // True when more was skipped than there was.
   bool overrun() const { return count_ < 8 * behind_; }
-  // Valid without overrun. Without the fill bytes before a marker.
+  // Returns the number of bytes that follow, without the fill bytes before a marker. Valid without overrun.
   size_t bytes_left() const {
     size_t left = count_ / 8 - behind_;
     for (size_t i = at_; i < bytes_.size() && !is_marker(i); ++i) left += !is_fill(i);
@@ -120,7 +120,7 @@ class ScanBits {
   uint64_t byte(size_t i) const { return static_cast<unsigned char>(bytes_[i]); }
 
   void find_plain() { plain_ = std::min(bytes_.find('\xff', at_), bytes_.size()); }
-  // Makes at least 32 bits of fewer.
+  // Brings the bits that are held from fewer than 32 to at least as many.
   void refill() {
     if (at_ + 4 <= plain_) {
       held_ |= (byte(at_) << 24 | byte(at_ + 1) << 16 | byte(at_ + 2) << 8 | byte(at_ + 3)) << (32 - count_);
