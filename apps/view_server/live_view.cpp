@@ -118,7 +118,7 @@ void LiveView::encode(Inbox& inbox) {
 std::string LiveView::encoded(const RawImage& image, int width) {
   auto jpeg = jpeg_of(image.grey.view(), width);
   if (jpeg) return std::move(*jpeg);
-  if (!std::exchange(problem_told_, true))
+  if (!std::exchange(problem_logged_, true))
     log(LogLevel::warning, "viewer: it can't show images: " + jpeg.error().message);
   return {};
 }

@@ -69,7 +69,7 @@ class LiveView : public app::RunObserver, public ViewSource {
   Reading reading_;
   Stopwatch since_image_;
   ImageStore images_;
-  bool problem_told_ = false;  // that an image can't be encoded
+  bool problem_logged_ = false;  // that an image can't be encoded
 };
 
 }  // namespace covis::view
