@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <span>
 #include <tuple>
+#include <utility>
 
-#include "covis/core/reserve.h"
+#include "covis/loops/claims_around.h"
 #include "covis/loops/loop_consensus.h"
 #include "covis/loops/loop_detector.h"
 #include "covis/loops/loop_verifier.h"
@@ -22,35 +23,6 @@ bool agree(const Map& map, const JoinSides& a, const JoinSides& b, double old_wa
   const double scale = b.S_old_young.scale();
   return opinions_agree(difference, young_way + old_way / scale, b.depth / scale);
 }
-
-// Claims between the same surroundings repeat one another: what more than so many would say is known.
-constexpr int kClaimsOfAPlace = 12;
-
-// The claims that have been made, by the key frames at both of their ends.
-class ClaimsAround {
- public:
-  void add(const JoinClaim& claim) {
-    for (const auto& [end, other] : {std::pair(claim.current, claim.place), std::pair(claim.place, claim.current)}) {
-      at_slot(others_, end.slot).push_back(other);
-    }
-  }
-  // One more claim between two key frames would say nothing new: enough are made between one of them or a neighbour of
-  // it and the other or a neighbour of that.
-  bool told(const Map& map, KeyFrameId a, KeyFrameId b) const {
-    const auto near_b = [&](KeyFrameId id) { return id == b || map.weight(id, b) >= kCovisibilityThreshold; };
-    const auto count = [&](KeyFrameId id) { return std::count_if(others_of(id).begin(), others_of(id).end(), near_b); };
-    auto found = count(a);
-    for (const Neighbour& n : map.neighbours(a)) found += count(n.key_frame);
-    return found >= kClaimsOfAPlace;
-  }
-
- private:
-  std::span<const KeyFrameId> others_of(KeyFrameId id) const {
-    return id.slot < others_.size() ? std::span<const KeyFrameId>(others_[id.slot]) : std::span<const KeyFrameId>();
-  }
-
-  std::vector<std::vector<KeyFrameId>> others_;  // by slot: the other ends of its claims
-};
 
 // Merges groups of claims that a claim links.
 class Links {
@@ -107,14 +79,14 @@ JoinClaims JoinClaims::collect(const Map& map, Sensor sensor, const LoopOptions&
   ClaimsAround around;
   for (const KeyFrameId& current : map.key_frames()) {
     for (const KeyFrameId& place : LoopDetector::candidates_elsewhere(map, current)) {
-      if (around.told(map, current, place)) continue;
+      if (around.suffice(map, current, place)) continue;
       const bool both_metric = found.is_metric(map.at(current).submap) && found.is_metric(map.at(place).submap);
       LoopCandidate candidate(map, current, place);
       if (!both_metric) candidate.camera = candidate.camera.without_depth();
       const LoopVerdict verdict = (both_metric ? verifier : any_scale).verify(candidate);
       if (verdict.loop) {
         found.claims.emplace_back(map, current, *verdict.loop, verdict.evidence);
-        around.add(found.claims.back());
+        around.add(map, current, place);
       } else {
         found.refused.push_back({place, map.at(place).frame, verdict.refusal, verdict.evidence, {}, {}});
         found.refused_of.push_back(current);
