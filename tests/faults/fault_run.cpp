@@ -54,7 +54,8 @@ struct Sure {
 };
 
 // Each submap is aligned by what it claims outside the stretch.
-void find_errors(std::vector<Sure>& all, const Synth& synth, Stretch stretch) {
+void find_errors(std::vector<Sure>& all, const GoodRecording& recording, Stretch stretch) {
+  const Scale scale = recording.synth().sensor() == Sensor::monocular ? Scale::free : Scale::fixed;
   std::map<int, std::vector<Sure*>> submaps;
   for (Sure& sure : all) submaps[sure.submap].push_back(&sure);
   for (auto& [submap, frames] : submaps) {
@@ -63,7 +64,7 @@ void find_errors(std::vector<Sure>& all, const Synth& synth, Stretch stretch) {
       for (const Sure* sure : frames) {
         if (outside_only && stretch.has(sure->frame)) continue;
         claimed.push_back(sure->position);
-        truth.push_back(synth.T_wc(sure->frame).t());
+        truth.push_back(recording.T_wc(sure->frame).t());
       }
     };
     collect(true);
@@ -72,31 +73,31 @@ void find_errors(std::vector<Sure>& all, const Synth& synth, Stretch stretch) {
       truth.clear();
       collect(false);
     }
-    const auto alignment = align(claimed, truth, synth.sensor() == Sensor::monocular ? Scale::free : Scale::fixed);
+    const auto alignment = align(claimed, truth, scale);
     if (!alignment) {  // nobody can say that these poses are right
       for (Sure* sure : frames) sure->error = std::numeric_limits<double>::infinity();
       continue;
     }
-    for (Sure* sure : frames) sure->error = (*alignment * sure->position - synth.T_wc(sure->frame).t()).norm();
+    for (Sure* sure : frames) sure->error = (*alignment * sure->position - recording.T_wc(sure->frame).t()).norm();
   }
 }
 
-double path_length(const Synth& synth, int frames) {
+double path_length(const GoodRecording& recording) {
   double length = 0;
-  for (int i = 1; i < frames; ++i) length += (synth.T_wc(i).t() - synth.T_wc(i - 1).t()).norm();
+  for (int i = 1; i < recording.size(); ++i) length += (recording.T_wc(i).t() - recording.T_wc(i - 1).t()).norm();
   return length;
 }
 
 }  // namespace
 
-GoodRecording::GoodRecording(const SynthOptions& options, int frames)
-    : synth_(std::move(Synth::create(options).value())), frames_(static_cast<size_t>(frames)) {}
+GoodRecording::GoodRecording(const SynthOptions& options, int frames, std::optional<int> turn)
+    : synth_(std::move(Synth::create(options).value())), turn_(turn), frames_(static_cast<size_t>(frames)) {}
 
 const Moment& GoodRecording::operator()(int i) {
   Moment& moment = frames_[static_cast<size_t>(std::clamp(i, 0, size() - 1))];
   if (!moment.left.empty()) return moment;
   const int at = static_cast<int>(&moment - frames_.data());
-  synth_.render(at, moment.left, synth_.sensor() == Sensor::stereo ? &moment.right : nullptr,
+  synth_.render(place(at), moment.left, synth_.sensor() == Sensor::stereo ? &moment.right : nullptr,
                 synth_.sensor() == Sensor::rgbd ? &moment.depth : nullptr);
   moment.stamp = synth_.stamp(at);
   return moment;
@@ -133,17 +134,18 @@ FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stre
     if (!tracked->tracked() || tracked->tentative) continue;
     ++(within ? result.sure_within : result.sure_outside);
     sure.push_back({now, tracked->submap, {tracked->pose.x, tracked->pose.y, tracked->pose.z}});
-    // A new map beside the first is no recovery.
-    const bool recovered = now >= stretch.end && tracked->submap == sure.front().submap;
-    if (recovered && result.recovered_after < 0) result.recovered_after = now - stretch.end;
+    if (now < stretch.end) continue;
+    if (result.sure_after < 0) result.sure_after = now - stretch.end;
+    if (result.recovered_after < 0 && tracked->submap == sure.front().submap)
+      result.recovered_after = now - stretch.end;
   }
   (*slam)->finish();
-  find_errors(sure, synth, stretch);
+  find_errors(sure, recording, stretch);
   std::vector<double> errors;
   for (const Sure& s : sure) errors.push_back(s.error);
   result.median_error = quantile(errors, 0.5);
   const double bound =
-      std::min(kMostBound, std::max({0.02, 0.01 * path_length(synth, recording.size()), 5 * result.median_error}));
+      std::min(kMostBound, std::max({0.02, 0.01 * path_length(recording), 5 * result.median_error}));
   for (const Sure& s : sure) {
     if (s.error > bound) ++(stretch.has(s.frame) ? result.wrong_within : result.wrong_outside);
   }

@@ -2,6 +2,8 @@
 // A rendered recording with a fault in it, through the public interface, and what came of it.
 #pragma once
 
+#include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,14 +15,19 @@ namespace covis::faults {
 // Frames of a world, each rendered once.
 class GoodRecording {
  public:
-  GoodRecording(const SynthOptions& options, int frames);
+  // `turn`: the last frame before the camera goes back the way it came, if it does.
+  GoodRecording(const SynthOptions& options, int frames, std::optional<int> turn = {});
   const Moment& operator()(int i);
 
   const Synth& synth() const { return synth_; }
+  SE3 T_wc(int i) const { return synth_.T_wc(place(i)); }
   int size() const { return static_cast<int>(frames_.size()); }
 
  private:
+  int place(int i) const { return turn_ && i > *turn_ ? std::max(0, 2 * *turn_ - i) : i; }
+
   Synth synth_;
+  std::optional<int> turn_;
   std::vector<Moment> frames_;
 };
 
@@ -35,7 +42,8 @@ struct FaultResult {
   int outside = 0, within = 0;              // frames that came
   int refused = 0;                          // frames that were refused with a message
   int wrong_outside = 0, wrong_within = 0;  // sure frames that are far from the truth
-  int recovered_after = -1;  // frames from the end of the stretch to a sure one in the first submap; -1: never
+  int sure_after = -1;       // frames from the end of the stretch to a sure one; -1: never
+  int recovered_after = -1;  // the same to a sure one in the first submap
   int warned_after = -1;     // frames from the start of the stretch to a warning; -1: none
   double median_error = 0;   // metres, of sure frames
 };
