@@ -18,8 +18,6 @@ namespace {
 constexpr double kLeastParallax = 8;  // sigmas of a keypoint: a triangulated depth is then known to about 10 %
 constexpr size_t kLeastDepths = 30;
 constexpr double kPrecision = 0.5;            // variance of a matched keypoint, by that of its scale
-constexpr double kMostNoise = 0.05;           // sigma of a measured depth that can contradict, by the depth
-constexpr double kDisparitySigma = 0.5;       // pixels
 constexpr int kAttempts = 20, kAnswers = 10;  // comparisons, and answers of them, until views are passed over
 constexpr int kPassedOver = 4;                // views after each that is compared then
 
@@ -29,12 +27,6 @@ double parallax(const Eigen::Vector3d& p_1, const SE3& T_21, const Pinhole& came
   const Eigen::Vector3d turned = T_21.R() * p_1, in_2 = T_21 * p_1;
   if (!(turned.z() > 0) || !(in_2.z() > 0)) return 0;
   return (camera.project(in_2) - camera.project(turned)).norm() / sigma;
-}
-
-// Noise of far depths is no contradiction; the bound of a camera without depth or noise is none.
-bool is_precise(double depth, const Pinhole& camera) {
-  if (camera.depth_noise.known()) return camera.depth_noise.sigma(depth) <= kMostNoise * depth;
-  return camera.bf <= 0 || kDisparitySigma * depth <= kMostNoise * camera.bf;
 }
 
 double spread_of(std::vector<double> logarithms) {
@@ -70,7 +62,7 @@ std::optional<DepthAgainstMotion> compare_depth_with_motion(const Features& a, c
   std::vector<double> ratios, depths;  // logarithms
   PnpProblem problem;
   const auto compare = [&](float measured, double triangulated) {
-    if (!(measured > 0) || !std::isfinite(measured) || !is_precise(static_cast<double>(measured), camera)) return;
+    if (!(measured > 0) || !std::isfinite(measured) || !is_precise_depth(static_cast<double>(measured), camera)) return;
     ratios.push_back(std::log(static_cast<double>(measured) / triangulated));
     depths.push_back(std::log(triangulated));
   };
@@ -80,7 +72,7 @@ std::optional<DepthAgainstMotion> compare_depth_with_motion(const Features& a, c
     if (parallax(p_1, motion.T_21, camera, std::sqrt(pairs.sigma2[m])) < kLeastParallax) continue;
     const auto i = static_cast<uint32_t>(matches[m].a);
     compare(a.depth[i], p_1.z());
-    if (a.has_depth(matches[m].a) && is_precise(static_cast<double>(a.depth[i]), camera)) {
+    if (a.has_depth(matches[m].a) && is_precise_depth(static_cast<double>(a.depth[i]), camera)) {
       problem.add(unproject_depth(camera, a, i), camera.unproject(pairs.b[m].x(), pairs.b[m].y()),
                   kPrecision * pairs.sigma2[m]);
     }

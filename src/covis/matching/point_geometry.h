@@ -21,6 +21,16 @@ inline Disparity disparity_of(const Features& features, size_t i, const Pinhole&
   return disparity_of_depth(camera, features.depth[i], features.pyramid->inv_sigma2[features.level[i]]);
 }
 
+// The standard deviation of a depth (metres), as a share of it; 0 without a sensor of depth.
+inline double depth_noise_share(double depth, const Pinhole& camera) {
+  constexpr double kDisparitySigma = 0.5;  // pixels
+  if (camera.depth_noise.known()) return camera.depth_noise.sigma(depth) / depth;
+  return camera.bf > 0 ? kDisparitySigma * depth / camera.bf : 0;
+}
+
+// True when that is little: the depth can contradict.
+inline bool is_precise_depth(double depth, const Pinhole& camera) { return depth_noise_share(depth, camera) <= 0.05; }
+
 // True when a point lies within the 95 % bound of the measurement of feature i. False for a point behind the camera.
 inline bool reprojects_well(const Eigen::Vector3d& p_c, const Pinhole& camera, const Features& features, uint32_t i) {
   if (!(p_c.z() > 0)) return false;

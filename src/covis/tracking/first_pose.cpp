@@ -15,18 +15,20 @@ constexpr double kBetter = 1.5;
 
 }  // namespace
 
-FirstPose::Hypothesis FirstPose::around(const TrackedFrame& last, TrackedFrame& frame, PoseSearch& search) const {
+FirstPose::Hypothesis FirstPose::around(const TrackedFrame& last, TrackedFrame& frame, PoseSearch& search,
+                                        const Pinhole& camera) {
   const double window = options_.window(sensor_);
   Hypothesis h;
-  FrameMatcher::LastFrameMatches found = search.matcher.match_last_frame(last, frame, search.camera, window);
+  FrameMatcher::LastFrameMatches found = search.matcher.match_last_frame(last, frame, camera, window);
   if (found.matches < options_.motion_min_matches)
-    found = search.matcher.match_last_frame(last, frame, search.camera, 2 * window);
+    found = search.matcher.match_last_frame(last, frame, camera, 2 * window);
+  if (sensor_ != Sensor::monocular) h.depth = depth_.compare(frame, *frame.features, search.camera);
   h.matches = found.matches;
   if (h.matches < options_.motion_min_matches) {
     h.reason = NoPoseReason::few_matches_with_last_frame;
     return h;
   }
-  const int on_map = search.matcher.fit_pose(frame, search.camera);
+  const int on_map = search.matcher.fit_pose(frame, camera);
   h.inliers = frame.matches();
   h.share = found.in_view > 0 ? static_cast<double>(h.inliers) / found.in_view : 0;
   if ((support_ == Support::all_points ? h.inliers : on_map) < options_.motion_min_inliers)
@@ -35,15 +37,39 @@ FirstPose::Hypothesis FirstPose::around(const TrackedFrame& last, TrackedFrame& 
 }
 
 FirstPose::Hypothesis FirstPose::by_motion(const TrackedFrame& last, const SE3& T_cl, TrackedFrame& frame,
-                                           PoseSearch& search) const {
+                                           PoseSearch& search) {
   frame.T_cw = (T_cl * last.T_cw).normalized();
-  Hypothesis h = around(last, frame, search);
+  Hypothesis h = around(last, frame, search, search.camera);
   h.method = TrackMethod::motion_model;
   return h;
 }
 
+// The search compares depths itself, so that what contradicts is hardly matched.
+bool FirstPose::depth_is_suspicious(const TrackedFrame& last, const Hypothesis& found, const Pinhole& camera) {
+  constexpr int kEnough = 30;
+  constexpr double kFew = 0.4;
+  if (sensor_ == Sensor::monocular) return false;
+  if (found.depth.is_suspicious()) return true;
+  const int before = depth_.compare(last, *last.features, camera).points;
+  return before >= kEnough && found.depth.points < kFew * before;
+}
+
+FirstPose::Hypothesis FirstPose::by_image_alone(const TrackedFrame& last, const SE3& T_cl, const Hypothesis& found,
+                                                TrackedFrame& frame, PoseSearch& search) {
+  best_ = frame;
+  frame.T_cw = (T_cl * last.T_cw).normalized();
+  Hypothesis h = around(last, frame, search, search.camera.without_depth());
+  if (h.explains() && depth_.compare(frame, *frame.features, search.camera).contradicts()) {
+    frame.features = without_depth(*frame.features);
+    h.method = TrackMethod::motion_model;
+    return h;
+  }
+  std::swap(frame, best_);
+  return found;
+}
+
 FirstPose::Hypothesis FirstPose::by_descriptors(const TrackedFrame& last, TrackedFrame& frame,
-                                                PoseSearch& search) const {
+                                                PoseSearch& search) {
   Hypothesis h;
   h.matches = FrameMatcher::match_frame(last, frame, kForRansac);
   if (h.matches < options_.reference_min_matches) {
@@ -51,7 +77,7 @@ FirstPose::Hypothesis FirstPose::by_descriptors(const TrackedFrame& last, Tracke
   } else if (!search.matcher.find_pose(frame, search.camera, seed_)) {
     h.reason = NoPoseReason::few_agree_with_last_frame;
   } else {
-    h = around(last, frame, search);
+    h = around(last, frame, search, search.camera);
   }
   h.method = TrackMethod::last_frame;
   return h;
@@ -102,6 +128,7 @@ bool FirstPose::find(const TrackedFrame& last, const std::optional<SE3>& T_cl, T
   };
   if (T_cl) {
     best = by_motion(last, *T_cl, frame, search);
+    if (depth_is_suspicious(last, best, search.camera)) best = by_image_alone(last, *T_cl, best, frame, search);
     if (!best.explains()) {
       compete([&] { return by_images(last, *T_cl, frame, search); });
       if (!best.explains()) compete([&] { return by_descriptors(last, frame, search); });

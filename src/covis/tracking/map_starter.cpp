@@ -93,8 +93,7 @@ std::optional<uint32_t> MapStarter::young_submap(const Map& map, KeyFrameId refe
 }
 
 bool MapStarter::new_map_due(Timestamp stamp) const {
-  const double after = settings_.options.new_map_after;
-  return after > 0 && settings_.begins_new_maps && stamp - *lost_since_ >= from_seconds(after);
+  return may_begin_beside() && stamp - *lost_since_ >= from_seconds(settings_.options.new_map_after);
 }
 
 }  // namespace covis

@@ -50,6 +50,8 @@ class MapStarter {
   };
   // `reference`: the last key frame the camera was at; `live`: null while the map may not be read.
   Loss lose(Timestamp stamp, KeyFrameId reference, const SharedMap* live);
+  // True when a submap may be begun beside others.
+  bool may_begin_beside() const { return settings_.begins_new_maps && settings_.options.new_map_after > 0; }
   // A frame has its pose. Settled: its place is not tentative.
   enum class Place { settled, tentative };
   void accept(Place place);

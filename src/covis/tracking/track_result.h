@@ -66,7 +66,9 @@ struct TrackFigures {
   int local_in_view = 0;      // points of it predicted in view
   double local_expected = 0;  // how many of those are expected to match
   int inliers = 0;            // map points that agree with the pose
-  bool tentative = false;     // the camera jumped here less than a second ago: the pose may be taken back
+  bool tentative = false;     // the camera jumped here less than a second ago: the pose may be taken back; or below
+  double depth_contradiction = 0;  // DepthAgainstMap::error where depth contradicts the map, so that the pose is of the
+                                   // image alone; 0: it does not
   bool key_frame = false;     // a key frame was asked for
   TrackTimes ms;
 };

@@ -37,7 +37,7 @@ Tracker::Tracker(const SharedMap& map, const TrackingSettings& settings, std::sh
 Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp stamp, const MappingStatus& mapping) {
   const SharedMap* live = mapping.map == MappingStatus::Map::live ? &map_ : nullptr;
   const bool realtime = settings_.schedule == Schedule::realtime;
-  current_.start(std::move(features), frame, stamp);
+  current_.start(depth_.receive(std::move(features)), frame, stamp);
   Outcome outcome;
   TrackResult& result = outcome.result;
   result.features = current_.features->size();
@@ -58,6 +58,11 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
     if (!found) lose(outcome, live);
     outcome.retract_from = search_.place.take_retraction();
     if (found) {
+      result.depth_contradiction = depth_.judge(current_, search_.camera);
+      if (depth_.blames_map(stamp) && starter_.may_begin_beside() && settings_.mode == TrackingMode::mapping)
+        begin_submap(outcome);
+    }
+    if (found && result.method != TrackMethod::initialised) {
       if (outcome.retract_from) backlog_.lost();
       accept(result);
       const bool stays = !search_.place.tentative() && !starter_.may_give_up(live, last_.pose.key_frame);
@@ -82,6 +87,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
   constexpr int kNearLoss = 2;  // times the inliers that a pose needs
   health_.near_loss = result.inliers < kNearLoss * settings_.options.local_map.min_inliers;
   std::swap(last_.frame, current_);
+  depth_.release();  // the ring of features wants them back
   return outcome;
 }
 
@@ -186,7 +192,7 @@ void Tracker::accept(TrackResult& result) {
   last_.pose = {reference.id, reference.scale, current_.T_cw * reference.T_cw.inverse()};
   last_.submap = reference.submap;
   backlog_.found_at(reference.id);
-  result.tentative = tentative;
+  result.tentative = tentative || result.depth_contradiction > 0 || depth_.is_on_probation(current_.stamp);
   result.T_cw = current_.T_cw;
   result.information = current_.information;
   result.pose = last_.pose;
@@ -220,17 +226,29 @@ void Tracker::lose(Outcome& outcome, const SharedMap* live) {
 // Asks for a submap that begins with this frame, if it is good for one; key_frame_made() says whether it holds.
 void Tracker::begin_submap(Outcome& outcome) {
   TrackResult& result = outcome.result;
-  motion_.reset();
+  const bool by_image_alone = current_.features != depth_.measured();
+  TrackedFrame tracked;
+  if (by_image_alone) {
+    tracked = current_;
+    current_.start(depth_.measured(), current_.index, current_.stamp);
+  }
   MapStarter::Offer offer = starter_.offer(current_, search_.camera);
   if (settings_.sensor == Sensor::monocular) result.predicted_matches = offer.matches;
   if (std::holds_alternative<std::monostate>(offer.request)) {
     // A lost camera keeps the reason of its loss.
     if (result.reason == NoPoseReason::none) result.reason = offer.reason;
+    if (by_image_alone) current_ = std::move(tracked);
     return;
   }
+  motion_.reset();
+  if (result.depth_contradiction > 0)
+    log(LogLevel::warning, "depth contradicts the map for long: a new map is begun beside the old one");
   result.reason = NoPoseReason::none;
   outcome.request = std::move(offer.request);
   state_ = TrackingState::tracking;
+  depth_.begin(current_.stamp);
+  result.depth_contradiction = 0;
+  result.tentative = depth_.is_on_probation(current_.stamp);
   key_frames_.begin(current_.stamp);
   if (settings_.sensor != Sensor::monocular) current_.T_cw = SE3();
   current_.clear_matches();  // they are matches with an older submap

@@ -11,6 +11,7 @@
 //   KeyFramePolicy  decides when a frame becomes a key frame
 //   Relocaliser     finds a lost camera
 //   MapStarter      begins submaps, and gives young ones up
+//   DepthBelief     judges whether depth contradicts the map, and for how long
 //   Backlog         keeps frames without a pose, to be located afterwards
 //
 // Sources: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section V; Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017,
@@ -23,6 +24,7 @@
 
 #include "covis/core/schedule.h"
 #include "covis/tracking/backlog.h"
+#include "covis/tracking/depth_against_map.h"
 #include "covis/tracking/first_pose.h"
 #include "covis/tracking/key_frame_policy.h"
 #include "covis/tracking/map_starter.h"
@@ -147,6 +149,7 @@ class Tracker {
   KeyFramePolicy key_frames_;
   MapStarter starter_;
   Relocaliser relocaliser_;
+  DepthBelief depth_;
   Backlog backlog_;
 };
 

@@ -2,6 +2,7 @@
 // The tracker where the map moves, has several submaps, or knows too little.
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <numbers>
 
 #include "covis/tracking/test_tracker.h"
@@ -85,6 +86,27 @@ TEST_F(SeveralMapsTest, AGapIsNotLocatedFromAPlaceThatProvesWrongWithoutALoss) {
   ASSERT_EQ(waiting.size(), 2u) << "the blank one, and the one whose pose was taken back";
   EXPECT_EQ(waiting.front().near, second.result.pose.key_frame);
   EXPECT_EQ(waiting.back().near, second.result.pose.key_frame);
+}
+
+// Either may be wrong; a contradiction that lasts speaks against the map.
+TEST_F(SeveralMapsTest, DepthThatContradictsTheMapForLongBeginsAnother) {
+  for (int i = 0; i < 4; ++i) ASSERT_EQ(track(i).state, TrackingState::tracking);
+  int begun = -1;
+  for (int i = 4; i < frames.count(); ++i) {
+    auto other = std::make_shared<Features>(*frames.features(i));
+    for (float& depth : other->depth) depth *= 1.5f;
+    const TrackResult result = track(other, i);
+    ASSERT_EQ(result.state, TrackingState::tracking) << "frame " << i << ": " << describe(result.reason);
+    if (result.method == TrackMethod::initialised) {
+      ASSERT_EQ(begun, -1) << "one suffices";
+      begun = i;
+    } else {
+      EXPECT_EQ(result.tentative, begun < 0 || i < begun + 16) << "frame " << i << ": two seconds until it is sure";
+      EXPECT_EQ(result.submap == 0, begun < 0) << "frame " << i;
+    }
+  }
+  EXPECT_NEAR(begun, 8, 1) << "as long as they agreed";
+  EXPECT_EQ(shared.read()->submaps().size(), 2u);
 }
 
 TEST_F(SeveralMapsTest, ANewMapThatDoesNotHoldLeavesTheOldOneInUse) {

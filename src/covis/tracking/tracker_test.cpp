@@ -4,7 +4,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include "covis/tracking/test_tracker.h"
@@ -69,6 +71,38 @@ TEST_F(TrackerTest, TheFirstFrameAfterARefinementIsTrackedByTheRefinedCamera) {
   });
   const double back = (result.T_cw * frames.T_cw(6).inverse()).t().z();
   EXPECT_NEAR(back / (0.05 * depth / points), 0.9, 0.4);
+}
+
+// The features of a frame with its depths changed.
+FeaturesPtr with_depths(const Features& features, float factor) {
+  auto other = std::make_shared<Features>(features);
+  for (float& depth : other->depth) depth *= factor;
+  return other;
+}
+
+TEST_F(TrackerTest, DepthThatContradictsTheMapIsNotUsed) {
+  int key_frames = 0;
+  for (int i = 0; i < frames.count(); ++i) {
+    const bool wrong = i >= 8 && i < 16;
+    const TrackResult result = track(wrong ? with_depths(*frames.features(i), 1.5f) : frames.features(i), i);
+    ASSERT_EQ(result.state, TrackingState::tracking) << "frame " << i << ": " << describe(result.reason);
+    const bool doubted = i >= 8 && i < 16 + 2;  // until three frames agree
+    EXPECT_EQ(result.depth_contradiction > 0, doubted) << "frame " << i;
+    EXPECT_EQ(result.tentative, doubted) << "frame " << i;
+    if (wrong) {
+      EXPECT_NEAR(result.depth_contradiction, std::log(1.5), 0.05) << "frame " << i;
+    }
+    EXPECT_LT((result.T_cw.inverse().t() - frames.T_cw(i).inverse().t()).norm(), 0.015) << "frame " << i;
+    key_frames += doubted && result.key_frame;
+  }
+  EXPECT_GT(key_frames, 0) << "the map grows meanwhile, by images alone";
+  const auto map = shared.read();
+  for (const KeyFrameId id : map->key_frames()) {
+    const Features& features = *map->at(id).features;
+    const bool has_depth = std::any_of(features.depth.begin(), features.depth.end(), [](float z) { return z > 0; });
+    const int64_t frame = map->at(id).frame;
+    EXPECT_EQ(has_depth, frame < 8 || frame > 16 + 2) << "frame " << frame;
+  }
 }
 
 class TurningTest : public TrackerTest, public testing::WithParamInterface<double> {

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/depth_against_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "covis/matching/point_geometry.h"
+
+namespace covis {
+namespace {
+
+constexpr int kFewPoints = 30, kManyPoints = 100, kPointsToAgree = 10;
+constexpr double kErrorOfFew = 0.09, kErrorOfMany = 0.045, kSuspicious = 0.03, kAgreeing = 0.02;
+constexpr double kMostSigmas = 3, kUsualSigmas = 1.5;  // right depth has 0.67
+
+constexpr double kBelieved = 2;  // seconds that a contradiction, or an agreement, lasts until it is believed
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+bool DepthAgainstMap::contradicts() const {
+  if (points < kFewPoints || sigmas <= kMostSigmas) return false;
+  return error > (points < kManyPoints ? kErrorOfFew : kErrorOfMany);
+}
+
+bool DepthAgainstMap::agrees() const {
+  return points >= kPointsToAgree && (error <= kAgreeing || sigmas <= kUsualSigmas);
+}
+
+bool DepthAgainstMap::is_suspicious() const { return points > 0 && error > kSuspicious && sigmas > kUsualSigmas; }
+
+DepthComparer::DepthComparer() {
+  constexpr size_t kFeatures = 1 << 12;
+  errors_.reserve(kFeatures);
+  sigmas_.reserve(kFeatures);
+}
+
+DepthAgainstMap DepthComparer::compare(const TrackedFrame& frame, const Features& measured, const Pinhole& camera) {
+  constexpr double kLeastNoise = 1e-3;  // share of a depth
+  errors_.clear();
+  sigmas_.clear();
+  for (size_t i = 0; i < frame.source.size(); ++i) {
+    if (!frame.on_map(i) || !measured.has_depth(static_cast<int>(i))) continue;
+    const double z = (frame.T_cw * frame.positions[i]).z();
+    if (!(z > 0) || !is_precise_depth(z, camera)) continue;
+    errors_.push_back(std::abs(std::log(static_cast<double>(measured.depth[i]) / z)));
+    sigmas_.push_back(errors_.back() / std::max(kLeastNoise, depth_noise_share(z, camera)));
+  }
+  if (errors_.empty()) return {};
+  return {static_cast<int>(errors_.size()), median(errors_), median(sigmas_)};
+}
+
+FeaturesPtr without_depth(const Features& features) {
+  auto image_alone = std::make_shared<Features>(features);
+  std::fill(image_alone->depth.begin(), image_alone->depth.end(), -1.0f);
+  std::fill(image_alone->u_right.begin(), image_alone->u_right.end(), -1.0f);
+  return image_alone;
+}
+
+FeaturesPtr DepthBelief::receive(FeaturesPtr measured) {
+  measured_ = std::move(measured);
+  return contradicts() ? without_depth(*measured_) : measured_;
+}
+
+double DepthBelief::judge(const TrackedFrame& frame, const Pinhole& camera) {
+  if (frame.features == measured_) return 0;
+  judge(comparer_.compare(frame, *measured_, camera), frame.stamp);
+  constexpr double kLeast = 1e-3;  // where nothing could be compared
+  return contradicts() ? std::max(kLeast, last_.error) : 0;
+}
+
+void DepthBelief::begin(Timestamp stamp) {
+  begun_in_doubt_ = contradicts() || is_on_probation(stamp);
+  begun_ = stamp;
+  since_.reset();
+  agreeing_ = 0;
+}
+
+void DepthBelief::judge(const DepthAgainstMap& found, Timestamp stamp) {
+  constexpr int kInARow = 3;
+  agreeing_ = found.agrees() ? agreeing_ + 1 : 0;
+  if (agreeing_ >= kInARow) {
+    since_.reset();
+  } else if (!since_) {
+    since_ = stamp;
+  }
+  last_ = found;
+}
+
+bool DepthBelief::is_on_probation(Timestamp now) const {
+  return begun_in_doubt_ && now - *begun_ < from_seconds(kBelieved);
+}
+
+bool DepthBelief::blames_map(Timestamp now) const {
+  constexpr double kLeast = 0.5;  // seconds
+  if (!since_ || !last_.contradicts()) return false;
+  const Timestamp agreed = begun_ ? *since_ - *begun_ : from_seconds(kBelieved);
+  return now - *since_ >= std::clamp(agreed, from_seconds(kLeast), from_seconds(kBelieved));
+}
+
+}  // namespace covis

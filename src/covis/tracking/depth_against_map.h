@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// The depth that a frame measures against that of the map points which its images show. Depth that turns into nonsense
+// in the midst of a recording contradicts the map made before: such a frame is tracked by its image alone, so that
+// nothing is mapped from its depth. Measured: docs/notes/040-depth-that-contradicts-the-map.md.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "covis/core/time.h"
+#include "covis/tracking/tracked_frame.h"
+
+namespace covis {
+
+struct DepthAgainstMap {
+  int points = 0;     // depths compared
+  double error = 0;   // median of |log(measured / depth of the map point)|: right depth has 0.001 to 0.03
+  double sigmas = 0;  // the same in standard deviations of the depth
+
+  bool contradicts() const;
+  bool agrees() const;  // neither where there are too few depths, or it may be either
+  // True where it may contradict, after a search that itself matches only where depth agrees.
+  bool is_suspicious() const;
+};
+
+class DepthComparer {
+ public:
+  DepthComparer();
+  // Compares the points of the map that the frame shows at its pose, near enough for depth to be precise, with the
+  // depth that `measured` has of them: the features that the frame came with.
+  DepthAgainstMap compare(const TrackedFrame& frame, const Features& measured, const Pinhole& camera);
+
+ private:
+  std::vector<double> errors_, sigmas_;  // work space
+};
+
+// The same features of an image alone.
+FeaturesPtr without_depth(const Features& features);
+
+// Where depth and map contradict one another, either may be wrong. The map is believed at first; when the contradiction
+// has lasted for as long as the two agreed before, or for two seconds, another map is to be begun.
+class DepthBelief {
+ public:
+  // Takes the features of a frame; returns those to track it by: without depth as long as that contradicts.
+  FeaturesPtr receive(FeaturesPtr measured);
+  // The features as they came.
+  const FeaturesPtr& measured() const { return measured_; }
+  // A submap begins with the depth of this moment. Where that contradicted the map before, nobody knows yet which of
+  // the two was wrong.
+  void begin(Timestamp stamp);
+  // The frame has its pose. Returns TrackFigures::depth_contradiction. A contradiction lasts until the depth of some
+  // frames in a row agrees.
+  double judge(const TrackedFrame& frame, const Pinhole& camera);
+  void judge(const DepthAgainstMap& found, Timestamp stamp);
+  bool contradicts() const { return since_.has_value(); }
+  // True when the map is no longer to be believed more than the depth.
+  bool blames_map(Timestamp now) const;
+  // True for two seconds in which depth is to agree with a map that was begun upon a contradiction.
+  bool is_on_probation(Timestamp now) const;
+  // The frame is done: nothing is kept of it.
+  void release() { measured_.reset(); }
+
+ private:
+  FeaturesPtr measured_;
+  DepthComparer comparer_;
+  std::optional<Timestamp> begun_, since_;  // without begun_ the map is older than the recording
+  DepthAgainstMap last_;                    // where the frame was tracked by its image alone
+  int agreeing_ = 0;                        // frames in a row
+  bool begun_in_doubt_ = false;
+};
+
+}  // namespace covis

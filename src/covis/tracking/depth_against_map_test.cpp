@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/depth_against_map.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "covis/core/random.h"
+#include "covis/tracking/test_frame.h"
+
+namespace covis {
+namespace {
+
+// A frame that shows points of a map at its true pose, and its features with another depth.
+class DepthAgainstMapTest : public testing::Test {
+ protected:
+  DepthAgainstMapTest() {
+    camera.bf = 100;  // precise up to 10 m: the whole wall
+    world.add_key_frames(4);
+    frame = frame_of(view, scene.T_cw(3));
+    match_points(frame, view, world);
+  }
+  template <class Edit>
+  DepthAgainstMap with(Edit&& edit_depth) {
+    const PointScene::View other = edited(view, [&](Features& f) {
+      for (float& depth : f.depth) {
+        if (depth > 0) depth = edit_depth(depth);
+      }
+    });
+    return comparer.compare(frame, *other.features, camera);
+  }
+
+  const PointScene scene = PointScene::wall();
+  SceneMap world{scene};
+  const PointScene::View view = scene.view(scene.T_cw(3));
+  TrackedFrame frame;
+  Pinhole camera = scene.camera;
+  DepthComparer comparer;
+};
+
+TEST_F(DepthAgainstMapTest, RightDepthAgrees) {
+  const DepthAgainstMap found = with([](float z) { return z; });
+  EXPECT_GT(found.points, 100);
+  EXPECT_LT(found.error, 0.001);
+  EXPECT_TRUE(found.agrees());
+  EXPECT_FALSE(found.contradicts());
+  EXPECT_FALSE(found.is_suspicious());
+}
+
+TEST_F(DepthAgainstMapTest, AnotherScaleContradicts) {
+  const DepthAgainstMap found = with([](float z) { return z * 1.1f; });
+  EXPECT_NEAR(found.error, std::log(1.1), 0.001);
+  EXPECT_TRUE(found.contradicts());
+  EXPECT_FALSE(found.agrees());
+}
+
+TEST_F(DepthAgainstMapTest, DepthOfSomethingElseContradicts) {
+  EXPECT_TRUE(with([](float z) { return 12 - z; }).contradicts());
+  EXPECT_TRUE(with([](float) { return 6.0f; }).contradicts());
+}
+
+TEST_F(DepthAgainstMapTest, BetweenBothItIsNeither) {
+  camera.bf = 400;
+  const DepthAgainstMap found = with([](float z) { return z * 1.035f; });
+  EXPECT_FALSE(found.contradicts());
+  EXPECT_FALSE(found.agrees());
+  EXPECT_TRUE(found.is_suspicious());
+}
+
+// Of a pair whose depths have a sigma of 3 to 5 % an error of 5 % is usual.
+TEST_F(DepthAgainstMapTest, NoiseIsNoContradiction) {
+  camera.bf = 60;
+  Random random(1);
+  const auto noisy = [&](float z) { return z * static_cast<float>(std::exp(0.08 * random.normal())); };
+  const DepthAgainstMap found = with(noisy);
+  EXPECT_GT(found.error, 0.045);
+  EXPECT_FALSE(found.contradicts());
+  EXPECT_TRUE(with([](float z) { return z * 1.5f; }).contradicts());
+}
+
+TEST_F(DepthAgainstMapTest, AFewWrongDepthsAreNoContradiction) {
+  int n = 0;
+  EXPECT_TRUE(with([&](float z) { return n++ % 3 == 0 ? 5 * z : z; }).agrees());
+}
+
+TEST_F(DepthAgainstMapTest, FewDepthsSayNothing) {
+  int n = 0;
+  const DepthAgainstMap found = with([&](float z) { return n++ < 20 ? 2 * z : 0; });
+  EXPECT_EQ(found.points, 20);
+  EXPECT_FALSE(found.contradicts());
+  EXPECT_FALSE(found.agrees());
+}
+
+TEST_F(DepthAgainstMapTest, FewerDepthsHaveToContradictMore) {
+  camera.bf = 400;
+  const auto of_fifty = [&](float factor) {
+    int n = 0;
+    return with([&](float z) { return n++ < 50 ? factor * z : 0; });
+  };
+  EXPECT_TRUE(with([](float z) { return z * 1.06f; }).contradicts());
+  EXPECT_FALSE(of_fifty(1.06f).contradicts());
+  EXPECT_TRUE(of_fifty(1.12f).contradicts());
+}
+
+// Half a pixel of disparity is 5 % of the depth at 1 m here.
+TEST_F(DepthAgainstMapTest, PointsTooFarToMeasureAreLeftOut) {
+  camera.bf = 10;
+  const DepthAgainstMap found = with([](float z) { return z; });
+  EXPECT_EQ(found.points, 0);
+  EXPECT_FALSE(found.agrees());
+}
+
+TEST(WithoutDepth, LeavesTheImage) {
+  const PointScene scene = PointScene::wall();
+  const PointScene::View view = scene.view(scene.T_cw(0));
+  const FeaturesPtr image = without_depth(*view.features);
+  ASSERT_EQ(image->size(), view.features->size());
+  EXPECT_TRUE(std::equal(image->x.begin(), image->x.end(), view.features->x.begin()));
+  EXPECT_TRUE(std::equal(image->descriptor.begin(), image->descriptor.end(), view.features->descriptor.begin()));
+  for (int i = 0; i < image->size(); ++i) EXPECT_FALSE(image->has_depth(i));
+}
+
+constexpr DepthAgainstMap kAgrees{100, 0.01, 1}, kContradicts{100, 0.2, 20}, kUnclear{20, 0.2, 20}, kBetween{100, 0.035, 4};
+
+TEST(DepthBelief, AContradictionLastsUntilDepthAgreesForThreeFrames) {
+  DepthBelief belief;
+  EXPECT_FALSE(belief.contradicts());
+  Timestamp now = 0;
+  for (const DepthAgainstMap& found : {kContradicts, kAgrees, kAgrees, kUnclear, kAgrees, kAgrees, kBetween, kAgrees})
+    belief.judge(found, ++now);
+  EXPECT_TRUE(belief.contradicts());
+  belief.judge(kAgrees, ++now);
+  EXPECT_TRUE(belief.contradicts());
+  belief.judge(kAgrees, ++now);
+  EXPECT_FALSE(belief.contradicts());
+}
+
+// The seconds that a contradiction has to last in a map that depth agreed with for so many seconds.
+double seconds_to_blame(std::optional<double> agreed) {
+  DepthBelief belief;
+  if (agreed) belief.begin(0);
+  const Timestamp start = from_seconds(agreed.value_or(50));
+  for (int tenths = 0; tenths < 100; ++tenths) {
+    const Timestamp now = start + from_seconds(0.1 * tenths);
+    belief.judge(kContradicts, now);
+    if (belief.blames_map(now)) return 0.1 * tenths;
+  }
+  return -1;
+}
+
+TEST(DepthBelief, TheMapIsBelievedAsLongAsDepthAgreedWithIt) {
+  EXPECT_NEAR(seconds_to_blame(1), 1, 0.15);
+  EXPECT_NEAR(seconds_to_blame(0.1), 0.5, 0.15) << "half a second at least";
+  EXPECT_NEAR(seconds_to_blame(60), 2, 0.15) << "and two at most";
+  EXPECT_NEAR(seconds_to_blame(std::nullopt), 2, 0.15) << "a map that was loaded";
+}
+
+TEST(DepthBelief, FewDepthsBlameNoMap) {
+  DepthBelief belief;
+  belief.judge(kContradicts, 0);
+  belief.judge(kUnclear, from_seconds(5));
+  EXPECT_TRUE(belief.contradicts());
+  EXPECT_FALSE(belief.blames_map(from_seconds(5)));
+}
+
+TEST(DepthBelief, ANewMapBeginsInAgreement) {
+  DepthBelief belief;
+  belief.judge(kContradicts, 0);
+  belief.begin(from_seconds(3));
+  EXPECT_FALSE(belief.contradicts());
+  EXPECT_FALSE(belief.blames_map(from_seconds(9)));
+}
+
+TEST(DepthBelief, AMapBegunUponAContradictionIsOnProbation) {
+  DepthBelief belief;
+  belief.begin(0);
+  EXPECT_FALSE(belief.is_on_probation(1)) << "nothing contradicted";
+  belief.judge(kContradicts, 2);
+  belief.begin(from_seconds(3));
+  EXPECT_TRUE(belief.is_on_probation(from_seconds(4)));
+  belief.begin(from_seconds(4));  // the camera was lost
+  EXPECT_TRUE(belief.is_on_probation(from_seconds(5.9)));
+  EXPECT_FALSE(belief.is_on_probation(from_seconds(6)));
+  belief.begin(from_seconds(7));
+  EXPECT_FALSE(belief.is_on_probation(from_seconds(7.1)));
+}
+
+}  // namespace
+}  // namespace covis
