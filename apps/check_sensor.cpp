@@ -19,6 +19,7 @@ void SensorSample::add(const io::Frame& frame) {
   const FeaturesPtr features = sensor_ == Sensor::stereo ? s.frontend.stereo(frame.image.view(), frame.right.view())
                                                          : s.frontend.rgbd(frame.image.view(), frame.depth.view());
   s.monitor.add_frame(frame.index, *features, s.frontend.row_error());
+  if (sensor_ == Sensor::rgbd) s.monitor.add_images(frame.index, frame.image.view(), frame.depth.view());
   if (at % kCompareEvery == 0) {
     for (const DepthAgainstMotion& compared :
          s.check.add(features->for_key_frame(), with_depth_noise(camera_.pinhole, sensor_),

@@ -58,23 +58,31 @@ void expect_doubted(Sensor sensor, const std::string& fault) {
   EXPECT_LE(r.sure_within, r.warned_after) << fault << ": sure of a pose after the warning";
 }
 
-// A small image shows its motion seldom, so that a doubt may end between two comparisons.
-TEST(Faults, RandomDepthIsDoubted) {
-  const FaultResult r = always(Sensor::rgbd, "random");
-  EXPECT_GE(r.warned_after, 0);
-  EXPECT_LT(r.warned_after, 50);
-}
+TEST(Faults, RandomDepthIsDoubted) { expect_doubted(Sensor::rgbd, "random"); }
+
+TEST(Faults, MirroredDepthIsDoubted) { expect_doubted(Sensor::rgbd, "mirrored"); }
 
 TEST(Faults, ARightImageThatIsNoneIsDoubted) { expect_doubted(Sensor::stereo, "left_twice"); }
 
 TEST(FaultsLong, ALateRightImageIsDoubted) { expect_doubted(Sensor::stereo, "late_2"); }
 
-void expect_recovery(const std::string& fault) {
-  const FaultResult r = for_a_while(Sensor::rgbd, fault);
+FaultResult expect_recovery(const std::string& fault, Sensor sensor = Sensor::rgbd) {
+  const FaultResult r = for_a_while(sensor, fault);
   EXPECT_EQ(r.wrong_outside, 0) << fault;
   EXPECT_GE(r.recovered_after, 0) << fault;
   EXPECT_LE(r.recovered_after, kRate) << fault;
   EXPECT_LT(r.median_error, kMostError) << fault;
+  return r;
+}
+
+// Nothing is mapped from such depth, and images alone carry the camera through.
+TEST(Faults, DepthThatIsNonsenseForAWhileLeavesTheMapRight) {
+  for (const char* fault : {"depth_inverse", "depth_scale_five"})
+    EXPECT_EQ(expect_recovery(fault).sure_within, 0) << fault;
+}
+
+TEST(FaultsLong, ARightImageThatIsWrongForAWhileLeavesTheMapRight) {
+  EXPECT_EQ(expect_recovery("right_left_twice", Sensor::stereo).sure_within, 0);
 }
 
 TEST(Faults, AStreamRecovers) {

@@ -47,6 +47,10 @@ std::string_view name(SensorDoubt doubt) {
       return "no_relief";
     case SensorDoubt::depth_against_motion:
       return "depth_against_motion";
+    case SensorDoubt::depth_against_map:
+      return "depth_against_map";
+    case SensorDoubt::depth_displaced:
+      return "depth_displaced";
   }
   return "";
 }
@@ -88,6 +92,16 @@ std::string describe(const SensorWarning& warning, Sensor sensor) {
                          : "depth contradicts the motion of the images (error %.2f, where a constant depth has 1 and a "
                            "good camera less than 0.5): is it registered to the image, and of the same moment?",
                   warning.figure);
+    case SensorDoubt::depth_against_map:
+      return text(
+          "depth contradicts the map that was made before (by %.2f in the median; 0.01 is usual): did the depth or the "
+          "right image fail, or was the depth before wrong? Frames are tracked by their image alone",
+          warning.figure);
+    case SensorDoubt::depth_displaced:
+      return text(
+          "outlines of depth do not lie where the image has edges, and fit them %.1f times better shifted, mirrored or "
+          "turned: is depth registered to the image, and the same way up?",
+          warning.figure);
   }
   return {};
 }
@@ -153,9 +167,11 @@ void SensorMonitor::add_depths(int64_t frame) {
   judge(SensorDoubt::no_relief, relief < kLeastRelief, relief, frame);
 }
 
-// The rule for few holds as long as there are few: later, two wrong motions of three are too likely.
+// The rule for few holds as long as there are few: later, two wrong motions of three are too likely. What ends a doubt
+// has to be a small error: of few points chance explains much.
 void SensorMonitor::add_comparison(int64_t frame, const DepthAgainstMotion& comparison) {
-  error_.add(comparison.explained < kMostExplained ? comparison.error() : 0);
+  const bool doubted = holds(SensorDoubt::depth_against_motion);
+  error_.add(doubted || comparison.explained < kMostExplained ? comparison.error() : 0);
   spread_.add(comparison.spread);
   const auto exceeds = [&](size_t last, double most) {
     return error_.median(last) > most && spread_.median(last) > kLeastSpread;
@@ -163,9 +179,27 @@ void SensorMonitor::add_comparison(int64_t frame, const DepthAgainstMotion& comp
   const size_t count = std::min(error_.count, kComparisons);
   const bool are_few = error_.count < kComparisons;
   const bool exceeded = are_few ? count >= kFew && exceeds(kFew, kMostErrorOfFew) : exceeds(kComparisons, kMostError);
-  const bool goes_on = doubts_depth() && error_.median(count) > kEndsBelow;
+  const bool goes_on = doubted && error_.median(count) > kEndsBelow;
   judge(SensorDoubt::depth_against_motion, exceeded || goes_on, error_.median(are_few ? std::min(count, kFew) : count),
         frame);
+}
+
+void SensorMonitor::add_images(int64_t frame, ImageView<const uint8_t> image, ImageView<const float> depth) {
+  if (const auto fit = outlines_.add(image, depth)) add_outlines(frame, *fit);
+}
+
+void SensorMonitor::add_outlines(int64_t frame, const OutlineFit& fit) {
+  constexpr int kInARow = 2;
+  int& displaced = in_a_row_.displaced;
+  displaced = fit.is_displaced() ? displaced + 1 : 0;
+  judge(SensorDoubt::depth_displaced, displaced >= kInARow, fit.ratio(), frame);
+}
+
+void SensorMonitor::add_map_comparison(int64_t frame, double contradiction) {
+  constexpr int kInARow = 5;
+  int& contradictions = in_a_row_.contradictions;
+  contradictions = contradiction > 0 ? contradictions + 1 : 0;
+  judge(SensorDoubt::depth_against_map, contradictions >= kInARow, contradiction, frame);
 }
 
 // A wrong scale alone leaves poses right up to it, and few depths those that the images tell.
@@ -179,6 +213,7 @@ void SensorMonitor::restart() {
   forget_depths();
   error_ = {};
   spread_ = {};
+  in_a_row_ = {};
   wrong_ = {};
 }
 

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "covis/core/sensor.h"
+#include "covis/features/depth_outlines.h"
 #include "covis/features/features.h"
 #include "covis/mapping/depth_against_motion.h"
 
@@ -27,8 +28,10 @@ enum class SensorDoubt {
   depth_too_near,        // RGB-D; metres, the depth that a tenth of the keypoints are nearer than
   no_relief,             // RGB-D; the range of the middle eight tenths of all depths, by the median depth
   depth_against_motion,  // DepthAgainstMotion::error()
+  depth_against_map,     // DepthAgainstMap::error
+  depth_displaced,       // RGB-D; OutlineFit::ratio()
 };
-constexpr size_t kSensorDoubts = 6;
+constexpr size_t kSensorDoubts = 8;
 std::string_view name(SensorDoubt doubt);
 
 struct SensorWarning {
@@ -49,10 +52,17 @@ class SensorMonitor {
   // `row_error`: Frontend::row_error() of a stereo pair.
   void add_frame(int64_t frame, const Features& features, double row_error, Budget budget = Budget::usual);
   void add_comparison(int64_t frame, const DepthAgainstMotion& comparison);
-  // True while poses are not to be relied on: any doubt but a wrong scale, and few depths of a depth camera.
+  // Each frame of a depth camera.
+  void add_images(int64_t frame, ImageView<const uint8_t> image, ImageView<const float> depth);
+  void add_outlines(int64_t frame, const OutlineFit& fit);
+  // For each frame TrackFigures::depth_contradiction.
+  void add_map_comparison(int64_t frame, double contradiction);
+  // True while poses are not to be relied on, but for those that tracking itself calls tentative: any doubt but a wrong scale, and few depths of a depth camera.
   bool doubts() const;
-  // True while depth contradicts the motion of the images.
-  bool doubts_depth() const { return holds(SensorDoubt::depth_against_motion); }
+  // True while depth contradicts the images.
+  bool doubts_depth() const {
+    return holds(SensorDoubt::depth_against_motion) || holds(SensorDoubt::depth_displaced);
+  }
   // Ends all doubts; what was seen counts no more. Warnings are not repeated.
   void restart();
   // The warnings since the last call: one of each kind, the first time.
@@ -98,6 +108,12 @@ class SensorMonitor {
     size_t share = 0, depths = 0;
   };
   Silence silence_;             // frames in a row that say nothing of it
+  struct InARow {
+    int contradictions = 0;  // frames whose depth contradicts the map
+    int displaced = 0;       // answers that depth is displaced
+  };
+  InARow in_a_row_;
+  DepthOutlines outlines_;
   std::vector<double> depths_;  // work space
   std::array<bool, kSensorDoubts> wrong_{}, told_{};
   std::vector<SensorWarning> fresh_;

@@ -201,5 +201,45 @@ TEST(SensorMonitor, OneCameraHasNoDepthToDoubt) {
   EXPECT_TRUE(warnings_of(Sensor::monocular, features(0, 10), 0).empty());
 }
 
+TEST(SensorMonitor, ADoubtOfDepthIsNotEndedByPointsThatChanceExplains) {
+  SensorMonitor monitor(Sensor::rgbd);
+  for (int i = 0; i < 5; ++i) monitor.add_comparison(i, {100, 0.4, 0.1, 0.3});
+  ASSERT_TRUE(monitor.doubts_depth());
+  for (int i = 5; i < 15; ++i) monitor.add_comparison(i, {40, 0.4, 0.1, 0.7});
+  EXPECT_TRUE(monitor.doubts_depth());
+  for (int i = 15; i < 18; ++i) monitor.add_comparison(i, {40, 0.02, 0.1, 0.9});
+  EXPECT_FALSE(monitor.doubts_depth());
+}
+
+TEST(SensorMonitor, DepthThatContradictsTheMapIsToldAfterFiveFrames) {
+  SensorMonitor monitor(Sensor::rgbd);
+  for (int i = 0; i < 20; ++i) monitor.add_map_comparison(i, i % 5 != 4 ? 0.2 : 0);
+  EXPECT_TRUE(monitor.take_warnings().empty());
+  for (int i = 20; i < 25; ++i) monitor.add_map_comparison(i, 0.2);
+  const auto warnings = monitor.take_warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].doubt, SensorDoubt::depth_against_map);
+  EXPECT_EQ(warnings[0].frame, 24);
+  EXPECT_THAT(describe(warnings[0], Sensor::rgbd), HasSubstr("by 0.20 in the median"));
+  EXPECT_FALSE(monitor.doubts()) << "tracking itself calls these poses tentative";
+}
+
+TEST(SensorMonitor, DisplacedDepthIsDoubtedAfterTwoAnswersAndUntilOneIsGood) {
+  const OutlineFit good{20, 8}, displaced{4, 20};
+  SensorMonitor monitor(Sensor::rgbd);
+  for (const OutlineFit& fit : {displaced, good, displaced}) monitor.add_outlines(0, fit);
+  EXPECT_FALSE(monitor.doubts());
+  monitor.add_outlines(40, displaced);
+  EXPECT_TRUE(monitor.doubts());
+  EXPECT_TRUE(monitor.doubts_depth());
+  const auto warnings = monitor.take_warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].doubt, SensorDoubt::depth_displaced);
+  EXPECT_EQ(warnings[0].frame, 40);
+  EXPECT_THAT(describe(warnings[0], Sensor::rgbd), HasSubstr("5.0 times better"));
+  monitor.add_outlines(60, good);
+  EXPECT_FALSE(monitor.doubts());
+}
+
 }  // namespace
 }  // namespace covis

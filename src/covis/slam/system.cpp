@@ -87,6 +87,7 @@ FrameReport System::process(const Input& input) {
 
   using Budget = SensorMonitor::Budget;
   monitor_.add_frame(input.frame, *features, frontend_.row_error(), more_features ? Budget::doubled : Budget::usual);
+  if (options_.sensor == Sensor::rgbd) monitor_.add_images(input.frame, input.image, input.depth);
   ++frames_.processed;
   apply_visible_mapping(report);
   mapping_.rethrow_failure();
@@ -108,7 +109,7 @@ FrameReport System::process(const Input& input) {
     report_begun_map(report);
   }
   explain_missing_map(report.track);
-  watch_sensor(report);
+  watch_sensor(input.frame, report);
   report.timing.total_ms = total.ms();
   return report;
 }
@@ -303,7 +304,8 @@ void System::discard(uint32_t submap) {
 }
 
 // Poses that follow from depth which is not to be believed are tentative at best.
-void System::watch_sensor(FrameReport& report) {
+void System::watch_sensor(int64_t frame, FrameReport& report) {
+  monitor_.add_map_comparison(frame, report.track.depth_contradiction);
   report.warnings = take_warnings();
   if (report.track.state == TrackingState::tracking) report.track.tentative |= monitor_.doubts();
 }

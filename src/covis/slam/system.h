@@ -139,7 +139,7 @@ class System {
   void anchor_in(const Map& map, const KeyFrameMade& made);
   void record(const Input& input, const Tracker::Outcome& outcome, FrameReport& report);
   void discard(uint32_t submap);
-  void watch_sensor(FrameReport& report);
+  void watch_sensor(int64_t frame, FrameReport& report);
   void report_begun_map(FrameReport& report) const;
   void explain_missing_map(TrackResult& result) const;
   bool realtime() const { return options_.schedule() == Schedule::realtime; }
