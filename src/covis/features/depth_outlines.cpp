@@ -14,9 +14,10 @@ constexpr int kHere = 3;                            // cells that count as no di
 constexpr int kLeastX = 8, kLeastY = 6;             // cells: a displacement is more than either
 constexpr int kMostX = 24, kMostY = 18, kStep = 2;  // cells: those looked at
 constexpr int kFlipped = 2;                         // cells by which a mirrored image may be off
-constexpr float kLeastStep = 0.12f, kMostStep = 0.5f;  // of log(depth) across two cells: an outline; no more counts
-constexpr float kGrey = 4;                             // grey levels: gradients that noise makes
-constexpr int kSurroundings = 5;                       // cells to each side
+constexpr float kLeastStep = 1.13f;  // factor of depth across two cells that makes an outline
+constexpr float kMostWeight = 0.5f;  // of an outline: its factor's logarithm
+constexpr float kGrey = 4;           // grey levels: gradients that noise makes
+constexpr int kSurroundings = 5;     // cells to each side
 
 constexpr double kTimesBetter = 2, kLeastFit = 12, kNoFit = 3;
 
@@ -32,9 +33,8 @@ float depth_of_cell(ImageView<const float> depth, int left, int top, int side) {
     }
   }
   if (n < 3) return 0;
-  const auto middle = found.begin() + static_cast<ptrdiff_t>(n / 2);
-  std::nth_element(found.begin(), middle, found.begin() + static_cast<ptrdiff_t>(n));
-  return *middle;
+  std::sort(found.begin(), found.begin() + static_cast<ptrdiff_t>(n));  // insertions: so few
+  return found[n / 2];
 }
 
 }  // namespace
@@ -58,8 +58,7 @@ void DepthOutlines::start(ImageView<const uint8_t> image) {
   width_ = image.width / block_;
   height_ = image.height / block_;
   const auto cells = static_cast<size_t>(width_ * height_);
-  for (std::vector<float>* plane : {&grey_, &log_depth_, &edge_, &mean_}) plane->resize(cells);
-  measured_.resize(cells);
+  for (std::vector<float>* plane : {&grey_, &depth_, &edge_, &mean_}) plane->resize(cells);
   outlines_.reserve(cells);
   for (int dy = -kHere; dy <= kHere; ++dy) {
     for (int dx = -kHere; dx <= kHere; ++dx) displacements_.push_back({.dx = dx, .dy = dy, .is_here = true});
@@ -81,10 +80,7 @@ void DepthOutlines::start(ImageView<const uint8_t> image) {
 void DepthOutlines::find_outlines(ImageView<const float> depth) {
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
-      const float z = depth_of_cell(depth, x * block_, y * block_, block_);
-      const auto cell = static_cast<size_t>(y * width_ + x);
-      measured_[cell] = z > 0;
-      log_depth_[cell] = z > 0 ? std::log(z) : 0;
+      depth_[static_cast<size_t>(y * width_ + x)] = depth_of_cell(depth, x * block_, y * block_, block_);
     }
   }
   outlines_.clear();
@@ -92,11 +88,12 @@ void DepthOutlines::find_outlines(ImageView<const float> depth) {
     for (int x = 1; x + 1 < width_; ++x) {
       const int at = y * width_ + x;
       const auto step = [&](int off) {
-        const auto a = static_cast<size_t>(at - off), b = static_cast<size_t>(at + off);
-        return measured_[a] && measured_[b] ? std::abs(log_depth_[b] - log_depth_[a]) : 0;
+        const auto [near, far] =
+            std::minmax(depth_[static_cast<size_t>(at - off)], depth_[static_cast<size_t>(at + off)]);
+        return near > 0 ? far / near : 0;
       };
       const float greatest = std::max(step(1), step(width_));
-      if (greatest > kLeastStep) outlines_.push_back({x, y, std::min(greatest, kMostStep)});
+      if (greatest > kLeastStep) outlines_.push_back({x, y, std::min(std::log(greatest), kMostWeight)});
     }
   }
 }

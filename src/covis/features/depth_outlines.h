@@ -52,8 +52,7 @@ class DepthOutlines {
 
   int block_ = 0, width_ = 0, height_ = 0;  // pixels of a cell's side; cells
   size_t frames_ = 0, looked_at_ = 0;
-  std::vector<float> grey_, log_depth_, edge_, mean_;  // by cell
-  std::vector<uint8_t> measured_;                      // flags: cells with a depth
+  std::vector<float> grey_, depth_, edge_, mean_;  // by cell; depth 0: none
   std::vector<Outline> outlines_;
   std::vector<Displacement> displacements_;
 };
