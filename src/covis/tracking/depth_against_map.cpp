@@ -15,7 +15,7 @@ constexpr int kFewPoints = 30, kManyPoints = 100, kPointsToAgree = 10;
 constexpr double kErrorOfFew = 0.09, kErrorOfMany = 0.045, kSuspicious = 0.03, kAgreeing = 0.02;
 constexpr double kMostSigmas = 3, kUsualSigmas = 1.5;  // right depth has 0.67
 
-constexpr double kBelieved = 2;  // seconds that a contradiction, or an agreement, lasts until it is believed
+constexpr double kLeast = 0.5, kBelieved = 2;  // seconds that a contradiction lasts until it is believed: least, most
 
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
@@ -77,7 +77,8 @@ double DepthBelief::judge(const TrackedFrame& frame, const Pinhole& camera) {
 }
 
 void DepthBelief::begin(Timestamp stamp) {
-  begun_in_doubt_ = contradicts() || is_on_probation(stamp);
+  const bool contradicted_just_now = contradicts() && stamp - judged_ < from_seconds(kLeast);
+  begun_in_doubt_ = contradicted_just_now || is_on_probation(stamp);
   begun_ = stamp;
   since_.reset();
   agreeing_ = 0;
@@ -92,6 +93,7 @@ void DepthBelief::judge(const DepthAgainstMap& found, Timestamp stamp) {
     since_ = stamp;
   }
   last_ = found;
+  judged_ = stamp;
 }
 
 bool DepthBelief::is_on_probation(Timestamp now) const {
@@ -99,7 +101,6 @@ bool DepthBelief::is_on_probation(Timestamp now) const {
 }
 
 bool DepthBelief::blames_map(Timestamp now) const {
-  constexpr double kLeast = 0.5;  // seconds
   if (!since_ || !last_.contradicts()) return false;
   const Timestamp agreed = begun_ ? *since_ - *begun_ : from_seconds(kBelieved);
   return now - *since_ >= std::clamp(agreed, from_seconds(kLeast), from_seconds(kBelieved));

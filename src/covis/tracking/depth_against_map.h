@@ -45,8 +45,8 @@ class DepthBelief {
   FeaturesPtr receive(FeaturesPtr measured);
   // The features as they came.
   const FeaturesPtr& measured() const { return measured_; }
-  // A submap begins with the depth of this moment. Where that contradicted the map before, nobody knows yet which of
-  // the two was wrong.
+  // A submap begins with the depth of this moment. Where that contradicted the map just before, nobody knows yet which
+  // of the two was wrong; not so where the camera was lost meanwhile.
   void begin(Timestamp stamp);
   // The frame has its pose. Returns TrackFigures::depth_contradiction. A contradiction lasts until the depth of some
   // frames in a row agrees.
@@ -64,6 +64,7 @@ class DepthBelief {
   FeaturesPtr measured_;
   DepthComparer comparer_;
   std::optional<Timestamp> begun_, since_;  // without begun_ the map is older than the recording
+  Timestamp judged_ = 0;
   DepthAgainstMap last_;                    // where the frame was tracked by its image alone
   int agreeing_ = 0;                        // frames in a row
   bool begun_in_doubt_ = false;

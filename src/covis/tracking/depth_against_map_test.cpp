@@ -177,14 +177,16 @@ TEST(DepthBelief, AMapBegunUponAContradictionIsOnProbation) {
   DepthBelief belief;
   belief.begin(0);
   EXPECT_FALSE(belief.is_on_probation(1)) << "nothing contradicted";
-  belief.judge(kContradicts, 2);
+  belief.judge(kContradicts, from_seconds(1));
+  belief.judge(kContradicts, from_seconds(2.9));
   belief.begin(from_seconds(3));
   EXPECT_TRUE(belief.is_on_probation(from_seconds(4)));
   belief.begin(from_seconds(4));  // the camera was lost
   EXPECT_TRUE(belief.is_on_probation(from_seconds(5.9)));
   EXPECT_FALSE(belief.is_on_probation(from_seconds(6)));
-  belief.begin(from_seconds(7));
-  EXPECT_FALSE(belief.is_on_probation(from_seconds(7.1)));
+  belief.judge(kContradicts, from_seconds(7));
+  belief.begin(from_seconds(8));
+  EXPECT_FALSE(belief.is_on_probation(from_seconds(8.1))) << "the camera was lost long before";
 }
 
 }  // namespace
