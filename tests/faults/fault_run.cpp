@@ -144,8 +144,7 @@ FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stre
   std::vector<double> errors;
   for (const Sure& s : sure) errors.push_back(s.error);
   result.median_error = quantile(errors, 0.5);
-  const double bound =
-      std::min(kMostBound, std::max({0.02, 0.01 * path_length(recording), 5 * result.median_error}));
+  const double bound = std::min(kMostBound, std::max({0.02, 0.01 * path_length(recording), 5 * result.median_error}));
   for (const Sure& s : sure) {
     if (s.error > bound) ++(stretch.has(s.frame) ? result.wrong_within : result.wrong_outside);
   }

@@ -69,7 +69,7 @@ struct TrackFigures {
   bool tentative = false;     // the camera jumped here less than a second ago: the pose may be taken back; or below
   double depth_contradiction = 0;  // DepthAgainstMap::error where depth contradicts the map, so that the pose is of the
                                    // image alone; 0: it does not
-  bool key_frame = false;     // a key frame was asked for
+  bool key_frame = false;          // a key frame was asked for
   TrackTimes ms;
 };
 
