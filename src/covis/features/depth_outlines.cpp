@@ -2,40 +2,31 @@
 #include "covis/features/depth_outlines.h"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
 
 namespace covis {
 namespace {
 
-constexpr int kCells = 80;                          // side by side
-constexpr size_t kEvery = 2, kFrames = 10;          // frames between those looked at; of those for an answer
-constexpr int kHere = 3;                            // cells that count as no displacement
-constexpr int kLeastX = 8, kLeastY = 6;             // cells: a displacement is more than either
-constexpr int kMostX = 24, kMostY = 18, kStep = 2;  // cells: those looked at
-constexpr int kFlipped = 2;                         // cells by which a mirrored image may be off
-constexpr float kLeastStep = 1.13f;  // factor of depth across two cells that makes an outline
-constexpr float kMostWeight = 0.5f;  // of an outline: its factor's logarithm
-constexpr float kGrey = 4;           // grey levels: gradients that noise makes
-constexpr int kSurroundings = 5;     // cells to each side
+constexpr int kCells = 80;                 // side by side
+constexpr size_t kEvery = 4, kFrames = 5;  // frames between those looked at; of those for an answer
+constexpr int kHere = 3;                   // cells that count as no displacement
+constexpr int kLeastX = 8, kLeastY = 6;    // cells: a displacement is more than either
+constexpr int kMostX = 24, kMostY = 18;    // cells: those looked at
+constexpr int kFlipped = 2;                // cells by which a mirrored image may be off
+constexpr int kLanes = 8;                  // sums of a register
+constexpr int kMargin = kMostX + kLanes;   // cells around the edges
+constexpr float kLeastStep = 1.13f;        // factor of depth across two cells that makes an outline
+constexpr size_t kMostOutlines = 256;      // of a frame: sums stay below 2^15
+constexpr int32_t kMostEdge = 127;
+constexpr int32_t kUnit = 8;          // of a grey level
+constexpr int32_t kGrey = 4 * kUnit;  // gradients that noise makes
+constexpr int kSurroundings = 5;      // cells to each side
 
-constexpr double kTimesBetter = 2, kLeastFit = 12, kNoFit = 3;
+constexpr double kTimesBetter = 2, kLeastFit = 8, kNoFit = 3;
 
-// The depth of a cell: the median of nine of its pixels; 0 where fewer than three have one.
-float depth_of_cell(ImageView<const float> depth, int left, int top, int side) {
-  std::array<float, 9> found{};
-  size_t n = 0;
-  for (const int v : {1, 3, 5}) {
-    const float* row = depth.row(top + v * side / 6);
-    for (const int u : {1, 3, 5}) {
-      const float z = row[left + u * side / 6];
-      if (z > 0 && std::isfinite(z)) found[n++] = z;
-    }
-  }
-  if (n < 3) return 0;
-  std::sort(found.begin(), found.begin() + static_cast<ptrdiff_t>(n));  // insertions: so few
-  return found[n / 2];
-}
+// 128 log2(value) and a constant, to a tenth of an octave: the bits of a float are nearly its logarithm.
+int32_t logarithm(int32_t value) { return std::bit_cast<int32_t>(static_cast<float>(value)) >> 16; }
 
 }  // namespace
 
@@ -47,8 +38,9 @@ std::optional<OutlineFit> DepthOutlines::add(ImageView<const uint8_t> image, Ima
   if (frames_++ % kEvery != 0) return std::nullopt;
   if (displacements_.empty()) start(image);
   find_outlines(depth);
-  find_edges(image);
-  fit();
+  average(image);
+  find_edges();
+  for (Displacements& all : displacements_) fit(all);
   if (++looked_at_ % kFrames != 0) return std::nullopt;
   return answer();
 }
@@ -57,113 +49,151 @@ void DepthOutlines::start(ImageView<const uint8_t> image) {
   block_ = std::max(1, image.width / kCells);
   width_ = image.width / block_;
   height_ = image.height / block_;
+  stride_ = width_ + 2 * kMargin;
   const auto cells = static_cast<size_t>(width_ * height_);
-  for (std::vector<float>* plane : {&grey_, &depth_, &edge_, &mean_}) plane->resize(cells);
+  depth_.resize(cells);
+  for (std::vector<int32_t>* plane : {&grey_, &gradient_, &along_rows_}) plane->resize(cells);
+  columns_.resize(static_cast<size_t>(width_ * block_));
+  around_.resize(static_cast<size_t>(width_));
+  edge_.resize(static_cast<size_t>(stride_ * (height_ + 2 * kMargin)));
   outlines_.reserve(cells);
-  for (int dy = -kHere; dy <= kHere; ++dy) {
-    for (int dx = -kHere; dx <= kHere; ++dx) displacements_.push_back({.dx = dx, .dy = dy, .is_here = true});
-  }
-  for (int dy = -kMostY; dy <= kMostY; dy += kStep) {
-    for (int dx = -kMostX; dx <= kMostX; dx += kStep) {
-      if (std::abs(dx) > kLeastX || std::abs(dy) > kLeastY) displacements_.push_back({.dx = dx, .dy = dy});
-    }
-  }
-  for (int dy = -kFlipped; dy <= kFlipped; ++dy) {
-    for (int dx = -kFlipped; dx <= kFlipped; ++dx) {
-      displacements_.push_back({.dx = dx, .dy = dy, .flip_x = true});
-      displacements_.push_back({.dx = dx, .dy = dy, .flip_y = true});
-      displacements_.push_back({.dx = dx, .dy = dy, .flip_x = true, .flip_y = true});
-    }
-  }
+  const auto add = [this](bool flip_x, bool flip_y, int reach_x, int reach_y) {
+    Displacements all{flip_x, flip_y, reach_x, reach_y, (2 * reach_x / kLanes + 1) * kLanes, {}, {}};
+    all.total.resize(static_cast<size_t>(all.columns * (2 * reach_y + 1)));
+    all.sums.resize(all.total.size());
+    displacements_.push_back(std::move(all));
+  };
+  add(false, false, kMostX, kMostY);
+  for (const auto& [flip_x, flip_y] : {std::pair(true, false), std::pair(false, true), std::pair(true, true)})
+    add(flip_x, flip_y, kFlipped, kFlipped);
 }
 
 void DepthOutlines::find_outlines(ImageView<const float> depth) {
   for (int y = 0; y < height_; ++y) {
+    const float* row = depth.row(y * block_ + block_ / 2) + block_ / 2;
     for (int x = 0; x < width_; ++x) {
-      depth_[static_cast<size_t>(y * width_ + x)] = depth_of_cell(depth, x * block_, y * block_, block_);
+      const float z = row[x * block_];
+      depth_[static_cast<size_t>(y * width_ + x)] = z > 0 && std::isfinite(z) ? z : 0;
     }
   }
   outlines_.clear();
   for (int y = 1; y + 1 < height_; ++y) {
     for (int x = 1; x + 1 < width_; ++x) {
-      const int at = y * width_ + x;
-      const auto step = [&](int off) {
-        const auto [near, far] =
-            std::minmax(depth_[static_cast<size_t>(at - off)], depth_[static_cast<size_t>(at + off)]);
-        return near > 0 ? far / near : 0;
+      const float* at = depth_.data() + y * width_ + x;
+      const auto is_step = [at](int off) {
+        const float near = std::min(at[-off], at[off]), far = std::max(at[-off], at[off]);
+        return (near > 0) & (far > kLeastStep * near);
       };
-      const float greatest = std::max(step(1), step(width_));
-      if (greatest > kLeastStep) outlines_.push_back({x, y, std::min(std::log(greatest), kMostWeight)});
+      if (is_step(1) | is_step(width_)) outlines_.push_back({x, y});
+    }
+  }
+  const size_t every = (outlines_.size() + kMostOutlines - 1) / kMostOutlines;
+  if (every < 2) return;
+  size_t kept = 0;
+  for (size_t k = 0; k < outlines_.size(); k += every) outlines_[kept++] = outlines_[k];
+  outlines_.resize(kept);
+}
+
+// Every second row and column of a cell.
+void DepthOutlines::average(ImageView<const uint8_t> image) {
+  const int count = (block_ + 1) / 2;
+  const int32_t pixels = count * count;
+  for (int y = 0; y < height_; ++y) {
+    std::fill(columns_.begin(), columns_.end(), uint16_t{0});
+    for (int v = 0; v < block_; v += 2) {
+      const uint8_t* row = image.row(y * block_ + v);
+      uint16_t* sums = columns_.data();
+      for (int x = 0; x < width_ * block_; ++x) sums[x] = static_cast<uint16_t>(sums[x] + row[x]);
+    }
+    const uint16_t* sums = columns_.data();
+    for (int x = 0; x < width_; ++x, sums += block_) {
+      int32_t sum = 0;
+      for (int u = 0; u < block_; u += 2) sum += sums[u];
+      grey_[static_cast<size_t>(y * width_ + x)] = kUnit * sum / pixels;
     }
   }
 }
 
 // The logarithm of the gradient less its mean around, so that places full of texture count no more than others.
-void DepthOutlines::find_edges(ImageView<const uint8_t> image) {
+void DepthOutlines::find_edges() {
   for (int y = 0; y < height_; ++y) {
+    const int32_t* above = grey_.data() + std::max(0, y - 1) * width_;
+    const int32_t* row = grey_.data() + y * width_;
+    const int32_t* below = grey_.data() + std::min(height_ - 1, y + 1) * width_;
+    int32_t* out = gradient_.data() + y * width_;
+    const auto gradient = [&](int x, int left, int right) {
+      const int32_t gx = row[right] - row[left], gy = below[x] - above[x];
+      return logarithm(gx * gx + gy * gy + kGrey * kGrey);
+    };
+    for (int x = 1; x + 1 < width_; ++x) out[x] = gradient(x, x - 1, x + 1);
+    out[0] = gradient(0, 0, std::min(1, width_ - 1));
+    out[width_ - 1] = gradient(width_ - 1, std::max(0, width_ - 2), width_ - 1);
+    int32_t sum = (kSurroundings + 1) * out[0];
+    for (int x = 1; x <= kSurroundings; ++x) sum += out[std::min(x, width_ - 1)];
+    int32_t* sums = along_rows_.data() + y * width_;
     for (int x = 0; x < width_; ++x) {
-      int sum = 0;
-      for (int v = 0; v < block_; ++v) {
-        const uint8_t* row = image.row(y * block_ + v) + x * block_;
-        for (int u = 0; u < block_; ++u) sum += row[u];
-      }
-      grey_[static_cast<size_t>(y * width_ + x)] = static_cast<float>(sum) / static_cast<float>(block_ * block_);
+      sums[x] = sum;
+      sum += out[std::min(x + 1 + kSurroundings, width_ - 1)] - out[std::max(x - kSurroundings, 0)];
     }
   }
-  const auto clamped = [](const std::vector<float>& plane, int width, int height, int x, int y) {
-    return plane[static_cast<size_t>(std::clamp(y, 0, height - 1) * width + std::clamp(x, 0, width - 1))];
-  };
-  const auto gradient = [&](int x, int y) {
-    const int u = std::clamp(x, 1, width_ - 2), v = std::clamp(y, 1, height_ - 2);
-    const float gx = clamped(grey_, width_, height_, u + 1, v) - clamped(grey_, width_, height_, u - 1, v);
-    const float gy = clamped(grey_, width_, height_, u, v + 1) - clamped(grey_, width_, height_, u, v - 1);
-    return std::log(std::sqrt(gx * gx + gy * gy) + kGrey);
-  };
+  const auto sums_of = [this](int y) { return along_rows_.data() + std::clamp(y, 0, height_ - 1) * width_; };
+  std::fill(around_.begin(), around_.end(), 0);
+  for (int y = -kSurroundings; y <= kSurroundings; ++y) {
+    const int32_t* sums = sums_of(y);
+    for (int x = 0; x < width_; ++x) around_[static_cast<size_t>(x)] += sums[x];
+  }
+  constexpr int32_t kSide = 2 * kSurroundings + 1;
+  int64_t squares = 0;
   for (int y = 0; y < height_; ++y) {
-    for (int x = 0; x < width_; ++x) edge_[static_cast<size_t>(y * width_ + x)] = gradient(x, y);
-  }
-  constexpr float kShare = 1.0f / (2 * kSurroundings + 1);
-  for (int y = 0; y < height_; ++y) {  // along rows, into mean_; grey_ is used no more
+    const int32_t* gradient = gradient_.data() + y * width_;
+    const int32_t *added = sums_of(y + 1 + kSurroundings), *left = sums_of(y - kSurroundings);
+    int16_t* edge = edge_.data() + (y + kMargin) * stride_ + kMargin;
+    int32_t* around = around_.data();
+    int32_t of_row = 0;
     for (int x = 0; x < width_; ++x) {
-      float sum = 0;
-      for (int k = -kSurroundings; k <= kSurroundings; ++k) sum += clamped(edge_, width_, height_, x + k, y);
-      mean_[static_cast<size_t>(y * width_ + x)] = kShare * sum;
+      const int32_t value = std::clamp((kSide * kSide * gradient[x] - around[x]) >> 10, -kMostEdge, kMostEdge);
+      edge[x] = static_cast<int16_t>(value);
+      of_row += value * value;
+      around[x] += added[x] - left[x];
     }
+    squares += of_row;
   }
-  for (int y = 0; y < height_; ++y) {
-    for (int x = 0; x < width_; ++x) {
-      float sum = 0;
-      for (int k = -kSurroundings; k <= kSurroundings; ++k) sum += clamped(mean_, width_, height_, x, y + k);
-      grey_[static_cast<size_t>(y * width_ + x)] = edge_[static_cast<size_t>(y * width_ + x)] - kShare * sum;
-    }
-  }
-  edge_.swap(grey_);
+  variance_ += static_cast<double>(outlines_.size()) * static_cast<double>(squares) / (width_ * height_);
 }
 
-void DepthOutlines::fit() {
-  for (Displacement& d : displacements_) {
-    double sum = 0, squares = 0;
-    for (const Outline& o : outlines_) {
-      const int x = (d.flip_x ? width_ - 1 - o.x : o.x) + d.dx, y = (d.flip_y ? height_ - 1 - o.y : o.y) + d.dy;
-      if (x < 0 || y < 0 || x >= width_ || y >= height_) continue;
-      const float product = o.weight * edge_[static_cast<size_t>(y * width_ + x)];
-      sum += static_cast<double>(product);
-      squares += static_cast<double>(product * product);
+void DepthOutlines::fit(Displacements& all) {
+  std::fill(all.sums.begin(), all.sums.end(), int16_t{0});
+  for (const Outline& o : outlines_) {
+    const int x = all.flip_x ? width_ - 1 - o.x : o.x, y = all.flip_y ? height_ - 1 - o.y : o.y;
+    const int16_t* edge = edge_.data() + (y + kMargin - all.reach_y) * stride_ + x + kMargin - all.reach_x;
+    int16_t* __restrict sums = all.sums.data();
+    for (int dy = -all.reach_y; dy <= all.reach_y; ++dy, edge += stride_, sums += all.columns) {
+      for (int first = 0; first < all.columns; first += kLanes) {
+        for (int k = first; k < first + kLanes; ++k) sums[k] = static_cast<int16_t>(sums[k] + edge[k]);
+      }
     }
-    d.sum += sum;
-    d.squares += squares;
   }
+  for (size_t k = 0; k < all.sums.size(); ++k) all.total[k] += all.sums[k];
 }
 
 OutlineFit DepthOutlines::answer() {
   OutlineFit found;
-  for (Displacement& d : displacements_) {
-    if (d.squares > 0) {
-      double& best = d.is_here ? found.here : found.elsewhere;
-      best = std::max(best, d.sum / std::sqrt(d.squares));
+  const double sigma = std::sqrt(std::max(1.0, variance_));
+  for (Displacements& all : displacements_) {
+    const bool flipped = all.flip_x || all.flip_y;
+    for (int dy = -all.reach_y; dy <= all.reach_y; ++dy) {
+      const int32_t* total = all.total.data() + (dy + all.reach_y) * all.columns + all.reach_x;
+      for (int dx = -all.reach_x; dx <= all.reach_x; ++dx) {
+        const int far_x = std::abs(dx), far_y = std::abs(dy);
+        const bool here = !flipped && far_x <= kHere && far_y <= kHere;
+        const bool elsewhere = flipped || far_x > kLeastX || far_y > kLeastY;
+        if (here) found.here = std::max(found.here, total[dx] / sigma);
+        if (elsewhere) found.elsewhere = std::max(found.elsewhere, total[dx] / sigma);
+      }
     }
-    d.sum = d.squares = 0;
+    std::fill(all.total.begin(), all.total.end(), 0);
   }
+  variance_ = 0;
   return found;
 }
 

@@ -3,9 +3,9 @@
 // fits best as it is; one that is shifted, mirrored, upside down or turned round fits better elsewhere, in every single
 // frame and without motion. Measured: docs/notes/040-depth-that-contradicts-the-map.md.
 //
-// Images and depth are looked at in cells, some 80 of them side by side. An outline is a step of depth between cells; an
-// edge is a gradient of the image by its surroundings. The fit of a displacement is the sum of the edges under all
-// outlines, in standard deviations of such a sum.
+// Images and depth are looked at in cells, some 80 of them side by side. An outline is a step of depth between cells;
+// an edge is a gradient of the image by its surroundings. The fit of a displacement is the sum of the edges under all
+// outlines, in standard deviations of such a sum. All sums are of integers: the same whatever adds them.
 #pragma once
 
 #include <cstddef>
@@ -29,32 +29,39 @@ struct OutlineFit {
 // Keeps its work space between frames.
 class DepthOutlines {
  public:
-  // Of the same size. Every second frame is looked at, and after every tenth of these there is an answer.
+  // Of the same size. Every fourth frame is looked at, and after every fifth of these there is an answer.
   std::optional<OutlineFit> add(ImageView<const uint8_t> image, ImageView<const float> depth);
 
  private:
   struct Outline {
     int x = 0, y = 0;  // cells
-    float weight = 0;
   };
-  // The depth, or its outlines, as if it were mirrored along x and y.
-  struct Displacement {
-    int dx = 0, dy = 0;  // cells
+  // The outlines as they are or mirrored along x, y or both, displaced by up to reach_x and reach_y cells.
+  struct Displacements {
     bool flip_x = false, flip_y = false;
-    bool is_here = false;
-    double sum = 0, squares = 0;
+    int reach_x = 0, reach_y = 0;
+    int columns = 0;             // displacements side by side, and some more to fill registers
+    std::vector<int16_t> sums;   // of edges under the outlines of this frame
+    std::vector<int32_t> total;  // of the frames since the last answer
   };
   void start(ImageView<const uint8_t> image);
   void find_outlines(ImageView<const float> depth);
-  void find_edges(ImageView<const uint8_t> image);
-  void fit();
+  void average(ImageView<const uint8_t> image);
+  void find_edges();
+  void fit(Displacements& all);
   OutlineFit answer();
 
   int block_ = 0, width_ = 0, height_ = 0;  // pixels of a cell's side; cells
+  int stride_ = 0;                          // of edge_
   size_t frames_ = 0, looked_at_ = 0;
-  std::vector<float> grey_, depth_, edge_, mean_;  // by cell; depth 0: none
+  std::vector<float> depth_;       // by cell; 0: none
+  std::vector<uint16_t> columns_;  // sums over the rows of one cell
+  std::vector<int32_t> grey_;      // by cell, in eighths
+  std::vector<int32_t> gradient_, along_rows_, around_;
+  std::vector<int16_t> edge_;  // by cell, with a margin without edges
   std::vector<Outline> outlines_;
-  std::vector<Displacement> displacements_;
+  std::vector<Displacements> displacements_;
+  double variance_ = 0;  // of the sums
 };
 
 }  // namespace covis

@@ -57,12 +57,11 @@ class SensorMonitor {
   void add_outlines(int64_t frame, const OutlineFit& fit);
   // For each frame TrackFigures::depth_contradiction.
   void add_map_comparison(int64_t frame, double contradiction);
-  // True while poses are not to be relied on, but for those that tracking itself calls tentative: any doubt but a wrong scale, and few depths of a depth camera.
+  // True while poses are not to be relied on: any doubt but a wrong scale, few depths of a depth camera, and depth that
+  // contradicts the map, for which tracking itself calls poses tentative.
   bool doubts() const;
   // True while depth contradicts the images.
-  bool doubts_depth() const {
-    return holds(SensorDoubt::depth_against_motion) || holds(SensorDoubt::depth_displaced);
-  }
+  bool doubts_depth() const { return holds(SensorDoubt::depth_against_motion) || holds(SensorDoubt::depth_displaced); }
   // Ends all doubts; what was seen counts no more. Warnings are not repeated.
   void restart();
   // The warnings since the last call: one of each kind, the first time.
@@ -107,7 +106,7 @@ class SensorMonitor {
   struct Silence {
     size_t share = 0, depths = 0;
   };
-  Silence silence_;             // frames in a row that say nothing of it
+  Silence silence_;  // frames in a row that say nothing of it
   struct InARow {
     int contradictions = 0;  // frames whose depth contradicts the map
     int displaced = 0;       // answers that depth is displaced
