@@ -8,13 +8,14 @@
 #include "covis/core/time.h"
 #include "covis/features/depth_lookup.h"
 #include "covis/features/extractor.h"
+#include "covis/features/features_ring.h"
 #include "covis/features/staged_work.h"
 #include "covis/features/stereo_matcher.h"
 
 namespace covis {
 
 // Extracts both images of a stereo pair in two threads. (Outside the anonymous namespace because Frontend::Impl has it
-// as a member; the same holds for the ring below.)
+// as a member.)
 class PairExtractor {
  public:
   PairExtractor(OrbExtractor& left, OrbExtractor& right)
@@ -36,23 +37,6 @@ class PairExtractor {
   const std::array<OrbExtractor*, 2> side_;
   std::array<ImageView<const uint8_t>, 2> images_;
   StagedWork work_;
-};
-
-// Pool of Features objects, reused once nobody holds them; the tracker holds those of two frames, and of some dozens
-// while the camera is lost.
-class FeaturesRing {
- public:
-  std::shared_ptr<Features> next() {
-    at_ = (at_ + 1) % ring_.size();
-    // Copying the shared pointer synchronises with the release by its last other owner, in whatever thread that was.
-    std::shared_ptr<Features> copy = ring_[at_];
-    if (copy.use_count() == 2) return copy;
-    return ring_[at_] = std::make_shared<Features>();
-  }
-
- private:
-  std::array<std::shared_ptr<Features>, 3> ring_;
-  size_t at_ = 0;
 };
 
 namespace {

@@ -23,6 +23,18 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
+// Calls visit(measured, mapped) for each depth that is precise.
+template <class Visit>
+void for_each_depth(const TrackedFrame& frame, const Features& measured, const Pinhole& camera, Visit&& visit) {
+  const Eigen::RowVector3d axis = frame.T_cw.R().row(2);
+  const double t_z = frame.T_cw.t().z();
+  for (size_t i = 0; i < frame.source.size(); ++i) {
+    if (!frame.on_map(i) || !measured.has_depth(static_cast<int>(i))) continue;
+    const double z = axis.dot(frame.positions[i]) + t_z;
+    if (z > 0 && is_precise_depth(z, camera)) visit(static_cast<double>(measured.depth[i]), z);
+  }
+}
+
 }  // namespace
 
 bool DepthAgainstMap::contradicts() const {
@@ -38,27 +50,39 @@ bool DepthAgainstMap::is_suspicious() const { return points > 0 && error > kSusp
 
 DepthComparer::DepthComparer() {
   constexpr size_t kFeatures = 1 << 12;
-  errors_.reserve(kFeatures);
-  sigmas_.reserve(kFeatures);
+  depths_.reserve(kFeatures);
+  values_.reserve(kFeatures);
 }
 
 DepthAgainstMap DepthComparer::compare(const TrackedFrame& frame, const Features& measured, const Pinhole& camera) {
   constexpr double kLeastNoise = 1e-3;  // share of a depth
-  errors_.clear();
-  sigmas_.clear();
-  for (size_t i = 0; i < frame.source.size(); ++i) {
-    if (!frame.on_map(i) || !measured.has_depth(static_cast<int>(i))) continue;
-    const double z = (frame.T_cw * frame.positions[i]).z();
-    if (!(z > 0) || !is_precise_depth(z, camera)) continue;
-    errors_.push_back(std::abs(std::log(static_cast<double>(measured.depth[i]) / z)));
-    sigmas_.push_back(errors_.back() / std::max(kLeastNoise, depth_noise_share(z, camera)));
+  depths_.clear();
+  for_each_depth(frame, measured, camera, [this](double depth, double mapped) { depths_.push_back({depth, mapped}); });
+  if (depths_.empty()) return {};
+  DepthAgainstMap found;
+  found.points = static_cast<int>(depths_.size());
+  values_.clear();
+  for (const Depth& d : depths_) values_.push_back(std::max(d.measured / d.mapped, d.mapped / d.measured));
+  found.error = std::log(median(values_));
+  if (found.error <= kAgreeing) return found;
+  values_.clear();
+  for (const Depth& d : depths_) {
+    const double error = std::abs(std::log(d.measured / d.mapped));
+    values_.push_back(error / std::max(kLeastNoise, depth_noise_share(d.mapped, camera)));
   }
-  if (errors_.empty()) return {};
-  return {static_cast<int>(errors_.size()), median(errors_), median(sigmas_)};
+  found.sigmas = median(values_);
+  return found;
 }
 
-FeaturesPtr without_depth(const Features& features) {
-  auto image_alone = std::make_shared<Features>(features);
+int DepthComparer::count(const TrackedFrame& frame, const Features& measured, const Pinhole& camera) {
+  int depths = 0;
+  for_each_depth(frame, measured, camera, [&](double, double) { ++depths; });
+  return depths;
+}
+
+FeaturesPtr DepthRemover::without_depth(const Features& features) {
+  const std::shared_ptr<Features> image_alone = ring_.next();
+  *image_alone = features;
   std::fill(image_alone->depth.begin(), image_alone->depth.end(), -1.0f);
   std::fill(image_alone->u_right.begin(), image_alone->u_right.end(), -1.0f);
   return image_alone;
@@ -66,7 +90,7 @@ FeaturesPtr without_depth(const Features& features) {
 
 FeaturesPtr DepthBelief::receive(FeaturesPtr measured) {
   measured_ = std::move(measured);
-  return contradicts() ? without_depth(*measured_) : measured_;
+  return contradicts() ? remover_.without_depth(*measured_) : measured_;
 }
 
 double DepthBelief::judge(const TrackedFrame& frame, const Pinhole& camera) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "covis/core/time.h"
+#include "covis/features/features_ring.h"
 #include "covis/tracking/tracked_frame.h"
 
 namespace covis {
@@ -15,7 +16,7 @@ namespace covis {
 struct DepthAgainstMap {
   int points = 0;     // depths compared
   double error = 0;   // median of |log(measured / depth of the map point)|: right depth has 0.001 to 0.03
-  double sigmas = 0;  // the same in standard deviations of the depth
+  double sigmas = 0;  // the same in standard deviations of the depth; 0 where the error agrees by itself
 
   bool contradicts() const;
   bool agrees() const;  // neither where there are too few depths, or it may be either
@@ -29,13 +30,25 @@ class DepthComparer {
   // Compares the points of the map that the frame shows at its pose, near enough for depth to be precise, with the
   // depth that `measured` has of them: the features that the frame came with.
   DepthAgainstMap compare(const TrackedFrame& frame, const Features& measured, const Pinhole& camera);
+  // The number of depths that would be compared.
+  static int count(const TrackedFrame& frame, const Features& measured, const Pinhole& camera);
 
  private:
-  std::vector<double> errors_, sigmas_;  // work space
+  struct Depth {
+    double measured = 0, mapped = 0;  // metres
+  };
+  std::vector<Depth> depths_;  // work space
+  std::vector<double> values_;
 };
 
-// The same features of an image alone.
-FeaturesPtr without_depth(const Features& features);
+// Makes of features those of the image alone.
+class DepthRemover {
+ public:
+  FeaturesPtr without_depth(const Features& features);
+
+ private:
+  FeaturesRing ring_;
+};
 
 // Where depth and map contradict one another, either may be wrong. The map is believed at first; when the contradiction
 // has lasted for as long as the two agreed before, or for two seconds, another map is to be begun.
@@ -63,10 +76,11 @@ class DepthBelief {
  private:
   FeaturesPtr measured_;
   DepthComparer comparer_;
+  DepthRemover remover_;
   std::optional<Timestamp> begun_, since_;  // without begun_ the map is older than the recording
   Timestamp judged_ = 0;
-  DepthAgainstMap last_;                    // where the frame was tracked by its image alone
-  int agreeing_ = 0;                        // frames in a row
+  DepthAgainstMap last_;  // where the frame was tracked by its image alone
+  int agreeing_ = 0;      // frames in a row
   bool begun_in_doubt_ = false;
 };
 

@@ -112,17 +112,19 @@ TEST_F(DepthAgainstMapTest, PointsTooFarToMeasureAreLeftOut) {
   EXPECT_FALSE(found.agrees());
 }
 
-TEST(WithoutDepth, LeavesTheImage) {
+TEST(DepthRemover, LeavesTheImage) {
   const PointScene scene = PointScene::wall();
   const PointScene::View view = scene.view(scene.T_cw(0));
-  const FeaturesPtr image = without_depth(*view.features);
+  DepthRemover remover;
+  const FeaturesPtr image = remover.without_depth(*view.features);
   ASSERT_EQ(image->size(), view.features->size());
   EXPECT_TRUE(std::equal(image->x.begin(), image->x.end(), view.features->x.begin()));
   EXPECT_TRUE(std::equal(image->descriptor.begin(), image->descriptor.end(), view.features->descriptor.begin()));
   for (int i = 0; i < image->size(); ++i) EXPECT_FALSE(image->has_depth(i));
 }
 
-constexpr DepthAgainstMap kAgrees{100, 0.01, 1}, kContradicts{100, 0.2, 20}, kUnclear{20, 0.2, 20}, kBetween{100, 0.035, 4};
+constexpr DepthAgainstMap kAgrees{100, 0.01, 1}, kContradicts{100, 0.2, 20}, kUnclear{20, 0.2, 20},
+    kBetween{100, 0.035, 4};
 
 TEST(DepthBelief, AContradictionLastsUntilDepthAgreesForThreeFrames) {
   DepthBelief belief;

@@ -50,7 +50,7 @@ bool FirstPose::depth_is_suspicious(const TrackedFrame& last, const Hypothesis& 
   constexpr double kFew = 0.4;
   if (sensor_ == Sensor::monocular) return false;
   if (found.depth.is_suspicious()) return true;
-  const int before = depth_.compare(last, *last.features, camera).points;
+  const int before = DepthComparer::count(last, *last.features, camera);
   return before >= kEnough && found.depth.points < kFew * before;
 }
 
@@ -60,7 +60,7 @@ FirstPose::Hypothesis FirstPose::by_image_alone(const TrackedFrame& last, const 
   frame.T_cw = (T_cl * last.T_cw).normalized();
   Hypothesis h = around(last, frame, search, search.camera.without_depth());
   if (h.explains() && depth_.compare(frame, *frame.features, search.camera).contradicts()) {
-    frame.features = without_depth(*frame.features);
+    frame.features = remover_.without_depth(*frame.features);
     h.method = TrackMethod::motion_model;
     return h;
   }
@@ -68,8 +68,7 @@ FirstPose::Hypothesis FirstPose::by_image_alone(const TrackedFrame& last, const 
   return found;
 }
 
-FirstPose::Hypothesis FirstPose::by_descriptors(const TrackedFrame& last, TrackedFrame& frame,
-                                                PoseSearch& search) {
+FirstPose::Hypothesis FirstPose::by_descriptors(const TrackedFrame& last, TrackedFrame& frame, PoseSearch& search) {
   Hypothesis h;
   h.matches = FrameMatcher::match_frame(last, frame, kForRansac);
   if (h.matches < options_.reference_min_matches) {

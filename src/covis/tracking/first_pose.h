@@ -53,7 +53,8 @@ class FirstPose {
   Hypothesis by_images(const TrackedFrame& last, const SE3& T_cl, TrackedFrame& frame, PoseSearch& search);
   Hypothesis by_descriptors(const TrackedFrame& last, TrackedFrame& frame, PoseSearch& search);
   Hypothesis by_reference(const TrackedFrame& last, TrackedFrame& frame, PoseSearch& search) const;
-  // The last frame's points around where frame.T_cw expects them. `camera`: without depth, that of the frame counts not.
+  // The last frame's points around where frame.T_cw expects them. `camera`: without depth, that of the frame counts
+  // not.
   Hypothesis around(const TrackedFrame& last, TrackedFrame& frame, PoseSearch& search, const Pinhole& camera);
   bool depth_is_suspicious(const TrackedFrame& last, const Hypothesis& found, const Pinhole& camera);
   // The pose by the image alone, and the frame without its depth, if that contradicts the map; else `found`.
@@ -67,6 +68,7 @@ class FirstPose {
   std::optional<Eigen::Matrix3d> turn_seen_;  // the rotation that the images show; empty: not asked, or not seen
   TrackedFrame best_;                         // the frame as the best hypothesis so far has it
   DepthComparer depth_;
+  DepthRemover remover_;
 };
 
 }  // namespace covis

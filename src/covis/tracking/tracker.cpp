@@ -226,18 +226,13 @@ void Tracker::lose(Outcome& outcome, const SharedMap* live) {
 // Asks for a submap that begins with this frame, if it is good for one; key_frame_made() says whether it holds.
 void Tracker::begin_submap(Outcome& outcome) {
   TrackResult& result = outcome.result;
-  const bool by_image_alone = current_.features != depth_.measured();
-  TrackedFrame tracked;
-  if (by_image_alone) {
-    tracked = current_;
-    current_.start(depth_.measured(), current_.index, current_.stamp);
-  }
+  FeaturesPtr tracked_by = std::exchange(current_.features, depth_.measured());
   MapStarter::Offer offer = starter_.offer(current_, search_.camera);
   if (settings_.sensor == Sensor::monocular) result.predicted_matches = offer.matches;
   if (std::holds_alternative<std::monostate>(offer.request)) {
     // A lost camera keeps the reason of its loss.
     if (result.reason == NoPoseReason::none) result.reason = offer.reason;
-    if (by_image_alone) current_ = std::move(tracked);
+    current_.features = std::move(tracked_by);
     return;
   }
   motion_.reset();

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Features objects that are used again once nobody holds them, so that a frame's features cost no allocation.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+
+#include "covis/features/features.h"
+
+namespace covis {
+
+// The tracker holds those of two frames, and of some dozens while the camera is lost.
+class FeaturesRing {
+ public:
+  // Returns an object that nobody else holds, with whatever it was last used for.
+  std::shared_ptr<Features> next() {
+    at_ = (at_ + 1) % ring_.size();
+    // Copying the shared pointer synchronises with the release by its last other owner, in whatever thread that was.
+    std::shared_ptr<Features> copy = ring_[at_];
+    if (copy.use_count() == 2) return copy;
+    return ring_[at_] = std::make_shared<Features>();
+  }
+
+ private:
+  std::array<std::shared_ptr<Features>, 3> ring_;
+  size_t at_ = 0;
+};
+
+}  // namespace covis
