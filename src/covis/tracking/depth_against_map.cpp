@@ -56,6 +56,7 @@ DepthComparer::DepthComparer() {
 
 DepthAgainstMap DepthComparer::compare(const TrackedFrame& frame, const Features& measured, const Pinhole& camera) {
   constexpr double kLeastNoise = 1e-3;  // share of a depth
+  constexpr double kOfCamera = 5;       // times its noise: its depth is of another moment and place than its image
   depths_.clear();
   for_each_depth(frame, measured, camera, [this](double depth, double mapped) { depths_.push_back({depth, mapped}); });
   if (depths_.empty()) return {};
@@ -65,10 +66,11 @@ DepthAgainstMap DepthComparer::compare(const TrackedFrame& frame, const Features
   for (const Depth& d : depths_) values_.push_back(std::max(d.measured / d.mapped, d.mapped / d.measured));
   found.error = std::log(median(values_));
   if (found.error <= kAgreeing) return found;
+  const double factor = camera.depth_noise.known() ? kOfCamera : 1;
   values_.clear();
   for (const Depth& d : depths_) {
     const double error = std::abs(std::log(d.measured / d.mapped));
-    values_.push_back(error / std::max(kLeastNoise, depth_noise_share(d.mapped, camera)));
+    values_.push_back(error / std::max(kLeastNoise, factor * depth_noise_share(d.mapped, camera)));
   }
   found.sigmas = median(values_);
   return found;

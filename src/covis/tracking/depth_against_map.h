@@ -16,7 +16,8 @@ namespace covis {
 struct DepthAgainstMap {
   int points = 0;     // depths compared
   double error = 0;   // median of |log(measured / depth of the map point)|: right depth has 0.001 to 0.03
-  double sigmas = 0;  // the same in standard deviations of the depth; 0 where the error agrees by itself
+  double sigmas = 0;  // the same in standard deviations of the depth, of a depth camera in five; 0 where the error
+                      // agrees by itself
 
   bool contradicts() const;
   bool agrees() const;  // neither where there are too few depths, or it may be either

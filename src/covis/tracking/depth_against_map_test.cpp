@@ -80,6 +80,13 @@ TEST_F(DepthAgainstMapTest, NoiseIsNoContradiction) {
   EXPECT_TRUE(with([](float z) { return z * 1.5f; }).contradicts());
 }
 
+// Its noise is not all that a depth camera errs by: in quick turns depth and image differ by the time between them.
+TEST_F(DepthAgainstMapTest, ADepthCameraHasToErrByMoreThanItsNoise) {
+  camera.depth_noise = {0, 0.0015};  // 0.9 % at 6 m
+  EXPECT_FALSE(with([](float z) { return z * 1.08f; }).contradicts());
+  EXPECT_TRUE(with([](float z) { return z * 1.5f; }).contradicts());
+}
+
 TEST_F(DepthAgainstMapTest, AFewWrongDepthsAreNoContradiction) {
   int n = 0;
   EXPECT_TRUE(with([&](float z) { return n++ % 3 == 0 ? 5 * z : z; }).agrees());
