@@ -75,7 +75,7 @@ FaultResult expect_recovery(const std::string& fault, Sensor sensor = Sensor::rg
   return r;
 }
 
-// Nothing is mapped from such depth, and images alone carry the camera through.
+// No point is mapped from such depth; images alone carry the camera through.
 TEST(Faults, DepthThatIsNonsenseForAWhileLeavesTheMapRight) {
   for (const char* fault : {"depth_inverse", "depth_scale_five"})
     EXPECT_EQ(expect_recovery(fault).sure_within, 0) << fault;

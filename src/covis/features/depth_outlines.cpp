@@ -17,9 +17,9 @@ constexpr int kFlipped = 2;                // cells by which a mirrored image ma
 constexpr int kLanes = 8;                  // sums of a register
 constexpr int kMargin = kMostX + kLanes;   // cells around the edges
 constexpr float kLeastStep = 1.13f;        // factor of depth across two cells that makes an outline
-constexpr size_t kMostOutlines = 256;      // of a frame: sums stay below 2^15
+constexpr size_t kMostOutlines = 256;      // a frame has; sums stay below 2^15
 constexpr int32_t kMostEdge = 127;
-constexpr int32_t kUnit = 8;          // of a grey level
+constexpr int32_t kUnit = 8;          // a grey level
 constexpr int32_t kGrey = 4 * kUnit;  // gradients that noise makes
 constexpr int kSurroundings = 5;      // cells to each side
 

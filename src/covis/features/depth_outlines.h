@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether the outlines in depth images lie where their images have edges. A depth image that is registered to its image
+// Tests that the outlines in depth images lie on edges of their images. A depth image that is registered to its image
 // fits best as it is; one that is shifted, mirrored, upside down or turned round fits better elsewhere, in every single
 // frame and without motion. Measured: docs/notes/040-depth-that-contradicts-the-map.md.
 //
@@ -29,7 +29,7 @@ struct OutlineFit {
 // Keeps its work space between frames.
 class DepthOutlines {
  public:
-  // Of the same size. Every fourth frame is looked at, and after every fifth of these there is an answer.
+  // Both have the same size. Every fourth frame is looked at, and after every fifth of these there is an answer.
   std::optional<OutlineFit> add(ImageView<const uint8_t> image, ImageView<const float> depth);
 
  private:
@@ -41,8 +41,8 @@ class DepthOutlines {
     bool flip_x = false, flip_y = false;
     int reach_x = 0, reach_y = 0;
     int columns = 0;             // displacements side by side, and some more to fill registers
-    std::vector<int16_t> sums;   // of edges under the outlines of this frame
-    std::vector<int32_t> total;  // of the frames since the last answer
+    std::vector<int16_t> sums;   // edges under the outlines of this frame
+    std::vector<int32_t> total;  // frames since the last answer
   };
   void start(ImageView<const uint8_t> image);
   void find_outlines(ImageView<const float> depth);
@@ -52,7 +52,7 @@ class DepthOutlines {
   OutlineFit answer();
 
   int block_ = 0, width_ = 0, height_ = 0;  // pixels of a cell's side; cells
-  int stride_ = 0;                          // of edge_
+  int stride_ = 0;                          // cells from row to row of edge_
   size_t frames_ = 0, looked_at_ = 0;
   std::vector<float> depth_;       // by cell; 0: none
   std::vector<uint16_t> columns_;  // sums over the rows of one cell
@@ -61,7 +61,7 @@ class DepthOutlines {
   std::vector<int16_t> edge_;  // by cell, with a margin without edges
   std::vector<Outline> outlines_;
   std::vector<Displacements> displacements_;
-  double variance_ = 0;  // of the sums
+  double variance_ = 0;  // squares, expected of the sums
 };
 
 }  // namespace covis

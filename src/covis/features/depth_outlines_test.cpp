@@ -93,7 +93,7 @@ TEST(DepthOutlines, DepthWithoutOutlinesSaysNothing) {
   EXPECT_FALSE(fit.is_displaced());
 }
 
-// Nothing in common with the image: no place fits.
+// It has nothing in common with the image: no place fits.
 TEST(DepthOutlines, DepthOfAnotherSceneIsNotCalledDisplaced) {
   DepthOutlines outlines;
   for (uint64_t i = 0; i < 40; ++i) {

@@ -98,7 +98,7 @@ FeaturesPtr DepthBelief::receive(FeaturesPtr measured) {
 double DepthBelief::judge(const TrackedFrame& frame, const Pinhole& camera) {
   if (frame.features == measured_) return 0;
   judge(comparer_.compare(frame, *measured_, camera), frame.stamp);
-  constexpr double kLeast = 1e-3;  // where nothing could be compared
+  constexpr double kLeast = 1e-3;  // reported if no depth could be compared
   return contradicts() ? std::max(kLeast, last_.error) : 0;
 }
 

@@ -51,7 +51,7 @@ class DepthRemover {
   FeaturesRing ring_;
 };
 
-// Where depth and map contradict one another, either may be wrong. The map is believed at first; when the contradiction
+// If depth and map contradict one another, either may be wrong. The map is believed at first; when the contradiction
 // has lasted for as long as the two agreed before, or for two seconds, another map is to be begun.
 class DepthBelief {
  public:
@@ -60,7 +60,7 @@ class DepthBelief {
   // The features as they came.
   const FeaturesPtr& measured() const { return measured_; }
   // A submap begins with the depth of this moment. Where that contradicted the map just before, nobody knows yet which
-  // of the two was wrong; not so where the camera was lost meanwhile.
+  // which was wrong; not so where the camera was lost meanwhile.
   void begin(Timestamp stamp);
   // The frame has its pose. Returns TrackFigures::depth_contradiction. A contradiction lasts until the depth of some
   // frames in a row agrees.
@@ -80,7 +80,7 @@ class DepthBelief {
   DepthRemover remover_;
   std::optional<Timestamp> begun_, since_;  // without begun_ the map is older than the recording
   Timestamp judged_ = 0;
-  DepthAgainstMap last_;  // where the frame was tracked by its image alone
+  DepthAgainstMap last_;  // while frames are tracked by their image alone
   int agreeing_ = 0;      // frames in a row
   bool begun_in_doubt_ = false;
 };

@@ -69,7 +69,7 @@ TEST_F(DepthAgainstMapTest, BetweenBothItIsNeither) {
   EXPECT_TRUE(found.is_suspicious());
 }
 
-// Of a pair whose depths have a sigma of 3 to 5 % an error of 5 % is usual.
+// A pair whose depths have a sigma of 3 to 5 % has errors of 5 % as a rule.
 TEST_F(DepthAgainstMapTest, NoiseIsNoContradiction) {
   camera.bf = 60;
   Random random(1);
