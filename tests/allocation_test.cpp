@@ -51,6 +51,32 @@ TEST_P(Allocations, TrackingMakesNoneInASteadyState) {
   RecordProperty("allocations_of_key_frames", static_cast<int>(of_key_frames));
 }
 
+// Such a frame is tracked by its image alone: by features of its own, without depth.
+TEST(AllocationsOfNonsense, DepthThatContradictsTheMapMakesNoneEither) {
+  constexpr int kFrames = 110, kWrong = 70, kWarmUp = 80;  // the map is blamed after two seconds
+  Recording recording(Sensor::rgbd, kFrames, 30);
+  SystemOptions options = options_for(Sensor::rgbd);
+  options.mapper.refine_focal = false;
+  System system(recording.synth.camera(), options);
+  int counted = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    System::Input input = recording.frame(i);
+    ImageF wrong(input.depth.width, input.depth.height);
+    for (int y = 0; y < wrong.height(); ++y) {
+      for (int x = 0; x < wrong.width(); ++x) wrong(x, y) = 2 * input.depth(x, y);
+    }
+    if (i >= kWrong) input.depth = wrong.view();
+    const long own = own_allocations;
+    const FrameReport report = system.process(input);
+    const long own_made = own_allocations - own;
+    if (i < kWarmUp || report.track.key_frame) continue;
+    ++counted;
+    EXPECT_GT(report.track.depth_contradiction, 0) << "frame " << i;
+    EXPECT_LE(own_made, report.mapping.empty() ? 0 : 1) << "frame " << i;
+  }
+  EXPECT_GT(counted, 10);
+}
+
 INSTANTIATE_TEST_SUITE_P(Sensors, Allocations, ::testing::Values(Sensor::monocular, Sensor::stereo, Sensor::rgbd));
 
 }  // namespace

@@ -2,17 +2,20 @@
 // Features objects that are used again once nobody holds them, so that a frame's features cost no allocation.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <memory>
+#include <vector>
 
 #include "covis/features/features.h"
 
 namespace covis {
 
-// The tracker holds those of two frames, and of some dozens while the camera is lost.
+// The tracker holds those of two frames, and of some dozens while the camera is lost; mapping holds those of new key
+// frames.
 class FeaturesRing {
  public:
+  explicit FeaturesRing(size_t size = 3) : ring_(size) {}
+
   // Returns an object that nobody else holds, with whatever it was last used for.
   std::shared_ptr<Features> next() {
     at_ = (at_ + 1) % ring_.size();
@@ -23,7 +26,7 @@ class FeaturesRing {
   }
 
  private:
-  std::array<std::shared_ptr<Features>, 3> ring_;
+  std::vector<std::shared_ptr<Features>> ring_;
   size_t at_ = 0;
 };
 

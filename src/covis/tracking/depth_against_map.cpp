@@ -84,6 +84,10 @@ int DepthComparer::count(const TrackedFrame& frame, const Features& measured, co
 
 FeaturesPtr DepthRemover::without_depth(const Features& features) {
   const std::shared_ptr<Features> image_alone = ring_.next();
+  if (const size_t n = features.x.size(); image_alone->x.capacity() < n) {
+    using Raw = Features::RawPixels;
+    image_alone->start(n + n / 2, features.raw_x.empty() ? Raw::same : Raw::different);
+  }
   *image_alone = features;
   std::fill(image_alone->depth.begin(), image_alone->depth.end(), -1.0f);
   std::fill(image_alone->u_right.begin(), image_alone->u_right.end(), -1.0f);

@@ -48,7 +48,7 @@ class DepthRemover {
   FeaturesPtr without_depth(const Features& features);
 
  private:
-  FeaturesRing ring_;
+  FeaturesRing ring_{5};  // images alone make key frames more often
 };
 
 // If depth and map contradict one another, either may be wrong. The map is believed at first; when the contradiction
