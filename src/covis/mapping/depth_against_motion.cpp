@@ -18,7 +18,7 @@ namespace {
 constexpr double kLeastParallax = 8;  // sigmas of a keypoint: a triangulated depth is then known to about 10 %
 constexpr size_t kLeastDepths = 30;
 constexpr double kPrecision = 0.5;            // variance of a matched keypoint, by that of its scale
-constexpr int kAttempts = 20, kAnswers = 10;  // comparisons, and answers of them, until views are passed over
+constexpr int kAttempts = 10, kAnswers = 10;  // comparisons, and answers of them, until views are passed over
 constexpr int kPassedOver = 4;                // views after each that is compared then
 
 // The distance between a point's place in the second view and that of the same direction infinitely far away, in sigmas

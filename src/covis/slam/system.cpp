@@ -87,7 +87,8 @@ FrameReport System::process(const Input& input) {
 
   using Budget = SensorMonitor::Budget;
   monitor_.add_frame(input.frame, *features, frontend_.row_error(), more_features ? Budget::doubled : Budget::usual);
-  if (options_.sensor == Sensor::rgbd) monitor_.add_images(input.frame, input.image, input.depth);
+  if (options_.sensor == Sensor::rgbd && !input.depth.empty())
+    monitor_.add_images(input.frame, input.image, input.depth);
   ++frames_.processed;
   apply_visible_mapping(report);
   mapping_.rethrow_failure();
