@@ -40,6 +40,7 @@ struct KeyFrameRequest {
   std::vector<PointCount> counts;
   std::vector<UnlocatedFrame> unlocated;  // earlier frames, newest first
   bool doubted_depth = false;             // true: neither noise nor focal length is to be estimated
+  bool suspected_depth = false;           // true: it was doubted once, so that every key frame is compared
 };
 
 // Make the first two key frames and points of a monocular submap, beside what is there. World = camera of the first.

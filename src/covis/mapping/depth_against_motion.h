@@ -38,7 +38,7 @@ class MotionDepthCheck {
  public:
   enum class Pace {
     usual,      // once enough views were compared, only one pair of a few: it takes 10 to 20 ms
-    every_view  // while depth is doubted, so that the doubt can end
+    every_view  // once depth was doubted, so that the doubt can end, or come again
   };
   // `view` is kept.
   std::vector<DepthAgainstMotion> add(std::shared_ptr<const Features> view, const Pinhole& camera,

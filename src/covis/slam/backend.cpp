@@ -41,7 +41,7 @@ MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic
   report.counts.key_frames_thinned = keep_within_bound(report.key_frame);
   using Pace = MotionDepthCheck::Pace;
   if (!interrupt || !*interrupt)
-    report.depth_checks = check_depth(report.key_frame, request.doubted_depth ? Pace::every_view : Pace::usual);
+    report.depth_checks = check_depth(report.key_frame, request.suspected_depth ? Pace::every_view : Pace::usual);
   report.located = backtrack(map_, {options_.sensor, options_.tracker, options_.seed}, request.unlocated);
   report.total_ms = total.ms();
   return report;

@@ -208,6 +208,12 @@ bool SensorMonitor::doubts() const {
          holds(SensorDoubt::no_relief) || (sensor_ == Sensor::stereo && holds(SensorDoubt::few_depths));
 }
 
+bool SensorMonitor::suspects_depth() const {
+  const auto was_told = [this](SensorDoubt doubt) { return told_[static_cast<size_t>(doubt)]; };
+  return was_told(SensorDoubt::depth_against_motion) || was_told(SensorDoubt::depth_against_map) ||
+         was_told(SensorDoubt::depth_displaced);
+}
+
 void SensorMonitor::restart() {
   forget_share();
   forget_depths();

@@ -2,7 +2,7 @@
 // Watches whether the depth of a stereo pair or a depth camera can be believed, by figures that are at hand: what the
 // features of each frame have, and what comparisons with the motion of the images say (mapping/depth_against_motion.h).
 // It changes nothing. While doubts() holds, poses count as tentative; while doubts_depth() holds, neither the noise of
-// depth nor the focal length is estimated, and every key frame is compared.
+// depth nor the focal length is estimated.
 #pragma once
 
 #include <algorithm>
@@ -62,6 +62,8 @@ class SensorMonitor {
   bool doubts() const;
   // True while depth contradicts the images.
   bool doubts_depth() const { return holds(SensorDoubt::depth_against_motion) || holds(SensorDoubt::depth_displaced); }
+  // True once depth has contradicted the images or the map. It stays so: every key frame is compared from then on.
+  bool suspects_depth() const;
   // Ends all doubts; what was seen counts no more. Warnings are not repeated.
   void restart();
   // The warnings since the last call: one of each kind, the first time.

@@ -64,6 +64,7 @@ TEST(SensorMonitor, FewDepthsOfADepthCameraAreToldAndLeavePosesSure) {
   EXPECT_EQ(warnings[0].doubt, SensorDoubt::few_depths);
   EXPECT_FALSE(monitor.doubts());
   EXPECT_FALSE(monitor.doubts_depth());
+  EXPECT_FALSE(monitor.suspects_depth());
 }
 
 TEST(SensorMonitor, OneImageTwice) {
@@ -133,6 +134,7 @@ TEST(SensorMonitor, ARestartEndsAllDoubts) {
   EXPECT_FALSE(monitor.doubts_depth());
   monitor.add_comparison(5, {100, 0.4, 0.3});
   EXPECT_FALSE(monitor.doubts_depth()) << "what was seen counts no more";
+  EXPECT_TRUE(monitor.suspects_depth()) << "it may be wrong again";
 }
 
 TEST(SensorMonitor, ContradictionsAreDoubtedUntilTheyEnd) {

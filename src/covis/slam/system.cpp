@@ -279,6 +279,7 @@ MappingStatus System::mapping_status() const {
 void System::submit(MapRequest request) {
   if (auto* const key_frame = std::get_if<KeyFrameRequest>(&request)) {
     key_frame->doubted_depth = monitor_.doubts_depth();
+    key_frame->suspected_depth = monitor_.suspects_depth();
     log_.make_room();  // here, so that frames that make no key frame never allocate
     frames_.visible_at = frames_.processed + options_.mapping_delay;
     mapping_.submit(std::move(*key_frame));
