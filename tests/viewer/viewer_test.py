@@ -164,7 +164,7 @@ class ViewerTest(unittest.TestCase):
         browser.click_at('covis-canvas', point['x'], point['y'])
         browser.until('return document.getElementById("covis-picked-text").textContent.includes("key frames")')
         self.assertEqual(browser.text('covis-picked-title'), f'Point {point["id"]}')
-        self.assertGreater(browser.js('return document.querySelectorAll("#covis-picked-text button").length'), 0)
+        browser.until('return document.querySelectorAll("#covis-picked-text button").length > 0')
 
     def test_4_playback_goes_through_the_frames(self):
         browser = self.browser
@@ -243,6 +243,8 @@ class ViewerTest(unittest.TestCase):
 
     def test_a_the_report_holds_the_same_view(self):
         browser = self.browser
+        browser.driver.get('about:blank')
+        browser.problems()  # drops those of the page before, which looked for a command that had ended
         browser.open((self.folder / 'out/report.html').as_uri())
         browser.js('document.getElementById("covis-viewer").scrollIntoView()')
         self.check_line('report', PATH, self.path())
