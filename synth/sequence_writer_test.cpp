@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "covis/core/test_folder.h"
 #include "covis/io/sequence.h"
 
 namespace covis {
@@ -19,13 +20,6 @@ using ::testing::HasSubstr;
 
 class SequenceWriter : public testing::Test {
  protected:
-  SequenceWriter() {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / (std::string("covis_synth_") + test->name());
-    fs::remove_all(folder_);
-  }
-  ~SequenceWriter() override { fs::remove_all(folder_); }
-
   static Synth make(const std::string& sensor, int frames, double distortion = 0) {
     SynthOptions options;
     options.world = "room";
@@ -37,7 +31,8 @@ class SequenceWriter : public testing::Test {
     return std::move(Synth::create(options).value());
   }
 
-  fs::path folder_;
+  const TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_ / "recording";
 };
 
 // Checks that the recording read back equals the rendered one: images, stamps, camera and ground truth.

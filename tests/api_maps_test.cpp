@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "api_frames.h"
+#include "covis/core/test_folder.h"
 
 namespace covis {
 namespace {
@@ -20,7 +21,8 @@ INSTANTIATE_TEST_SUITE_P(Sensors, ApiMap, testing::Values(Sensor::monocular, Sen
 
 TEST_P(ApiMap, IsSavedContinuedAndLocalisedIn) {
   Recording& recording = shared_recording(GetParam(), 30, 15, "desk");
-  const std::string file = testing::TempDir() + "api_" + sensor_name(GetParam()) + ".m";
+  const TemporaryFolder folder;
+  const std::string file = folder / "map.m";
   SlamOptions options = options_of(recording);
   const auto first = Slam::create(options).value();
   track_all(*first, recording, 0, 24);
@@ -55,7 +57,6 @@ TEST_P(ApiMap, IsSavedContinuedAndLocalisedIn) {
   ASSERT_EQ(error_of(third->load_map(file)), "");
   EXPECT_EQ(third->snapshot()->key_frames.size(), key_frames);
   EXPECT_GE(track_all(*third, recording, 0, 9), 9);
-  std::filesystem::remove(file);
 }
 
 // Mapping is switched off for a while: the map stays as it is, and grows again afterwards.

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "api_frames.h"
+#include "covis/core/test_folder.h"
 #include "covis/features/rectification.h"
 #include "covis/geometry/alignment.h"
 
@@ -264,7 +265,8 @@ TEST(ApiEvents, AreToldWithoutPolling) {
 // the thread sanitizer finds no race.
 TEST(ApiThreads, AnyThreadMayAskWhileFramesAreTracked) {
   Recording& recording = shared_recording(Sensor::rgbd, 30, 15, "desk");
-  const std::string file = testing::TempDir() + "api_threads.m";
+  const TemporaryFolder folder;
+  const std::string file = folder / "map.m";
   for (const Timing timing : {Timing::deterministic, Timing::realtime}) {
     SlamOptions options = options_of(recording);
     options.timing = timing;
@@ -304,7 +306,6 @@ TEST(ApiThreads, AnyThreadMayAskWhileFramesAreTracked) {
     set_log_sink({});
     EXPECT_GT(most_poses, 0u);
   }
-  std::filesystem::remove(file);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 
+#include "covis/core/test_folder.h"
 #include "covis/eval/charts.h"
 #include "covis/io/files.h"
 
@@ -37,15 +38,8 @@ int count(const cv::Mat& image, PlotColour colour, int first, int last) {
 
 class Picture : public testing::Test {
  protected:
-  void SetUp() override {
-    folder = fs::path(testing::TempDir()) /
-             (std::string("covis_picture_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder);
-    fs::create_directories(folder);
-  }
-  void TearDown() override { fs::remove_all(folder); }
-
-  fs::path folder;
+  const TemporaryFolder temporary;
+  const fs::path folder = temporary.path();
   const Result<Evaluation> evaluation = evaluate(arc(2), arc(0), {.align = AlignMode::none});
 };
 

@@ -22,10 +22,7 @@ TEST(BadFrames, TheFewestStampsAreLeftOut) {
 class BadFramesOfKitti : public RecordingTest {
  protected:
   static constexpr int kFrames = 100;
-  void SetUp() override {
-    RecordingTest::SetUp();
-    kitti(kFrames);
-  }
+  void SetUp() override { kitti(kFrames); }
   void times(int frame, const std::string& stamp) const {
     std::string text;
     for (int i = 0; i < kFrames; ++i) text += (i == frame ? stamp : std::to_string(0.1 * i)) + "\n";

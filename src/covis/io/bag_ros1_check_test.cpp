@@ -15,7 +15,6 @@ using testing::HasSubstr;
 class Ros1Records : public RecordingTest {
  protected:
   void SetUp() override {
-    RecordingTest::SetUp();
     WrittenBag bag(RosWire::ros1);
     bag.add("/camera_info", camera_info());
     for (int i = 1; i < 5; ++i)

@@ -13,7 +13,6 @@ using testing::HasSubstr;
 class BagFolder : public RecordingTest {
  protected:
   void SetUp() override {
-    RecordingTest::SetUp();
     // Two files of one bag, as a recorder that splits leaves them.
     for (int part = 0; part < 2; ++part) {
       WrittenBag bag(RosWire::cdr);

@@ -12,7 +12,6 @@ using testing::HasSubstr;
 class OpenLoris : public RecordingTest {
  protected:
   void SetUp() override {
-    RecordingTest::SetUp();
     std::string colour, depths;
     for (int i = 0; i < 3; ++i) {
       const std::string n = "1560000083." + std::to_string(i);

@@ -11,6 +11,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
+#include "covis/core/test_folder.h"
 #include "covis/io/sequence.h"
 
 namespace covis::io {
@@ -21,14 +22,6 @@ inline constexpr int kWidth = 64, kHeight = 48;
 
 class RecordingTest : public testing::Test {
  protected:
-  void SetUp() override {
-    const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
-    folder = fs::path(testing::TempDir()) / ("covis_io_" + std::string(test.test_suite_name()) + "_" + test.name());
-    fs::remove_all(folder);
-    fs::create_directories(folder);
-  }
-  void TearDown() override { fs::remove_all(folder); }
-
   void write(const fs::path& name, const std::string& text) const {
     fs::create_directories((folder / name).parent_path());
     std::ofstream(folder / name, std::ios::binary) << text;
@@ -98,7 +91,8 @@ class RecordingTest : public testing::Test {
     write("mav0/state_groundtruth_estimate0/data.csv", "#t,x,y,z,w,x,y,z\n1403715273262142976,1,2,3,1,0,0,0,9,9,9\n");
   }
 
-  fs::path folder;
+  const TemporaryFolder temporary_folder;
+  const fs::path folder = temporary_folder.path();
 };
 
 class Sequences : public RecordingTest {};
