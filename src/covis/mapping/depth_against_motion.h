@@ -37,7 +37,7 @@ std::optional<DepthAgainstMotion> compare_depth_with_motion(const Features& a, c
 class MotionDepthCheck {
  public:
   enum class Pace {
-    usual,      // once enough views were compared, only one pair of a few: it takes 10 to 20 ms
+    usual,      // once enough views were compared, only one pair of a few: it takes milliseconds
     every_view  // once depth was doubted, so that the doubt can end, or come again
   };
   // `view` is kept.

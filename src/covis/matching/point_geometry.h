@@ -28,8 +28,11 @@ inline double depth_noise_share(double depth, const Pinhole& camera) {
   return camera.bf > 0 ? kDisparitySigma * depth / camera.bf : 0;
 }
 
-// True when that is little: the depth can contradict.
-inline bool is_precise_depth(double depth, const Pinhole& camera) { return depth_noise_share(depth, camera) <= 0.05; }
+// True when that is little, so that the depth can contradict: noise of far depths is no contradiction.
+inline bool is_precise_depth(double depth, const Pinhole& camera) {
+  constexpr double kMostNoise = 0.05;
+  return depth_noise_share(depth, camera) <= kMostNoise;
+}
 
 // True when a point lies within the 95 % bound of the measurement of feature i. False for a point behind the camera.
 inline bool reprojects_well(const Eigen::Vector3d& p_c, const Pinhole& camera, const Features& features, uint32_t i) {
