@@ -20,6 +20,8 @@
 #include "covis/exchange/geojson.h"
 #include "covis/exchange/kept_images.h"
 #include "covis/exchange/nerfstudio.h"
+#include "covis/exchange/patch_alignment.h"
+#include "covis/exchange/point_adjustment.h"
 #include "covis/exchange/point_cloud.h"
 #include "covis/exchange/scene_images.h"
 #include "covis/io/outputs.h"
@@ -70,8 +72,9 @@ Result<void> write_poses(const std::vector<Scene>& scenes, const fs::path& file,
   return io::write_trajectories(file, trajectories, format);
 }
 
-// The images go to the folder `images` of the export, if there are any. Error: those that were named are not there.
-Result<void> write_images(const ExportArguments& a, std::vector<Scene>& scenes) {
+// The images go to the folder `images` of the export, if there are any; returns how many there are. Error: those that
+// were named are not there.
+Result<size_t> write_images(const ExportArguments& a, std::vector<Scene>& scenes) {
   const fs::path kept = a.images.empty() ? exchange::image_folder(a.file) : fs::path(a.images);
   size_t views = 0, images = 0;
   for (Scene& scene : scenes) {
@@ -81,37 +84,46 @@ Result<void> write_images(const ExportArguments& a, std::vector<Scene>& scenes) 
     if (!written) return tl::unexpected(written.error());
     images += *written;
   }
-  if (images == views) return {};
+  if (images == views) return images;
   const std::string how = kept.string() + ": of " + std::to_string(views) + " key frames " + std::to_string(images) +
                           " have an image there; covis run --keep-images keeps them";
   if (images == 0 && kFormats.at(a.to) == Format::nerfstudio) return fail(how + ", and nerfstudio is nothing without");
   log(LogLevel::warning, how);
-  return {};
+  return images;
 }
 
 // These formats hold a point by the pixels at which it is seen.
 bool has_observations(Format format) { return format == Format::colmap || format == Format::bundler; }
 
-// Leaves out what does not make a track, and logs how much that is.
-void keep_tracks(const ExportArguments& a, std::vector<Scene>& scenes) {
+// Brings keypoints, where there are images, and points to the export's pixels. Leaves out what does not make a track,
+// and logs how much that is.
+Result<void> make_tracks(const ExportArguments& a, bool images, std::vector<Scene>& scenes) {
   for (size_t k = 0; k < scenes.size(); ++k) {
+    const auto unlike = images ? exchange::align_keypoints(scenes[k], fs::path(a.out) / "images") : Result<size_t>(0);
+    if (!unlike) return tl::unexpected(unlike.error());
+    exchange::adjust_points(scenes[k]);
     const exchange::LeftOut left_out = exchange::keep_tracks(scenes[k]);
     std::ostringstream text;
-    text << a.out << ": left out are " << left_out.observations << " observations more than "
-         << exchange::kMaxObservationError << " pixels off and " << left_out.points
-         << " points that fewer than two key frames then see; the mean reprojection error is " << std::fixed
-         << std::setprecision(2) << exchange::mean_error(scenes[k]) << " pixels";
+    text << a.out << ": left out are ";
+    if (images) text << *unlike << " observations whose image does not show their point as its finest does, ";
+    text << left_out.observations << " observations more than " << exchange::kMaxObservationError << " pixels off and "
+         << left_out.points << " points that fewer than two key frames then see; the mean reprojection error is "
+         << std::fixed << std::setprecision(2) << exchange::mean_error(scenes[k]) << " pixels";
     if (scenes.size() > 1) text << " (map " << k << ")";
     log(LogLevel::info, text.str());
   }
+  return {};
 }
 
 Result<void> fill_folder(Format format, const ExportArguments& a, std::vector<Scene>& scenes) {
-  if (has_observations(format)) keep_tracks(a, scenes);
   if (format == Format::bundler) {
     for (Scene& scene : scenes) scene = exchange::centred(scene);
   }
-  if (const auto written = write_images(a, scenes); !written) return written;
+  const auto images = write_images(a, scenes);
+  if (!images) return tl::unexpected(images.error());
+  if (has_observations(format)) {
+    if (const auto made = make_tracks(a, *images > 0, scenes); !made) return made;
+  }
   const fs::path out = a.out;
   for (size_t k = 0; k < scenes.size(); ++k) {
     Result<void> written;

@@ -158,7 +158,12 @@ class Colmap(unittest.TestCase):
         shutil.copy(MAP, alone)
         text = run(COVIS, 'map', 'export', alone, '--to', 'colmap', '--out', WORK / 'alone')
         self.assertIn('--keep-images', text)
-        self.assertTrue((WORK / 'alone/sparse/0/points3D.txt').exists())
+        figures, aligned = analysed(WORK / 'alone/sparse/0'), analysed(export('colmap', 'with_images') / 'sparse/0')
+        self.assertLess(figures['Mean reprojection error'], 1)
+        self.assertLess(aligned['Mean reprojection error'], 0.8 * figures['Mean reprojection error'])
+        self.assertGreater(aligned['Points'], 0.98 * figures['Points'])
+        self.assertGreater(aligned['Observations'], 0.9 * figures['Observations'])
+        print(f"without images: {figures['Points']:.0f} points, mean reprojection error {figures['Mean reprojection error']:.2f} pixels")
 
 
 class Import(unittest.TestCase):

@@ -10,6 +10,7 @@
 #include "covis/exchange/kept_images.h"
 #include "covis/geometry/measurement.h"
 #include "covis/map/colours.h"
+#include "covis/matching/point_geometry.h"
 
 namespace covis::exchange {
 namespace {
@@ -63,7 +64,13 @@ void add_view(const Map& map, const KeyFrame& from, Points& points, Scene& scene
     if (!from.points[f].valid()) continue;
     Eigen::Vector2d at(from.features->x[f], from.features->y[f]);
     if (view.camera > 0) at = camera.pinhole.project(map.camera().unproject(at.x(), at.y()));
-    if (camera.sees(at.x(), at.y())) view.keypoints.push_back({at.x(), at.y(), points.index_of(map, from.points[f])});
+    if (!camera.sees(at.x(), at.y())) continue;
+    const double scale = from.features->pyramid->scale[from.features->level[f]];  // in the map's camera
+    view.keypoints.push_back({.u = at.x(),
+                              .v = at.y(),
+                              .point = points.index_of(map, from.points[f]),
+                              .scale = scale * camera.pinhole.fx / map.camera().fx,
+                              .disparity = disparity_of(*from.features, f, map.camera())});
   }
 }
 
@@ -73,18 +80,6 @@ double error_of(const Scene& scene, const SceneView& view, const SceneView::Keyp
   if (!(p_c.z() > kMinDepth)) return std::numeric_limits<double>::infinity();
   const Eigen::Vector2d at = scene.cameras[view.camera].pinhole.project(p_c);
   return (at - Eigen::Vector2d(keypoint.u, keypoint.v)).norm();
-}
-
-void find_sights(Scene& scene) {
-  for (uint32_t v = 0; v < scene.views.size(); ++v) {
-    const SceneView& view = scene.views[v];
-    for (uint32_t k = 0; k < view.keypoints.size(); ++k) {
-      ScenePoint& point = scene.points[view.keypoints[k].point];
-      point.error += error_of(scene, view, view.keypoints[k]);
-      point.seen.push_back({v, k});
-    }
-  }
-  for (ScenePoint& point : scene.points) point.error /= static_cast<double>(point.seen.size());
 }
 
 // A point's colour is the mean of all its observers, those outside the undistorted image included.
@@ -124,6 +119,22 @@ std::vector<Scene> scenes_of(const Map& map, const Camera& given) {
   return scenes;
 }
 
+void find_sights(Scene& scene) {
+  for (ScenePoint& point : scene.points) {
+    point.error = 0;
+    point.seen.clear();
+  }
+  for (uint32_t v = 0; v < scene.views.size(); ++v) {
+    const SceneView& view = scene.views[v];
+    for (uint32_t k = 0; k < view.keypoints.size(); ++k) {
+      ScenePoint& point = scene.points[view.keypoints[k].point];
+      point.error += error_of(scene, view, view.keypoints[k]);
+      point.seen.push_back({v, k});
+    }
+  }
+  for (ScenePoint& point : scene.points) point.error /= std::max(1.0, static_cast<double>(point.seen.size()));
+}
+
 LeftOut keep_tracks(Scene& scene) {
   LeftOut left_out;
   std::vector<uint32_t> sights(scene.points.size());
@@ -138,9 +149,7 @@ LeftOut keep_tracks(Scene& scene) {
   for (size_t i = 0; i < scene.points.size(); ++i) {
     number[i] = static_cast<uint32_t>(points.size());
     if (sights[i] < 2) continue;
-    ScenePoint& point = points.emplace_back(std::move(scene.points[i]));
-    point.error = 0;
-    point.seen.clear();
+    points.push_back(std::move(scene.points[i]));
   }
   left_out.points = scene.points.size() - points.size();
   scene.points = std::move(points);

@@ -12,6 +12,7 @@
 
 #include "covis/core/time.h"
 #include "covis/geometry/camera.h"
+#include "covis/geometry/measurement.h"
 #include "covis/geometry/se3.h"
 #include "covis/map/map.h"
 #include "covis/types.h"
@@ -37,7 +38,10 @@ struct SceneView {
   std::string image;  // name of its image file, without a folder; empty: it has none (write_images())
   struct Keypoint {
     double u = 0, v = 0;
-    uint32_t point = 0;  // index into Scene::points
+    uint32_t point = 0;     // index into Scene::points
+    double scale = 1;       // pixels of its image that a pixel of its pyramid level is wide
+    Disparity disparity{};  // as the map's own camera has it
+    bool aligned = false;   // align_keypoints() found u and v
   };
   std::vector<Keypoint> keypoints;  // those that show a point
 };
@@ -62,6 +66,9 @@ struct Scene {
 // The submaps of a map, those with more key frames first; images are called by the serial of their key frame, in six
 // digits. Keypoints that lie outside the undistorted image are left out. `given`: the map's own camera as it was given.
 std::vector<Scene> scenes_of(const Map& map, const Camera& given);
+
+// Fills in the points' `seen` and `error` anew.
+void find_sights(Scene& scene);
 
 // How far an observation may lie from its point's projection: COLMAP's own bound (Mapper.filter_max_reproj_error).
 inline constexpr double kMaxObservationError = 4;  // pixels
