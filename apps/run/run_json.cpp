@@ -11,6 +11,7 @@ using nlohmann::json;
 
 json to_json(const LoopDrift& drift) {
   return {{"path_m", drift.path},
+          {"past_m", drift.past},
           {"correction_m", drift.distance},
           {"rotation_deg", drift.rotation_deg},
           {"scale", drift.scale}};

@@ -16,18 +16,20 @@ constexpr int kNeighbours = 5;        // key frames beside the current one that 
 
 }  // namespace
 
-double path_between(const Map& map, uint32_t submap, uint32_t serial_a, uint32_t serial_b) {
+Travel travel_between(const Map& map, uint32_t submap, uint32_t serial_a, uint32_t serial_b) {
   const auto [first, last] = std::minmax(serial_a, serial_b);
-  double path = 0;
-  std::optional<Eigen::Vector3d> before;
+  Travel travel;
+  std::optional<SE3> before;
   for (const KeyFrameId& id : map.key_frames(submap)) {
     const KeyFrame& key_frame = map.at(id);
     if (key_frame.serial < first || key_frame.serial > last) continue;
-    const Eigen::Vector3d centre = key_frame.T_cw.centre();
-    if (before) path += (centre - *before).norm();
-    before = centre;
+    if (before) {
+      travel.length += (key_frame.T_cw.centre() - before->centre()).norm();
+      travel.turned += so3_log(key_frame.T_cw.R() * before->R().transpose()).norm();
+    }
+    before = key_frame.T_cw;
   }
-  return path;
+  return travel;
 }
 
 double median_depth(const Loop& loop) {
@@ -51,7 +53,7 @@ LoopCandidate::LoopCandidate(const Map& map, KeyFrameId from, KeyFrameId to)
   for (size_t g = 0; g < place.group.size() && g < kGroupMatching; ++g) members.emplace_back(map, place.group[g]);
   for (const Neighbour& n : map.best_neighbours(from, kNeighbours)) neighbours.emplace_back(map, n.key_frame);
   if (map.at(from).submap == map.at(to).submap) {
-    path = path_between(map, map.at(from).submap, map.at(from).serial, map.at(to).serial);
+    travel = travel_between(map, map.at(from).submap, map.at(from).serial, map.at(to).serial);
   } else {
     relation = LoopRelation::other_submap;
   }

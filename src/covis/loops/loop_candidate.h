@@ -23,6 +23,15 @@ struct LoopPlace {
   LoopPlace(const Map& map, KeyFrameId id);
 };
 
+// The way along the key frames of a submap.
+struct Travel {
+  double length = 0;  // in the map's unit
+  double turned = 0;  // radians
+
+  // How far what is at this depth moved past the camera.
+  double past(double depth) const { return length + depth * turned; }
+};
+
 enum class LoopRelation { same_submap, other_submap };
 
 // Everything that verification reads of the map.
@@ -35,7 +44,7 @@ struct LoopCandidate {
   std::vector<KeyFrameView> members;                  // the first of the place's group
   std::vector<KeyFrameView> neighbours;               // the current key frame's best
   LoopPlace here;                                     // around the current key frame
-  double path = 0;                                    // travelled since the place, in the map's unit; same_submap alone
+  Travel travel;                                      // since the place; same_submap alone
 
   // Both key frames must live.
   LoopCandidate(const Map& map, KeyFrameId current, KeyFrameId place);
@@ -52,7 +61,7 @@ struct Loop {
 // The median depth of the points found again, in the unit of the place's map.
 double median_depth(const Loop& loop);
 
-// The way along the key frames of a submap between two serials, in the map's unit.
-double path_between(const Map& map, uint32_t submap, uint32_t serial_a, uint32_t serial_b);
+// That between the key frames of two serials.
+Travel travel_between(const Map& map, uint32_t submap, uint32_t serial_a, uint32_t serial_b);
 
 }  // namespace covis

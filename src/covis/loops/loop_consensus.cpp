@@ -38,7 +38,7 @@ bool LoopConsensus::confirms(const Map& map, KeyFrameId current, const Loop& cla
     if (earlier.submap != now.submap || earlier.serial == now.serial) return false;
     if (by == By::other_points && (earlier.by != by || same_points(earlier.points, now.points))) return false;
     const Sim3 difference = claim.S_cw * earlier.S_there_here * Sim3(key_frame.T_cw).inverse();
-    return opinions_agree(difference, path_between(map, now.submap, earlier.serial, now.serial), depth);
+    return opinions_agree(difference, travel_between(map, now.submap, earlier.serial, now.serial).length, depth);
   });
   if (claims_.size() == kKept) claims_.erase(claims_.begin());
   claims_.push_back(std::move(now));

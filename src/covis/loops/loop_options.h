@@ -13,8 +13,8 @@ struct LoopOptions {
   int min_inliers = 20;                 // that agree with a similarity
   int min_found = 40;                   // points of the old place found in the new view
   double min_found_share = 0.15;        // the same as a share of those in view
-  double max_drift = 0.1;               // greatest correction, as a share of the path travelled since (stereo, RGB-D)
-  double max_drift_mono = 0.3;          // the same, monocular
+  double max_drift = 0.1;               // greatest correction by how far the scene moved past since (stereo, RGB-D)
+  double max_drift_mono = 0.3;          // greatest correction, as a share of the path travelled since (monocular)
   double max_rotation = 45;             // greatest correction of orientation, degrees
   double max_scale = 3;                 // greatest change of scale, a factor
   int weak_link = 60;                   // points across a moment of the path below which it bounds no drift

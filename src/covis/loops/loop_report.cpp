@@ -49,8 +49,9 @@ std::string describe(const RefusedPlace& refused) {
                 e.found_again, e.in_view);
   std::string all = text;
   if (refused.drift) {
-    std::snprintf(text, sizeof text, ", correction %.3g of a path of %.3g, %.3g degrees, scale %.3g",
-                  refused.drift->distance, refused.drift->path, refused.drift->rotation_deg, refused.drift->scale);
+    std::snprintf(text, sizeof text, ", correction %.3g of a path of %.3g (%.3g with turns), %.3g degrees, scale %.3g",
+                  refused.drift->distance, refused.drift->path, refused.drift->past, refused.drift->rotation_deg,
+                  refused.drift->scale);
     all += text;
   }
   if (refused.link) all += ", weakest link of " + std::to_string(*refused.link) + " points";

@@ -47,8 +47,9 @@ struct LoopEvidence {
 
 // The drift that the loop takes out of the map.
 struct LoopDrift {
-  double path = 0;          // travelled since that place, in the map's unit
-  double distance = 0;      // between the key frame's place before and after, in the map's unit
+  double path = 0;      // travelled since that place, in the map's unit
+  double past = 0;      // how far the scene moved past the camera since, by the path and by turns, in the map's unit
+  double distance = 0;  // between the key frame's place before and after, in the map's unit
   double rotation_deg = 0;  // between its orientations
   double scale = 1;         // by which lengths near the key frame were too great
 };

@@ -23,10 +23,11 @@ TEST(LoopReport, ARefusalIsToldWithItsFigures) {
   EXPECT_EQ(describe(refused),
             "no loop to frame 17: drift too great (200 matches, 172 inliers, 230 both ways, 241 of 400 points found "
             "again)");
-  refused.drift = {.path = 512, .distance = 34.9, .rotation_deg = 12, .scale = 1};
+  refused.drift = {.path = 512, .past = 540, .distance = 34.9, .rotation_deg = 12, .scale = 1};
   refused.link = 40;
-  EXPECT_THAT(describe(refused), testing::EndsWith(", correction 34.9 of a path of 512, 12 degrees, scale 1, weakest "
-                                                   "link of 40 points"));
+  EXPECT_THAT(describe(refused),
+              testing::EndsWith(", correction 34.9 of a path of 512 (540 with turns), 12 degrees, scale 1, weakest "
+                                "link of 40 points"));
 }
 
 TEST(LoopReport, EvidenceKeepsTheGreaterNumbers) {

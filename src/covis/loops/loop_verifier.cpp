@@ -44,12 +44,14 @@ bool tied_already(const LoopCandidate& candidate, const std::vector<PointMatch>&
   return 2 * static_cast<size_t>(shared) > matches.size();
 }
 
-LoopDrift drift_of(const LoopCandidate& candidate, const Sim3& S_cw) {
+LoopDrift drift_of(const LoopCandidate& candidate, const Loop& loop) {
+  const Sim3& S_cw = loop.S_cw;
   LoopDrift drift{.scale = S_cw.scale()};
   if (candidate.relation == LoopRelation::other_submap) return drift;
   const SE3& before = candidate.current.T_cw;
   const SE3 corrected = S_cw.as_pose();
-  drift.path = candidate.path;
+  drift.path = candidate.travel.length;
+  drift.past = candidate.travel.past(S_cw.scale() * median_depth(loop));
   drift.distance = (corrected.centre() - before.centre()).norm();
   drift.rotation_deg = so3_log(corrected.R() * before.R().transpose()).norm() * 180 / std::numbers::pi;
   return drift;
@@ -91,10 +93,10 @@ LoopVerdict LoopVerifier::verify(const LoopCandidate& candidate) {
   if (tied_already(candidate, again->matches)) return refused(LoopRefusal::tied_already);
   if (monocular()) refine_on_views(candidate, S_cw);
 
-  verdict.drift = drift_of(candidate, S_cw);
-  const bool explained = elsewhere || drift_explains(*verdict.drift);
   Loop loop{candidate.place, candidate.relation, S_cw, {}};
   for (const auto& [feature, p] : again->matches) loop.matches.emplace_back(feature, candidate.place.points.id[p]);
+  verdict.drift = drift_of(candidate, loop);
+  const bool explained = elsewhere || drift_explains(*verdict.drift);
   if (!neighbours_agree(candidate, S_cw)) {
     // Those that come later may: the camera has only just turned to the place.
     if (!elsewhere && explained && seen_from_there(candidate, S_cw, 1)) verdict.claim = std::move(loop);
@@ -252,7 +254,9 @@ LoopVerifier::View LoopVerifier::look_for(const LoopPlace& place, const Pinhole&
 }
 
 bool LoopVerifier::drift_explains(const LoopDrift& drift) const {
-  return drift.distance <= options_.drift(sensor_) * drift.path && drift.rotation_deg <= options_.max_rotation &&
+  // By one camera the share is three times as great, and turns were not needed.
+  const double way = monocular() ? drift.path : drift.past;
+  return drift.distance <= options_.drift(sensor_) * way && drift.rotation_deg <= options_.max_rotation &&
          std::abs(std::log(drift.scale)) <= std::log(options_.max_scale);
 }
 

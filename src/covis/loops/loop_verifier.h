@@ -7,10 +7,10 @@
 //   3. the old place's points, projected by it, are found again: 40 at least, and a share of all that are in view; most
 //      of them not points the key frame has anyway,
 //   4. the neighbours of the key frame, moved along, find the old place's points too,
-//   5. the correction is one that drift can explain: a share of the path travelled since. What looks alike but is
-//      another place (the same poster on two walls, two equal rooms) fails here. What fails here alone is a claim, for
-//      LoopConsensus to judge, if it passes the tests of places in another submap; so is what fails test 4 alone, if
-//      the old place's views find the new one's points.
+//   5. the correction is one that drift can explain: a share of how far the scene moved past the camera since. What
+//      looks alike but is another place (the same poster on two walls, two equal rooms) fails here. What fails here
+//      alone is a claim, for LoopConsensus to judge, if it passes the tests of places in another submap; so is what
+//      fails test 4 alone, if the old place's views find the new one's points.
 // A place in another submap joins the two submaps. Their relation is unknown, so that no drift could explain it: tests
 // 3 and 4 ask for more instead, and the old place's views must find the new one's points as well. When saved maps are
 // merged, a view passes tests 3 and 4 also with a smaller share, where it shows as much as was seen from about there

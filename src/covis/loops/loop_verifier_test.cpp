@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "covis/loops/test_loop_scene.h"
 
 namespace covis {
@@ -63,6 +65,7 @@ TEST_F(LoopVerifierTest, ThePlaceSeenAgainIsALoop) {
   EXPECT_LT((verdict.loop->S_cw.as_pose() * truth.inverse()).log().norm(), 0.02) << "where the old place has it";
   ASSERT_TRUE(verdict.drift);
   EXPECT_NEAR(verdict.drift->path, 2 * std::numbers::pi * 2, 1);
+  EXPECT_GT(verdict.drift->past, verdict.drift->path);
   EXPECT_EQ(verdict.drift->scale, 1) << "known, with depth";
 }
 
@@ -115,7 +118,7 @@ TEST_F(LoopVerifierTest, NeighboursDisagree) {
 
 TEST_F(LoopVerifierTest, DriftTooGreat) {
   LoopCandidate near = candidate();
-  near.path = 0.5;
+  near.travel = {.length = 0.5};
   EXPECT_EQ(refusal(near), LoopRefusal::drift_too_great) << "so short a way makes no such drift";
   EXPECT_EQ(refusal(candidate(), {.max_rotation = 0.1}), LoopRefusal::drift_too_great);
   const LoopVerdict verdict = verify(near);
@@ -123,10 +126,28 @@ TEST_F(LoopVerifierTest, DriftTooGreat) {
   EXPECT_GT(verdict.drift->distance, 0.1);
 }
 
+// A camera that turns on the spot drifts as well: what it sees moves past it.
+TEST_F(LoopVerifierTest, TurnsMakeDriftAsPathsDo) {
+  LoopCandidate turned = candidate();
+  turned.travel = {.length = 0.5, .turned = 2 * std::numbers::pi};
+  EXPECT_EQ(refusal(turned), LoopRefusal::none);
+  const LoopVerdict verdict = verify(turned);
+  ASSERT_TRUE(verdict.drift);
+  EXPECT_EQ(verdict.drift->path, 0.5);
+  EXPECT_NEAR(verdict.drift->past, 0.5 + 2 * std::numbers::pi * median_depth(*verdict.loop), 1e-9);
+  turned.neighbours.clear();
+  EXPECT_EQ(verify(turned, {.max_drift_mono = 0.1}, Sensor::monocular).refusal, LoopRefusal::drift_too_great)
+      << "one camera: by the path alone";
+}
+
+TEST_F(LoopVerifierTest, TheWayAroundTheRingHasItsLengthAndOneTurn) {
+  EXPECT_NEAR(candidate().travel.turned, 2 * std::numbers::pi * (LoopScene::kSteps + 3) / LoopScene::kSteps, 0.7);
+}
+
 // A loop that no drift explains is a claim only with as much evidence as joining submaps needs.
 TEST_F(LoopVerifierTest, WithoutEnoughEvidenceAGreatDriftIsNoClaim) {
   LoopCandidate near = candidate();
-  near.path = 0.5;
+  near.travel = {.length = 0.5};
   EXPECT_TRUE(verify(near).claim);
   EXPECT_FALSE(verify(candidate()).claim) << "it is a loop";
   const int found = verify(near).evidence.found_again;
