@@ -54,6 +54,14 @@ Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& phi) {
   return Eigen::Matrix3d::Identity() + k.b * w + k.c * w * w;
 }
 
+SE3::SE3(const Eigen::Quaterniond& q, const Eigen::Vector3d& t) : R_(q.normalized().toRotationMatrix()), t_(t) {}
+
+Eigen::Quaterniond SE3::q() const { return Eigen::Quaterniond(R_).normalized(); }
+
+SE3 SE3::normalized() const { return {Eigen::Quaterniond(R_).normalized(), t_}; }
+
+bool SE3::all_finite() const { return R_.allFinite() && t_.allFinite(); }
+
 SE3 SE3::exp(const Vector6d& xi) {
   const Eigen::Vector3d rho = xi.head<3>(), phi = xi.tail<3>();
   return {so3_exp(phi), Eigen::Vector3d(so3_left_jacobian(phi) * rho)};

@@ -21,24 +21,25 @@ Eigen::Vector3d so3_log(const Eigen::Matrix3d& R);
 // J_l: so3_exp(phi + d) = so3_exp(J_l(phi) * d) * so3_exp(phi), for small d. It is also the V of SE(3)'s exp.
 Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& phi);
 
+// Whatever needs more of Eigen than products is in the source: this header is in nearly every other one.
 class SE3 {
  public:
   SE3() = default;  // the identity
   SE3(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) : R_(R), t_(t) {}
-  SE3(const Eigen::Quaterniond& q, const Eigen::Vector3d& t) : R_(q.normalized().toRotationMatrix()), t_(t) {}
+  SE3(const Eigen::Quaterniond& q, const Eigen::Vector3d& t);
 
   const Eigen::Matrix3d& R() const { return R_; }
   const Eigen::Vector3d& t() const { return t_; }
-  Eigen::Quaterniond q() const { return Eigen::Quaterniond(R_).normalized(); }  // w may be negative
-  Eigen::Vector3d centre() const { return -(R_.transpose() * t_); }             // camera centre O_w of a T_cw
+  Eigen::Quaterniond q() const;                                      // w may be negative
+  Eigen::Vector3d centre() const { return -(R_.transpose() * t_); }  // camera centre O_w of a T_cw
 
   SE3 operator*(const SE3& other) const { return {R_ * other.R_, R_ * other.t_ + t_}; }
   Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return R_ * p + t_; }
   SE3 inverse() const { return {Eigen::Matrix3d(R_.transpose()), Eigen::Vector3d(-(R_.transpose() * t_))}; }
 
   // Returns the same motion with R made orthonormal again (rounding errors grow over many products).
-  SE3 normalized() const { return {Eigen::Quaterniond(R_).normalized(), t_}; }
-  bool all_finite() const { return R_.allFinite() && t_.allFinite(); }
+  SE3 normalized() const;
+  bool all_finite() const;
 
   static SE3 exp(const Vector6d& xi);
   Vector6d log() const;

@@ -18,6 +18,21 @@ Eigen::Matrix3d tangent_matrix(const Eigen::Vector3d& phi, double sigma) {
 
 }  // namespace
 
+Sim3 Sim3::operator*(const Sim3& other) const {
+  return {R_ * other.R_, scale_ * (R_ * other.t_) + t_, scale_ * other.scale_};
+}
+
+Sim3 Sim3::inverse() const {
+  const Eigen::Matrix3d Rt = R_.transpose();
+  return {Rt, -(Rt * t_) / scale_, 1 / scale_};
+}
+
+SE3 Sim3::as_pose() const { return SE3(R_, Eigen::Vector3d(t_ / scale_)).normalized(); }
+
+Sim3 Sim3::normalized() const { return {Eigen::Quaterniond(R_).normalized().toRotationMatrix(), t_, scale_}; }
+
+bool Sim3::all_finite() const { return R_.allFinite() && t_.allFinite() && std::isfinite(scale_) && scale_ > 0; }
+
 Sim3 Sim3::exp(const Vector7d& xi) {
   const Eigen::Vector3d phi = xi.segment<3>(3);
   const Eigen::Matrix3d W = phi_function<3>(tangent_matrix(phi, xi(6)));

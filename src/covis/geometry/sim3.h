@@ -5,8 +5,6 @@
 // A.
 #pragma once
 
-#include <cmath>
-
 #include "covis/geometry/se3.h"
 
 namespace covis {
@@ -24,20 +22,15 @@ class Sim3 {
   const Eigen::Vector3d& t() const { return t_; }
   double scale() const { return scale_; }
 
-  Sim3 operator*(const Sim3& other) const {
-    return {R_ * other.R_, scale_ * (R_ * other.t_) + t_, scale_ * other.scale_};
-  }
+  Sim3 operator*(const Sim3& other) const;
   Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return scale_ * (R_ * p) + t_; }
-  Sim3 inverse() const {
-    const Eigen::Matrix3d Rt = R_.transpose();
-    return {Rt, -(Rt * t_) / scale_, 1 / scale_};
-  }
+  Sim3 inverse() const;
 
   // The rigid camera pose that is equivalent to this similarity: a camera sees the same pixels when its world is
   // scaled, so [s R, t] and [R, t / s] are the same view.
-  SE3 as_pose() const { return SE3(R_, Eigen::Vector3d(t_ / scale_)).normalized(); }
-  Sim3 normalized() const { return {Eigen::Quaterniond(R_).normalized().toRotationMatrix(), t_, scale_}; }
-  bool all_finite() const { return R_.allFinite() && t_.allFinite() && std::isfinite(scale_) && scale_ > 0; }
+  SE3 as_pose() const;
+  Sim3 normalized() const;
+  bool all_finite() const;
 
   static Sim3 exp(const Vector7d& xi);
   Vector7d log() const;
