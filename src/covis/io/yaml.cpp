@@ -5,6 +5,7 @@
 #include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
+#include <optional>
 #include <sstream>
 #include <string_view>
 
@@ -14,6 +15,59 @@ namespace covis::io {
 namespace {
 
 constexpr size_t kMostNumbers = 1000;  // a list's: aliases make long lists of short files
+
+// Takes where a document begins, and nothing else of it.
+class Beginning : public YAML::EventHandler {
+ public:
+  const std::optional<YAML::Mark>& mark() const { return mark_; }
+  bool is_empty() const { return is_empty_; }
+
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { take(mark, true); }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t, const std::string&) override { take(mark); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { take(mark); }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    take(mark);
+  }
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+    take(mark);
+  }
+  void OnMapEnd() override {}
+
+ private:
+  void take(const YAML::Mark& mark, bool is_empty = false) {
+    if (mark_) return;
+    mark_ = mark;
+    is_empty_ = is_empty;
+  }
+
+  std::optional<YAML::Mark> mark_;
+  bool is_empty_ = false;
+};
+
+class SecondDocument : public YAML::Exception {
+ public:
+  using YAML::Exception::Exception;
+};
+
+// The only document of the text, but for empty ones. YAML::LoadAll would never end where no value can begin (","
+// alone): yaml-cpp makes an empty document of that, stays where it is, and makes another.
+YAML::Node only_document(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  std::optional<YAML::Mark> before;
+  while (true) {
+    Beginning document;
+    if (!parser.HandleNextDocument(document) || !document.mark()) return YAML::Load(text);
+    const YAML::Mark mark = *document.mark();
+    if (before && before->pos == mark.pos) throw YAML::ParserException(mark, "no value begins like this");
+    if (before && !document.is_empty())
+      throw SecondDocument(mark, "a second document begins here (after ---); one is expected");
+    before = mark;
+  }
+}
 
 // Looks for an alias within the node that it stands for: YAML::Node would be endless.
 class Aliases : public YAML::EventHandler {
@@ -73,6 +127,8 @@ auto parsed(const std::filesystem::path& file, Parse parse) -> Result<decltype(p
     return parse(*text);
   } catch (const YAML::DeepRecursion& error) {
     return fail(place(error.mark.line + 1) + ": not YAML that can be read: it is nested too deep");
+  } catch (const SecondDocument& error) {
+    return fail(place(error.mark.line + 1) + ": " + error.msg);
   } catch (const YAML::Exception& error) {
     return fail(place(error.mark.line + 1) + ": not YAML: " + error.msg);
   }
@@ -102,15 +158,7 @@ Result<YAML::Node> load_yaml(const std::filesystem::path& file) {
   return parsed(file, [](const std::string& text) { return YAML::Load(text); });
 }
 
-Result<YAML::Node> load_only_yaml(const std::filesystem::path& file) {
-  const auto documents = parsed(file, [](const std::string& text) { return YAML::LoadAll(text); });
-  if (!documents) return tl::unexpected(documents.error());
-  for (size_t k = 1; k < documents->size(); ++k) {
-    if (!(*documents)[k].IsNull())
-      return fail(yaml_place(file, (*documents)[k]) + ": a second document begins here (after ---); one is expected");
-  }
-  return documents->empty() ? YAML::Node() : documents->front();
-}
+Result<YAML::Node> load_only_yaml(const std::filesystem::path& file) { return parsed(file, only_document); }
 
 std::string yaml_place(const std::filesystem::path& file, const YAML::Node& node) {
   return file.string() + ":" + std::to_string(node.Mark().line + 1);

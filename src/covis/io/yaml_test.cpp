@@ -73,6 +73,15 @@ TEST_F(Yaml, ASecondDocumentIsRefusedWhereOneIsExpected) {
 }
 
 // Files that OpenCV writes begin so.
+// yaml-cpp makes one empty document after the other of it, without end.
+TEST_F(Yaml, WhereNoValueCanBeginReadingEnds) {
+  write("comma.yaml", ",width: 64\n");
+  EXPECT_THAT(load_only_yaml(folder / "comma.yaml").error().message,
+              HasSubstr("comma.yaml:1: not YAML: no value begins"));
+  write("later.yaml", "width: 64\n%%\n,1\n");
+  EXPECT_THAT(load_only_yaml(folder / "later.yaml").error().message, HasSubstr("later.yaml:3: "));
+}
+
 TEST_F(Yaml, ADirectiveOfOpenCvIsNoError) {
   write("a.yaml", "%YAML:1.0\n---\none: 1\n");
   const auto loaded = load_yaml(folder / "a.yaml");
