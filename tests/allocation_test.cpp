@@ -71,7 +71,7 @@ TEST(AllocationsOfNonsense, DepthThatContradictsTheMapMakesNoneEither) {
     const long own_made = own_allocations - own;
     if (i < kWarmUp || report.track.key_frame) continue;
     ++counted;
-    EXPECT_GT(report.track.depth_contradiction, 0) << "frame " << i;
+    EXPECT_GT(report.track.doubts.depth_contradiction, 0) << "frame " << i;
     EXPECT_LE(own_made, report.mapping.empty() ? 0 : 1) << "frame " << i;
   }
   EXPECT_GT(counted, 10);

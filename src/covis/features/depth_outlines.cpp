@@ -2,6 +2,7 @@
 #include "covis/features/depth_outlines.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -13,7 +14,7 @@ constexpr size_t kEvery = 4, kFrames = 5;  // frames between those looked at; of
 constexpr int kHere = 3;                   // cells that count as no displacement
 constexpr int kLeastX = 8, kLeastY = 6;    // cells: a displacement is more than either
 constexpr int kMostX = 24, kMostY = 18;    // cells: those looked at
-constexpr int kFlipped = 2;                // cells by which a mirrored image may be off
+constexpr int kOff = 2;                    // cells by which a mirrored or scaled image may be off
 constexpr int kLanes = 8;                  // sums of a register
 constexpr int kMargin = kMostX + kLanes;   // cells around the edges
 constexpr float kLeastStep = 1.13f;        // factor of depth across two cells that makes an outline
@@ -22,6 +23,9 @@ constexpr int32_t kMostEdge = 127;
 constexpr int32_t kUnit = 8;          // a grey level
 constexpr int32_t kGrey = 4 * kUnit;  // gradients that noise makes
 constexpr int kSurroundings = 5;      // cells to each side
+
+// A depth camera's view may be narrower or wider than the image's. Nearer to 1 the middle of the image fits as it is.
+constexpr std::array kScales{0.5f, 0.56f, 0.63f, 0.71f, 0.79f, 1.26f, 1.41f, 1.59f, 1.78f, 2.0f};
 
 constexpr double kTimesBetter = 2, kLeastFit = 8, kNoFit = 3;
 
@@ -57,15 +61,16 @@ void DepthOutlines::start(ImageView<const uint8_t> image) {
   around_.resize(static_cast<size_t>(width_));
   edge_.resize(static_cast<size_t>(stride_ * (height_ + 2 * kMargin)));
   outlines_.reserve(cells);
-  const auto add = [this](bool flip_x, bool flip_y, int reach_x, int reach_y) {
-    Displacements all{flip_x, flip_y, reach_x, reach_y, (2 * reach_x / kLanes + 1) * kLanes, {}, {}};
+  const auto add = [this](float scale_x, float scale_y, int reach_x, int reach_y) {
+    Displacements all{scale_x, scale_y, reach_x, reach_y, (2 * reach_x / kLanes + 1) * kLanes, {}, {}};
     all.total.resize(static_cast<size_t>(all.columns * (2 * reach_y + 1)));
     all.sums.resize(all.total.size());
     displacements_.push_back(std::move(all));
   };
-  add(false, false, kMostX, kMostY);
-  for (const auto& [flip_x, flip_y] : {std::pair(true, false), std::pair(false, true), std::pair(true, true)})
-    add(flip_x, flip_y, kFlipped, kFlipped);
+  add(1, 1, kMostX, kMostY);
+  for (const auto& [x, y] : {std::pair(-1.0f, 1.0f), std::pair(1.0f, -1.0f), std::pair(-1.0f, -1.0f)})
+    add(x, y, kOff, kOff);
+  for (const float scale : kScales) add(scale, scale, kOff, kOff);
 }
 
 void DepthOutlines::find_outlines(ImageView<const float> depth) {
@@ -163,8 +168,13 @@ void DepthOutlines::find_edges() {
 
 void DepthOutlines::fit(Displacements& all) {
   std::fill(all.sums.begin(), all.sums.end(), int16_t{0});
+  const auto scaled = [](int cell, float scale, int cells) {
+    const float middle = 0.5f * static_cast<float>(cells - 1);
+    return static_cast<int>(std::lround(middle + scale * (static_cast<float>(cell) - middle)));
+  };
   for (const Outline& o : outlines_) {
-    const int x = all.flip_x ? width_ - 1 - o.x : o.x, y = all.flip_y ? height_ - 1 - o.y : o.y;
+    const int x = scaled(o.x, all.scale_x, width_), y = scaled(o.y, all.scale_y, height_);
+    if (x < 0 || x >= width_ || y < 0 || y >= height_) continue;
     const int16_t* edge = edge_.data() + (y + kMargin - all.reach_y) * stride_ + x + kMargin - all.reach_x;
     int16_t* __restrict sums = all.sums.data();
     for (int dy = -all.reach_y; dy <= all.reach_y; ++dy, edge += stride_, sums += all.columns) {
@@ -180,13 +190,13 @@ OutlineFit DepthOutlines::answer() {
   OutlineFit found;
   const double sigma = std::sqrt(std::max(1.0, variance_));
   for (Displacements& all : displacements_) {
-    const bool flipped = all.flip_x || all.flip_y;
+    const bool changed = all.scale_x != 1 || all.scale_y != 1;
     for (int dy = -all.reach_y; dy <= all.reach_y; ++dy) {
       const int32_t* total = all.total.data() + (dy + all.reach_y) * all.columns + all.reach_x;
       for (int dx = -all.reach_x; dx <= all.reach_x; ++dx) {
         const int far_x = std::abs(dx), far_y = std::abs(dy);
-        const bool here = !flipped && far_x <= kHere && far_y <= kHere;
-        const bool elsewhere = flipped || far_x > kLeastX || far_y > kLeastY;
+        const bool here = !changed && far_x <= kHere && far_y <= kHere;
+        const bool elsewhere = changed || far_x > kLeastX || far_y > kLeastY;
         if (here) found.here = std::max(found.here, total[dx] / sigma);
         if (elsewhere) found.elsewhere = std::max(found.elsewhere, total[dx] / sigma);
       }

@@ -18,8 +18,9 @@
 namespace covis {
 
 struct OutlineFit {
-  double here = 0;       // the best fit within 4 % of the image's width
-  double elsewhere = 0;  // the best fit displaced by more than 10 %, mirrored, upside down or turned round
+  double here = 0;  // the best fit within 4 % of the image's width
+  // The best fit displaced by more than 10 %, mirrored, upside down, turned round or another size by a quarter or more.
+  double elsewhere = 0;
 
   // True when depth belongs elsewhere: more than twice as good, and more than chance gives in any scene.
   bool is_displaced() const;
@@ -36,9 +37,10 @@ class DepthOutlines {
   struct Outline {
     int x = 0, y = 0;  // cells
   };
-  // The outlines as they are or mirrored along x, y or both, displaced by up to reach_x and reach_y cells.
+  // The outlines scaled around the middle of the image, mirrored where a scale is negative, and displaced by up to
+  // reach_x and reach_y cells.
   struct Displacements {
-    bool flip_x = false, flip_y = false;
+    float scale_x = 1, scale_y = 1;
     int reach_x = 0, reach_y = 0;
     int columns = 0;             // displacements side by side, and some more to fill registers
     std::vector<int16_t> sums;   // edges under the outlines of this frame

@@ -84,6 +84,10 @@ TEST(DepthOutlines, DepthThatBelongsElsewhereIsDisplaced) {
   EXPECT_TRUE(displaced([](int x, int y) { return std::pair(x, kImageHeight - 1 - y); })) << "upside down";
   EXPECT_TRUE(displaced([](int x, int y) { return std::pair(kImageWidth - 1 - x, kImageHeight - 1 - y); }))
       << "turned round";
+  EXPECT_TRUE(displaced([](int x, int y) { return std::pair(kImageWidth / 4 + x / 2, kImageHeight / 4 + y / 2); }))
+      << "twice as large";
+  EXPECT_TRUE(displaced([](int x, int y) { return std::pair(160 + (x - 160) * 8 / 5, 120 + (y - 120) * 8 / 5); }))
+      << "the wider view of a depth camera that is not registered";
 }
 
 TEST(DepthOutlines, DepthWithoutOutlinesSaysNothing) {

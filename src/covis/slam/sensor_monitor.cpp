@@ -51,6 +51,8 @@ std::string_view name(SensorDoubt doubt) {
       return "depth_against_map";
     case SensorDoubt::depth_displaced:
       return "depth_displaced";
+    case SensorDoubt::images_torn:
+      return "images_torn";
   }
   return "";
 }
@@ -99,8 +101,14 @@ std::string describe(const SensorWarning& warning, Sensor sensor) {
           warning.figure);
     case SensorDoubt::depth_displaced:
       return text(
-          "outlines of depth do not lie where the image has edges, and fit them %.1f times better shifted, mirrored or "
-          "turned: is depth registered to the image, and the same way up?",
+          "outlines of depth do not lie where the image has edges, and fit them %.1f times better shifted, mirrored, "
+          "turned or scaled: is depth registered to the image, and the same way up?",
+          warning.figure);
+    case SensorDoubt::images_torn:
+      return text(
+          "some rows of the images show known things far from where the others have them (%.0f frames in a row): does "
+          "a "
+          "cable, a buffer or a driver lose data? Nothing is mapped from such frames",
           warning.figure);
   }
   return {};
@@ -200,6 +208,13 @@ void SensorMonitor::add_map_comparison(int64_t frame, double contradiction) {
   int& contradictions = in_a_row_.contradictions;
   contradictions = contradiction > 0 ? contradictions + 1 : 0;
   judge(SensorDoubt::depth_against_map, contradictions >= kInARow, contradiction, frame);
+}
+
+void SensorMonitor::add_rows(int64_t frame, Rows rows) {
+  constexpr int kInARow = 2;
+  int& torn = in_a_row_.torn;
+  torn = rows == Rows::displaced ? torn + 1 : 0;
+  judge(SensorDoubt::images_torn, torn >= kInARow, torn, frame);
 }
 
 // A wrong scale alone leaves poses right up to it, and few depths those that the images tell.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Watches whether the depth of a stereo pair or a depth camera can be believed, by figures that are at hand: what the
-// features of each frame have, and what comparisons with the motion of the images say (mapping/depth_against_motion.h).
-// It changes nothing. While doubts() holds, poses count as tentative; while doubts_depth() holds, neither the noise of
-// depth nor the focal length is estimated.
+// Watches whether images, and the depth of a stereo pair or a depth camera, can be believed, by figures that are at
+// hand: what the features of each frame have, and what comparisons with the motion of the images say
+// (mapping/depth_against_motion.h). It changes nothing. While doubts() holds, poses count as tentative; while
+// doubts_depth() holds, neither the noise of depth nor the focal length is estimated.
 #pragma once
 
 #include <algorithm>
@@ -30,8 +30,9 @@ enum class SensorDoubt {
   depth_against_motion,  // DepthAgainstMotion::error()
   depth_against_map,     // DepthAgainstMap::error
   depth_displaced,       // RGB-D; OutlineFit::ratio()
+  images_torn,           // any camera; the number of torn frames in a row (torn_image.h)
 };
-constexpr size_t kSensorDoubts = 8;
+constexpr size_t kSensorDoubts = 9;
 std::string_view name(SensorDoubt doubt);
 
 struct SensorWarning {
@@ -55,10 +56,13 @@ class SensorMonitor {
   // Each frame of a depth camera.
   void add_images(int64_t frame, ImageView<const uint8_t> image, ImageView<const float> depth);
   void add_outlines(int64_t frame, const OutlineFit& fit);
-  // For each frame TrackFigures::depth_contradiction.
+  // For each frame FrameDoubts::depth_contradiction.
   void add_map_comparison(int64_t frame, double contradiction);
+  // For each frame FrameDoubts::torn.
+  enum class Rows { in_place, displaced };
+  void add_rows(int64_t frame, Rows rows);
   // True while poses are not to be relied on: any doubt but a wrong scale, few depths of a depth camera, and depth that
-  // contradicts the map, for which tracking itself calls poses tentative.
+  // contradicts the map or torn images, for which tracking itself calls poses tentative.
   bool doubts() const;
   // True while depth contradicts the images.
   bool doubts_depth() const { return holds(SensorDoubt::depth_against_motion) || holds(SensorDoubt::depth_displaced); }
@@ -112,6 +116,7 @@ class SensorMonitor {
   struct InARow {
     int contradictions = 0;  // frames whose depth contradicts the map
     int displaced = 0;       // answers that depth is displaced
+    int torn = 0;            // frames
   };
   InARow in_a_row_;
   DepthOutlines outlines_;

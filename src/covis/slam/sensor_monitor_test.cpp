@@ -226,6 +226,20 @@ TEST(SensorMonitor, DepthThatContradictsTheMapIsToldAfterFiveFrames) {
   EXPECT_FALSE(monitor.doubts()) << "tracking itself calls these poses tentative";
 }
 
+TEST(SensorMonitor, TornImagesAreToldAfterTwoInARow) {
+  using Rows = SensorMonitor::Rows;
+  SensorMonitor monitor(Sensor::monocular);
+  for (const Rows rows : {Rows::displaced, Rows::in_place, Rows::displaced}) monitor.add_rows(0, rows);
+  EXPECT_TRUE(monitor.take_warnings().empty());
+  monitor.add_rows(3, Rows::displaced);
+  const auto warnings = monitor.take_warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].doubt, SensorDoubt::images_torn);
+  EXPECT_EQ(warnings[0].frame, 3);
+  EXPECT_THAT(describe(warnings[0], Sensor::monocular), HasSubstr("2 frames in a row"));
+  EXPECT_FALSE(monitor.doubts()) << "tracking itself calls these poses tentative";
+}
+
 TEST(SensorMonitor, DisplacedDepthIsDoubtedAfterTwoAnswersAndUntilOneIsGood) {
   const OutlineFit good{20, 8}, displaced{4, 20};
   SensorMonitor monitor(Sensor::rgbd);

@@ -307,7 +307,9 @@ void System::discard(uint32_t submap) {
 
 // Poses that follow from depth which is not to be believed are tentative at best.
 void System::watch_sensor(int64_t frame, FrameReport& report) {
-  monitor_.add_map_comparison(frame, report.track.depth_contradiction);
+  monitor_.add_map_comparison(frame, report.track.doubts.depth_contradiction);
+  using Rows = SensorMonitor::Rows;
+  monitor_.add_rows(frame, report.track.doubts.torn ? Rows::displaced : Rows::in_place);
   report.warnings = take_warnings();
   if (report.track.state == TrackingState::tracking) report.track.tentative |= monitor_.doubts();
 }

@@ -11,7 +11,8 @@
 namespace covis {
 namespace {
 
-constexpr int kFewPoints = 30, kManyPoints = 100, kPointsToAgree = 10;
+constexpr int kFewestPoints = 15, kFewPoints = 30, kManyPoints = 100, kPointsToAgree = 10;
+constexpr double kErrorOfFewest = 0.3;
 constexpr double kErrorOfFew = 0.09, kErrorOfMany = 0.045, kSuspicious = 0.03, kAgreeing = 0.02;
 constexpr double kMostSigmas = 3, kUsualSigmas = 1.5;  // right depth has 0.67
 
@@ -37,9 +38,10 @@ void for_each_depth(const TrackedFrame& frame, const Features& measured, const P
 
 }  // namespace
 
+// The fewer points, the more has to be wrong: some may be wrong matches.
 bool DepthAgainstMap::contradicts() const {
-  if (points < kFewPoints || sigmas <= kMostSigmas) return false;
-  return error > (points < kManyPoints ? kErrorOfFew : kErrorOfMany);
+  if (points < kFewestPoints || sigmas <= kMostSigmas) return false;
+  return error > (points < kFewPoints ? kErrorOfFewest : points < kManyPoints ? kErrorOfFew : kErrorOfMany);
 }
 
 bool DepthAgainstMap::agrees() const {

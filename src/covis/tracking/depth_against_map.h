@@ -62,7 +62,7 @@ class DepthBelief {
   // A submap begins with the depth of this moment. Where that contradicted the map just before, nobody knows yet which
   // which was wrong; not so where the camera was lost meanwhile.
   void begin(Timestamp stamp);
-  // The frame has its pose. Returns TrackFigures::depth_contradiction. A contradiction lasts until the depth of some
+  // The frame has its pose. Returns FrameDoubts::depth_contradiction. A contradiction lasts until the depth of some
   // frames in a row agrees.
   double judge(const TrackedFrame& frame, const Pinhole& camera);
   void judge(const DepthAgainstMap& found, Timestamp stamp);

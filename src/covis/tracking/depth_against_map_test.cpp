@@ -94,21 +94,24 @@ TEST_F(DepthAgainstMapTest, AFewWrongDepthsAreNoContradiction) {
 
 TEST_F(DepthAgainstMapTest, FewDepthsSayNothing) {
   int n = 0;
-  const DepthAgainstMap found = with([&](float z) { return n++ < 20 ? 2 * z : 0; });
-  EXPECT_EQ(found.points, 20);
+  const DepthAgainstMap found = with([&](float z) { return n++ < 14 ? 2 * z : 0; });
+  EXPECT_EQ(found.points, 14);
   EXPECT_FALSE(found.contradicts());
   EXPECT_FALSE(found.agrees());
 }
 
 TEST_F(DepthAgainstMapTest, FewerDepthsHaveToContradictMore) {
   camera.bf = 400;
-  const auto of_fifty = [&](float factor) {
+  const auto of = [&](int count, float factor) {
     int n = 0;
-    return with([&](float z) { return n++ < 50 ? factor * z : 0; });
+    return with([&](float z) { return n++ < count ? factor * z : 0; });
   };
+  const auto of_fifty = [&](float factor) { return of(50, factor); };
   EXPECT_TRUE(with([](float z) { return z * 1.06f; }).contradicts());
   EXPECT_FALSE(of_fifty(1.06f).contradicts());
   EXPECT_TRUE(of_fifty(1.12f).contradicts());
+  EXPECT_FALSE(of(20, 1.12f).contradicts());
+  EXPECT_TRUE(of(20, 1.5f).contradicts());
 }
 
 // Half a pixel of disparity is 5 % of the depth at 1 m here.

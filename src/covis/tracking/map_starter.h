@@ -50,6 +50,10 @@ class MapStarter {
   };
   // `reference`: the last key frame the camera was at; `live`: null while the map may not be read.
   Loss lose(Timestamp stamp, KeyFrameId reference, const SharedMap* live);
+  // A camera that is lost now has been lost since this moment.
+  void lost_since(Timestamp stamp) {
+    if (!lost_since_) lost_since_ = stamp;
+  }
   // True when a submap may be begun beside others.
   bool may_begin_beside() const { return settings_.begins_new_maps && settings_.options.new_map_after > 0; }
   // A frame has its pose. Settled: its place is not tentative.

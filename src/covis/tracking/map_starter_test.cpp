@@ -195,6 +195,16 @@ TEST_F(LostForLongTest, ATentativePlaceDoesNotStopTheTime) {
   EXPECT_EQ(lose_at(starter, 12), Step::begin_submap) << "the place proved wrong: it was lost all the time";
 }
 
+TEST_F(LostForLongTest, ALossIsCountedFromWhenNothingWasSeenAnyMore) {
+  MapStarter starter(settings_of(Sensor::rgbd));
+  starter.lost_since(from_seconds(8));
+  EXPECT_EQ(lose_at(starter, 10), Step::begin_submap) << "no frame came for two seconds";
+  starter.begun();
+  EXPECT_EQ(lose_at(starter, 20), Step::search);
+  starter.lost_since(from_seconds(18));
+  EXPECT_EQ(lose_at(starter, 21), Step::search) << "it is lost since 20";
+}
+
 TEST_F(LostForLongTest, NoneIsBegunThatCouldNeverBeJoined) {
   MapStarter::Settings settings = settings_of(Sensor::rgbd);
   settings.begins_new_maps = false;

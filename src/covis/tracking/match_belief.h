@@ -21,6 +21,11 @@ class MatchBelief {
     return share >= kOfUsual * usual_local_ || figures.first_share >= kOfUsual * usual_first_ ||
            (images_agree && share >= kOfUsualConfirmed * usual_local_);
   }
+  // True when clearly fewer points agree than usual.
+  bool is_short(const TrackFigures& figures) const {
+    constexpr double kOfUsual = 0.85;
+    return local_share(figures) < kOfUsual * usual_local_;
+  }
   // The frame's pose is believed.
   void accept(const TrackFigures& figures) {
     learn(usual_local_, local_share(figures));

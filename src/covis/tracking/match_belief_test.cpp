@@ -29,6 +29,13 @@ TEST(MatchBelief, MatchesByChanceAreNotBelieved) {
   EXPECT_FALSE(belief.explains_view(seen(0.05, 0.0), true)) << "not even when the images agree";
 }
 
+TEST(MatchBelief, FewerMatchesThanUsualAreNoticed) {
+  MatchBelief belief;
+  for (int i = 0; i < 100; ++i) belief.accept(seen(0.6, 0.55));
+  EXPECT_FALSE(belief.is_short(seen(0.55, 0.1)));
+  EXPECT_TRUE(belief.is_short(seen(0.4, 0.55)));
+}
+
 TEST(MatchBelief, ABlurredImageIsBelievedWhenTheImagesAgree) {
   MatchBelief belief;
   for (int i = 0; i < 50; ++i) belief.accept(seen(0.43, 0.44));

@@ -11,12 +11,15 @@ void MotionModel::rescale(double growth) {
   if (motion_) motion_->T_21 = SE3(motion_->T_21.R(), Eigen::Vector3d(growth * motion_->T_21.t()));
 }
 
+bool MotionModel::is_pause(Timestamp elapsed) const {
+  constexpr double kPause = 5;  // times the step before: after a longer pause the camera may have gone anywhere
+  return motion_ && std::abs(static_cast<double>(elapsed)) > kPause * std::abs(static_cast<double>(motion_->elapsed));
+}
+
 std::optional<SE3> MotionModel::predict(Timestamp elapsed) const {
   constexpr double kJitter = 1.4;  // a smaller ratio of times is jitter of the stamps, and not frames left out
-  constexpr double kPause = 5;     // after a longer pause the camera may have gone anywhere
-  if (!motion_) return std::nullopt;
+  if (!motion_ || is_pause(elapsed)) return std::nullopt;
   const double times = static_cast<double>(elapsed) / static_cast<double>(motion_->elapsed);
-  if (std::abs(times) > kPause) return std::nullopt;
   return times < kJitter && times > 1 / kJitter ? motion_->T_21 : SE3::exp(times * motion_->T_21.log());
 }
 

@@ -21,6 +21,8 @@ class MotionModel {
   void rescale(double growth);
   // T_21 of the camera after this time. Without a motion, or after a pause, there is no prediction.
   std::optional<SE3> predict(Timestamp elapsed) const;
+  // True when frames did not come for so long that nothing can be predicted from the motion before.
+  bool is_pause(Timestamp elapsed) const;
   // The motion to the same camera centre as T_21's, but with another rotation.
   static SE3 turned(const SE3& T_21, const Eigen::Matrix3d& R_21) { return {R_21, -(R_21 * T_21.inverse().t())}; }
 

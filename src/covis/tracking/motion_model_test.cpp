@@ -53,7 +53,10 @@ TEST_F(MotionModelTest, HalfTheTimeIsHalfTheWay) {
 }
 
 TEST_F(MotionModelTest, AfterAPauseTheCameraMayBeAnywhere) {
+  EXPECT_FALSE(motion.is_pause(100 * kFrame)) << "nothing is known of its frames";
   motion.observe(T_21, kFrame);
+  EXPECT_FALSE(motion.is_pause(5 * kFrame));
+  EXPECT_TRUE(motion.is_pause(5 * kFrame + 1));
   EXPECT_TRUE(motion.predict(5 * kFrame));
   EXPECT_FALSE(motion.predict(5 * kFrame + 1));
   EXPECT_TRUE(motion.predict(kFrame)) << "asking changes nothing";

@@ -53,6 +53,8 @@ class PlaceCheck {
   void follow(const SE3& T_cw, uint32_t submap, double growth);
 
   bool tentative() const { return jump_.has_value(); }
+  // The stamp of the frame with which the camera came to its tentative place.
+  std::optional<Timestamp> tentative_since() const { return jump_ ? std::optional(jump_->stamp) : std::nullopt; }
   // The frame from which on poses are to be taken back, reported once.
   std::optional<int64_t> take_retraction();
 

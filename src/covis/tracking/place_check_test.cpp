@@ -125,11 +125,13 @@ TEST_F(TentativePlaceTest, AQuickTurnIsAJump) {
 TEST_F(TentativePlaceTest, TheFirstPlaceIsTentativeForASecond) {
   find(7, 3.0, 0, Arrival::relocalised);
   EXPECT_TRUE(place.tentative());
+  EXPECT_EQ(place.tentative_since(), from_seconds(3.0));
   find(8, 3.5, 0.1);
   find(9, 3.9, 0.2);
   EXPECT_TRUE(place.tentative());
   find(10, 4.0, 0.3);
   EXPECT_FALSE(place.tentative());
+  EXPECT_FALSE(place.tentative_since());
   place.lose();
   EXPECT_FALSE(place.take_retraction()) << "settled places stay";
 }

@@ -12,6 +12,7 @@
 #include "covis/tracking/frame_matcher.h"
 #include "covis/tracking/local_map.h"
 #include "covis/tracking/place_check.h"
+#include "covis/tracking/torn_image.h"
 #include "covis/tracking/track_result.h"
 
 namespace covis {
@@ -22,6 +23,7 @@ struct PoseSearch {
   LocalMap local_map;
   ExpectedView view;
   PlaceCheck place;
+  TornImage torn;
   std::vector<MapPointId> matched;  // work space of update_local_map()
 
   PoseSearch(const RecoveryOptions& options, Subject subject) : place(options, subject) {}

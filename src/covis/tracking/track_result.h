@@ -56,6 +56,15 @@ struct TrackTimes {
   double pose = 0;          // last pose optimisation
 };
 
+// The parts of a frame that are not to be believed. While there is one its pose is tentative.
+struct FrameDoubts {
+  // DepthAgainstMap::error where depth contradicts the map, so that the pose is of the image alone; 0: it does not.
+  double depth_contradiction = 0;
+  bool torn = false;  // some rows of the image are displaced (torn_image.h): nothing is mapped from it
+
+  bool any() const { return torn || depth_contradiction > 0; }
+};
+
 // The figures of tracking one frame.
 struct TrackFigures {
   TrackMethod method = TrackMethod::none;
@@ -67,9 +76,8 @@ struct TrackFigures {
   double local_expected = 0;  // how many of those are expected to match
   int inliers = 0;            // map points that agree with the pose
   bool tentative = false;     // the camera jumped here less than a second ago: the pose may be taken back; or below
-  double depth_contradiction = 0;  // DepthAgainstMap::error where depth contradicts the map, so that the pose is of the
-                                   // image alone; 0: it does not
-  bool key_frame = false;          // a key frame was asked for
+  FrameDoubts doubts;
+  bool key_frame = false;  // a key frame was asked for
   TrackTimes ms;
 };
 

@@ -58,7 +58,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
     if (!found) lose(outcome, live);
     outcome.retract_from = search_.place.take_retraction();
     if (found) {
-      result.depth_contradiction = depth_.judge(current_, search_.camera);
+      result.doubts.depth_contradiction = depth_.judge(current_, search_.camera);
       if (depth_.blames_map(stamp) && starter_.may_begin_beside() && settings_.mode == TrackingMode::mapping)
         begin_submap(outcome);
     }
@@ -71,7 +71,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       } else {
         backlog_.keep_for_now(current_);
       }
-      const bool sure = !search_.place.tentative() &&
+      const bool sure = !search_.place.tentative() && !result.doubts.torn &&
                         (!health_.recovered_lately(current_.stamp) || result.method == TrackMethod::motion_model);
       if (sure && settings_.mode == TrackingMode::mapping &&
           key_frames_.is_due(current_, result.inliers, search_.local_map, search_.camera, mapping.load)) {
@@ -131,6 +131,10 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
     result.reason = NoPoseReason::little_of_view_explained;
     return false;
   }
+  const bool is_short = belief_.is_short(result);
+  if (!is_short) search_.torn.whole();
+  result.doubts.torn =
+      is_short && search_.torn.judge(search_.local_map, search_.view.points(), current_, search_.camera);
   const bool tentative = search_.place.tentative();
   if (tentative && !well_determined(current_.information, current_.mean_depth(), search_.camera)) {
     result.reason = NoPoseReason::pose_uncertain;
@@ -181,7 +185,7 @@ void Tracker::accept(TrackResult& result) {
     motion_.reset();
   }
   state_ = TrackingState::tracking;
-  if (result.method != TrackMethod::dead_reckoned) belief_.accept(result);
+  if (result.method != TrackMethod::dead_reckoned && !result.doubts.torn) belief_.accept(result);
   search_.place.accept(current_, reference.submap);
   const bool tentative = search_.place.tentative();
   starter_.accept(tentative ? MapStarter::Place::tentative : MapStarter::Place::settled);
@@ -192,7 +196,7 @@ void Tracker::accept(TrackResult& result) {
   last_.pose = {reference.id, reference.scale, current_.T_cw * reference.T_cw.inverse()};
   last_.submap = reference.submap;
   backlog_.found_at(reference.id);
-  result.tentative = tentative || result.depth_contradiction > 0 || depth_.is_on_probation(current_.stamp);
+  result.tentative = tentative || result.doubts.any() || depth_.is_on_probation(current_.stamp);
   result.T_cw = current_.T_cw;
   result.information = current_.information;
   result.pose = last_.pose;
@@ -206,6 +210,9 @@ void Tracker::lose(Outcome& outcome, const SharedMap* live) {
   state_ = TrackingState::lost;
   health_.weak = settings_.options.local_map.weak_inliers > 0;
   health_.dead_reckoned_frames = 0;
+  // The place since a jump proves wrong, and in a pause nothing was seen.
+  if (const auto jumped = search_.place.tentative_since()) starter_.lost_since(*jumped);
+  if (motion_.is_pause(current_.stamp - last_.frame.stamp)) starter_.lost_since(last_.frame.stamp);
   motion_.reset();
   search_.place.lose();
   backlog_.lost();
@@ -213,6 +220,7 @@ void Tracker::lose(Outcome& outcome, const SharedMap* live) {
   if (settings_.mode == TrackingMode::localisation) return;
   const MapStarter::Loss loss = starter_.lose(current_.stamp, last_.pose.key_frame, live);
   using Step = MapStarter::Step;
+  if (search_.torn.may_go_on(current_.stamp) && loss.step != Step::give_up_submap) return;
   if (loss.step == Step::begin_submap || loss.step == Step::replace_submap) begin_submap(outcome);
   const bool replaced = loss.step == Step::replace_submap && state_ == TrackingState::tracking;
   if (loss.step != Step::give_up_submap && !replaced) return;
@@ -236,13 +244,13 @@ void Tracker::begin_submap(Outcome& outcome) {
     return;
   }
   motion_.reset();
-  if (result.depth_contradiction > 0)
+  if (result.doubts.depth_contradiction > 0)
     log(LogLevel::warning, "depth contradicts the map for long: a new map is begun beside the old one");
   result.reason = NoPoseReason::none;
   outcome.request = std::move(offer.request);
   state_ = TrackingState::tracking;
   depth_.begin(current_.stamp);
-  result.depth_contradiction = 0;
+  result.doubts.depth_contradiction = 0;
   result.tentative = depth_.is_on_probation(current_.stamp);
   key_frames_.begin(current_.stamp);
   if (settings_.sensor != Sensor::monocular) current_.T_cw = SE3();

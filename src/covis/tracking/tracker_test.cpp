@@ -87,10 +87,10 @@ TEST_F(TrackerTest, DepthThatContradictsTheMapIsNotUsed) {
     const TrackResult result = track(wrong ? with_depths(*frames.features(i), 1.5f) : frames.features(i), i);
     ASSERT_EQ(result.state, TrackingState::tracking) << "frame " << i << ": " << describe(result.reason);
     const bool doubted = i >= 8 && i < 16 + 2;  // until three frames agree
-    EXPECT_EQ(result.depth_contradiction > 0, doubted) << "frame " << i;
+    EXPECT_EQ(result.doubts.depth_contradiction > 0, doubted) << "frame " << i;
     EXPECT_EQ(result.tentative, doubted) << "frame " << i;
     if (wrong) {
-      EXPECT_NEAR(result.depth_contradiction, std::log(1.5), 0.05) << "frame " << i;
+      EXPECT_NEAR(result.doubts.depth_contradiction, std::log(1.5), 0.05) << "frame " << i;
     }
     EXPECT_LT((result.T_cw.inverse().t() - frames.T_cw(i).inverse().t()).norm(), 0.015) << "frame " << i;
     key_frames += doubted && result.key_frame;
@@ -102,6 +102,28 @@ TEST_F(TrackerTest, DepthThatContradictsTheMapIsNotUsed) {
     const bool has_depth = std::any_of(features.depth.begin(), features.depth.end(), [](float z) { return z > 0; });
     const int64_t frame = map->at(id).frame;
     EXPECT_EQ(has_depth, frame < 8 || frame > 16 + 2) << "frame " << frame;
+  }
+}
+
+// The lower half of an image a third of its width off.
+FeaturesPtr torn(const Features& features) {
+  auto other = std::make_shared<Features>(features);
+  for (size_t i = 0; i < other->x.size(); ++i) {
+    if (other->y[i] > 120) other->x[i] += 107;
+  }
+  return other;
+}
+
+TEST_F(TrackerTest, TornImagesAreTrackedAndNotMapped) {
+  for (int i = 0; i < frames.count(); ++i) {
+    const bool is_torn = i >= 8 && i < 14;
+    const TrackResult result = track(is_torn ? torn(*frames.features(i)) : frames.features(i), i);
+    ASSERT_EQ(result.state, TrackingState::tracking) << "frame " << i << ": " << describe(result.reason);
+    EXPECT_EQ(result.tentative, result.doubts.torn) << "frame " << i;
+    const bool may_go_on = i == 14 || i == 15;  // for all that is known
+    EXPECT_TRUE(result.doubts.torn == is_torn || may_go_on) << "frame " << i;
+    EXPECT_FALSE(is_torn && result.key_frame) << "frame " << i;
+    EXPECT_LT((result.T_cw.inverse().t() - frames.T_cw(i).inverse().t()).norm(), 0.02) << "frame " << i;
   }
 }
 

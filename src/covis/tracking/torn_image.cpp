@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/torn_image.h"
+
+#include <algorithm>
+
+#include "covis/geometry/measurement.h"
+#include "covis/matching/descriptor_match.h"
+#include "covis/matching/nearest_row.h"
+
+namespace covis {
+namespace {
+
+constexpr size_t kMostLookedFor = 300;
+constexpr int kLeastSampled = 8;       // things that only look alike are rarely displaced by one and the same way
+constexpr int kFewSampled = 4;         // in the frames after a torn one
+constexpr double kMostInliers = 0.15;  // share of the displaced points
+constexpr float kLeastWay = 1 / 16.f, kSameWay = 1 / 40.f;  // of the image's width
+
+// Keeps `most` of them at most, spread over all; returns of how many one was kept.
+size_t thin(std::vector<uint32_t>& values, size_t most) {
+  const size_t every = std::max<size_t>(1, (values.size() + most - 1) / most);
+  size_t kept = 0;
+  for (size_t k = 0; k < values.size(); k += every) values[kept++] = values[k];
+  values.resize(kept);
+  return every;
+}
+
+}  // namespace
+
+bool DisplacedRows::shows_tear() const { return sampled >= kLeastSampled && inliers <= kMostInliers * displaced; }
+
+bool DisplacedRows::may_show_tear() const { return sampled >= kFewSampled && inliers <= 2 * kMostInliers * displaced; }
+
+bool TornImage::judge(const LocalMap& local_map, std::span<const uint8_t> expected, const TrackedFrame& frame,
+                      const Pinhole& camera) {
+  const bool torn_just_now = torn_lately(frame.stamp, kGap);
+  const DisplacedRows found = look(local_map, expected, frame, camera);
+  if (found.shows_tear() || (torn_just_now && found.may_show_tear())) torn_at_ = frame.stamp;
+  return torn_lately(frame.stamp, kGap);
+}
+
+DisplacedRows TornImage::look(const LocalMap& local_map, std::span<const uint8_t> expected, const TrackedFrame& frame,
+                              const Pinhole& camera) {
+  matched_.mark(frame);
+  missing_.clear();
+  for (uint32_t k = 0; k < expected.size(); ++k) {
+    if (expected[k] && !matched_.contains(local_map.points.id[k])) missing_.push_back(k);
+  }
+  const size_t every = thin(missing_, kMostLookedFor);
+  if (missing_.size() < kFewSampled) return {};
+  find_sightings(local_map, frame, camera);
+
+  // Rows of the largest group of points that are displaced alike.
+  const Features& f = *frame.features;
+  const float same = kSameWay * (f.grid.bounds.max_x - f.grid.bounds.min_x);
+  std::vector<float> rows;
+  for (const Sighting& middle : sightings_) {
+    rows_.clear();
+    for (const Sighting& s : sightings_) {
+      if ((s.way - middle.way).norm() < same) rows_.push_back(s.row);
+    }
+    if (rows_.size() > rows.size()) rows = rows_;
+  }
+  DisplacedRows found{static_cast<int>(rows.size()), static_cast<int>(rows.size() * every), 0};
+  if (found.sampled < kFewSampled) return found;
+  std::sort(rows.begin(), rows.end());
+  const float first = rows[rows.size() / 10], last = rows[rows.size() - 1 - rows.size() / 10];
+  for (size_t i = 0; i < frame.source.size(); ++i) {
+    found.inliers += frame.on_map(i) && f.y[i] >= first && f.y[i] <= last;
+  }
+  return found;
+}
+
+// Matches the missing points with the features that have none, wherever these are.
+void TornImage::find_sightings(const LocalMap& local_map, const TrackedFrame& frame, const Pinhole& camera) {
+  struct Match {
+    uint32_t point = 0, position = 0;
+  };
+  const Features& f = *frame.features;
+  std::vector<uint8_t> free(frame.source.size());
+  for (size_t i = 0; i < free.size(); ++i) free[i] = !frame.on_map(i);
+  const DescriptorPlanes to(f, free);
+  AlignedVector<uint64_t> column(to.padded_size(), kFarthest);  // for each feature the nearest point
+  std::vector<Match> matches;
+  for (const uint32_t k : missing_) {
+    const NearestTwo nearest = nearest_row(local_map.points.descriptor[k], k, to, column.data());
+    const int best = near_distance(nearest.best), second = near_distance(nearest.second);
+    if (best <= kForRansac.max_distance && static_cast<float>(best) < kForRansac.ratio * static_cast<float>(second))
+      matches.push_back({k, near_index(nearest.best)});
+  }
+  const float least = kLeastWay * (f.grid.bounds.max_x - f.grid.bounds.min_x);
+  sightings_.clear();
+  for (const Match& m : matches) {
+    if (near_index(column[m.position]) != m.point) continue;
+    const PredictedMeasurement h = predict_measurement(frame.T_cw * local_map.points.position(m.point), camera);
+    const auto i = static_cast<size_t>(to.feature(m.position));
+    const Eigen::Vector2f way(f.x[i] - static_cast<float>(h.u), f.y[i] - static_cast<float>(h.v));
+    if (way.norm() > least) sightings_.push_back({way, f.y[i]});
+  }
+}
+
+}  // namespace covis

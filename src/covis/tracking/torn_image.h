@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tests whether an image is torn: some of its rows, displaced by a fault of a cable, a buffer or a driver, show known
+// points far from where the pose that the other rows tell has them. Points made of such rows would bend the map.
+// Measured: docs/notes/043-torn-images.md.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "covis/core/time.h"
+#include "covis/tracking/local_map.h"
+#include "covis/tracking/tracked_frame.h"
+
+namespace covis {
+
+// The points that a frame should show and shows elsewhere, all moved alike, and the rows where it shows them.
+struct DisplacedRows {
+  int sampled = 0;    // such points among those that were looked for
+  int displaced = 0;  // such points in all, as the sample says
+  int inliers = 0;    // matches in these rows that agree with the pose
+
+  bool shows_tear() const;
+  bool may_show_tear() const;  // after a frame that did, of which fewer points may be in view
+};
+
+// Keeps its work space between frames; looking for points allocates.
+class TornImage {
+ public:
+  // True when a frame with fewer matches than usual is torn, or may be, as one was just before. `expected`: a flag for
+  // each point of the local map that the frame should show.
+  bool judge(const LocalMap& local_map, std::span<const uint8_t> expected, const TrackedFrame& frame,
+             const Pinhole& camera);
+  // A frame had as many matches as usual.
+  void whole() { torn_at_.reset(); }
+  // True for a second after a torn frame, or until a whole one: no map is to begin with what may be torn too.
+  bool may_go_on(Timestamp now) const { return torn_lately(now, 1.0); }
+
+  DisplacedRows look(const LocalMap& local_map, std::span<const uint8_t> expected, const TrackedFrame& frame,
+                     const Pinhole& camera);
+
+ private:
+  // A point seen far from where it is expected.
+  struct Sighting {
+    Eigen::Vector2f way;  // pixels
+    float row = 0;
+  };
+  void find_sightings(const LocalMap& local_map, const TrackedFrame& frame, const Pinhole& camera);
+
+  static constexpr double kGap = 0.2;  // seconds; a torn frame may show too little of the map to tell
+  bool torn_lately(Timestamp now, double seconds) const { return torn_at_ && now - *torn_at_ < from_seconds(seconds); }
+  std::optional<Timestamp> torn_at_;
+  MatchedPoints matched_;
+  std::vector<uint32_t> missing_;  // points of the local map
+  std::vector<Sighting> sightings_;
+  std::vector<float> rows_;
+};
+
+}  // namespace covis
