@@ -25,10 +25,15 @@ void print(const std::string& name, const FaultResult& r) {
 
 }  // namespace
 
-// faults [--back] [WORLD] [PART OF A NAME]; --back: after the faulty stretch the camera goes back the way it came
+// faults [--back] [--small] [WORLD] [PART OF A NAME]; --back: after the faulty stretch the camera goes back the way it
+// came; --small: images of 320x240
 int main(int count, char** arguments) {
-  const bool back = count > 1 && std::string(arguments[1]) == "--back";
-  if (back) --count, ++arguments;
+  const auto flag = [&](const char* name) {
+    const bool given = count > 1 && std::string(arguments[1]) == name;
+    if (given) --count, ++arguments;
+    return given;
+  };
+  const bool back = flag("--back"), small = flag("--small");
   const std::string only = count > 2 ? arguments[2] : "";
   for (const Sensor sensor : {Sensor::rgbd, Sensor::stereo, Sensor::monocular}) {
     SynthOptions options;
@@ -37,6 +42,7 @@ int main(int count, char** arguments) {
     options.noise = 2;
     options.depth_noise = 1;
     options.fps = 15;
+    if (small) options.width = 320, options.height = 240;
     GoodRecording recording(options, kFrames, back ? std::optional(kStretchEnd - 1) : std::nullopt);
     const std::string prefix = std::string(name(sensor)) + ".";
     const auto wanted = [&](const std::string& name) { return name.find(only) != std::string::npos; };

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace covis {
 namespace {
@@ -18,7 +19,9 @@ constexpr int kOff = 2;                    // cells by which a mirrored or scale
 constexpr int kLanes = 8;                  // sums of a register
 constexpr int kMargin = kMostX + kLanes;   // cells around the edges
 constexpr float kLeastStep = 1.13f;        // factor of depth across two cells that makes an outline
-constexpr size_t kMostOutlines = 256;      // a frame has; sums stay below 2^15
+constexpr int kBeside = 3;                 // cells from an outline to where the slant of the surfaces is seen
+constexpr float kTimesSlope = 2;
+constexpr size_t kMostOutlines = 256;  // a frame has; sums stay below 2^15
 constexpr int32_t kMostEdge = 127;
 constexpr int32_t kUnit = 8;          // a grey level
 constexpr int32_t kGrey = 4 * kUnit;  // gradients that noise makes
@@ -28,6 +31,18 @@ constexpr int kSurroundings = 5;      // cells to each side
 constexpr std::array kScales{0.5f, 0.56f, 0.63f, 0.71f, 0.79f, 1.26f, 1.41f, 1.59f, 1.78f, 2.0f};
 
 constexpr double kTimesBetter = 2, kLeastFit = 8, kNoFit = 3;
+constexpr int kManyOutlines = 300;
+
+// A step of depth from one side of a cell to the other. Surfaces at a slant have such steps everywhere; their inverse
+// depth changes evenly, and no more here than beside it.
+bool is_outline(const float* at, int off) {
+  const float a = at[-off], b = at[off], near = std::min(a, b), far = std::max(a, b);
+  if (!(near > 0) || !(far > kLeastStep * near)) return false;
+  const float before = at[-kBeside * off], after = at[kBeside * off];
+  if (!(before > 0) || !(after > 0)) return false;
+  const float step = 1 / near - 1 / far;
+  return step > kTimesSlope * std::abs(1 / a - 1 / before) && step > kTimesSlope * std::abs(1 / b - 1 / after);
+}
 
 // 128 log2(value) and a constant, to a tenth of an octave: the bits of a float are nearly its logarithm.
 int32_t logarithm(int32_t value) { return std::bit_cast<int32_t>(static_cast<float>(value)) >> 16; }
@@ -35,6 +50,8 @@ int32_t logarithm(int32_t value) { return std::bit_cast<int32_t>(static_cast<flo
 }  // namespace
 
 bool OutlineFit::is_displaced() const { return elsewhere > kLeastFit && ratio() > kTimesBetter; }
+
+bool OutlineFit::tells_much() const { return outlines >= kManyOutlines; }
 
 double OutlineFit::ratio() const { return elsewhere / std::max(here, kNoFit); }
 
@@ -82,16 +99,13 @@ void DepthOutlines::find_outlines(ImageView<const float> depth) {
     }
   }
   outlines_.clear();
-  for (int y = 1; y + 1 < height_; ++y) {
-    for (int x = 1; x + 1 < width_; ++x) {
+  for (int y = kBeside; y + kBeside < height_; ++y) {
+    for (int x = kBeside; x + kBeside < width_; ++x) {
       const float* at = depth_.data() + y * width_ + x;
-      const auto is_step = [at](int off) {
-        const float near = std::min(at[-off], at[off]), far = std::max(at[-off], at[off]);
-        return (near > 0) & (far > kLeastStep * near);
-      };
-      if (is_step(1) | is_step(width_)) outlines_.push_back({x, y});
+      if (is_outline(at, 1) || is_outline(at, width_)) outlines_.push_back({x, y});
     }
   }
+  counted_ += static_cast<int>(outlines_.size());
   const size_t every = (outlines_.size() + kMostOutlines - 1) / kMostOutlines;
   if (every < 2) return;
   size_t kept = 0;
@@ -204,6 +218,7 @@ OutlineFit DepthOutlines::answer() {
     std::fill(all.total.begin(), all.total.end(), 0);
   }
   variance_ = 0;
+  found.outlines = std::exchange(counted_, 0);
   return found;
 }
 

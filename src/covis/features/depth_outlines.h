@@ -3,9 +3,10 @@
 // fits best as it is; one that is shifted, mirrored, upside down or turned round fits better elsewhere, in every single
 // frame and without motion. Measured: docs/notes/040-depth-that-contradicts-the-map.md.
 //
-// Images and depth are looked at in cells, some 80 of them side by side. An outline is a step of depth between cells;
-// an edge is a gradient of the image by its surroundings. The fit of a displacement is the sum of the edges under all
-// outlines, in standard deviations of such a sum. All sums are of integers: the same whatever adds them.
+// Images and depth are looked at in cells, some 80 of them side by side. An outline is a step of depth between cells,
+// other than that of a surface at a slant; an edge is a gradient of the image by its surroundings. The fit of a
+// displacement is the sum of the edges under all outlines, in standard deviations of such a sum. All sums are of
+// integers: the same whatever adds them.
 #pragma once
 
 #include <cstddef>
@@ -21,10 +22,12 @@ struct OutlineFit {
   double here = 0;  // the best fit within 4 % of the image's width
   // The best fit displaced by more than 10 %, mirrored, upside down, turned round or another size by a quarter or more.
   double elsewhere = 0;
+  int outlines = 0;  // of all frames; a small number fits nowhere well
 
   // True when depth belongs elsewhere: more than twice as good, and more than chance gives in any scene.
   bool is_displaced() const;
   double ratio() const;  // how many times better
+  bool tells_much() const;
 };
 
 // Keeps its work space between frames.
@@ -63,6 +66,7 @@ class DepthOutlines {
   std::vector<int16_t> edge_;  // by cell, with a margin without edges
   std::vector<Outline> outlines_;
   std::vector<Displacements> displacements_;
+  int counted_ = 0;      // outlines since the last answer
   double variance_ = 0;  // squares, expected of the sums
 };
 

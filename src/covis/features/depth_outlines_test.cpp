@@ -103,8 +103,22 @@ TEST(DepthOutlines, DepthOfAnotherSceneIsNotCalledDisplaced) {
   for (uint64_t i = 0; i < 40; ++i) {
     if (const auto fit = outlines.add(boxes(i).grey.view(), boxes(i + 1000).depth.view())) {
       EXPECT_FALSE(fit->is_displaced());
+      EXPECT_TRUE(fit->tells_much());
+      EXPECT_LT(fit->here, 5);
     }
   }
+}
+
+// A floor that runs away from the camera: its depth doubles within some rows, but nothing ends there.
+TEST(DepthOutlines, SurfacesAtASlantHaveNone) {
+  DepthOutlines outlines;
+  Picture floor = boxes(1);
+  for (int y = 0; y < kImageHeight; ++y) {
+    for (int x = 0; x < kImageWidth; ++x) floor.depth(x, y) = y > 40 ? 300.0f / static_cast<float>(y - 40) : 0;
+  }
+  std::optional<OutlineFit> answer;
+  while (!answer) answer = outlines.add(floor.grey.view(), floor.depth.view());
+  EXPECT_EQ(answer->outlines, 0);
 }
 
 TEST(DepthOutlines, ImagesSmallerThanTheCellsAreLookedAtPixelByPixel) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace covis {
 namespace {
@@ -51,6 +52,8 @@ std::string_view name(SensorDoubt doubt) {
       return "depth_against_map";
     case SensorDoubt::depth_displaced:
       return "depth_displaced";
+    case SensorDoubt::outlines_fit_nowhere:
+      return "outlines_fit_nowhere";
     case SensorDoubt::images_torn:
       return "images_torn";
   }
@@ -103,6 +106,11 @@ std::string describe(const SensorWarning& warning, Sensor sensor) {
       return text(
           "outlines of depth do not lie where the image has edges, and fit them %.1f times better shifted, mirrored, "
           "turned or scaled: is depth registered to the image, and the same way up?",
+          warning.figure);
+    case SensorDoubt::outlines_fit_nowhere:
+      return text(
+          "outlines of depth do not lie where the image has edges (%.1f standard deviations more than by chance; 8 to "
+          "40 are usual): is depth of the same moment as the image, and registered to it?",
           warning.figure);
     case SensorDoubt::images_torn:
       return text(
@@ -201,6 +209,14 @@ void SensorMonitor::add_outlines(int64_t frame, const OutlineFit& fit) {
   int& displaced = in_a_row_.displaced;
   displaced = fit.is_displaced() ? displaced + 1 : 0;
   judge(SensorDoubt::depth_displaced, displaced >= kInARow, fit.ratio(), frame);
+  // One answer may be that of a few things without edges. A doubt ends with the first answer that fits.
+  constexpr double kLeastFit = 5;
+  if (!fit.tells_much()) {
+    last_fit_.reset();
+  } else if (const auto before = std::exchange(last_fit_, fit.here)) {
+    const double mean = (*before + fit.here) / 2;
+    judge(SensorDoubt::outlines_fit_nowhere, mean < kLeastFit && fit.here < kLeastFit, mean, frame);
+  }
 }
 
 void SensorMonitor::add_map_comparison(int64_t frame, double contradiction) {
@@ -226,7 +242,7 @@ bool SensorMonitor::doubts() const {
 bool SensorMonitor::suspects_depth() const {
   const auto was_told = [this](SensorDoubt doubt) { return told_[static_cast<size_t>(doubt)]; };
   return was_told(SensorDoubt::depth_against_motion) || was_told(SensorDoubt::depth_against_map) ||
-         was_told(SensorDoubt::depth_displaced);
+         was_told(SensorDoubt::depth_displaced) || was_told(SensorDoubt::outlines_fit_nowhere);
 }
 
 void SensorMonitor::restart() {
@@ -235,6 +251,7 @@ void SensorMonitor::restart() {
   error_ = {};
   spread_ = {};
   in_a_row_ = {};
+  last_fit_.reset();
   wrong_ = {};
 }
 

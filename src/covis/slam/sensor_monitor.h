@@ -30,9 +30,10 @@ enum class SensorDoubt {
   depth_against_motion,  // DepthAgainstMotion::error()
   depth_against_map,     // DepthAgainstMap::error
   depth_displaced,       // RGB-D; OutlineFit::ratio()
+  outlines_fit_nowhere,  // RGB-D; mean of OutlineFit::here of two answers in a row
   images_torn,           // any camera; the number of torn frames in a row (torn_image.h)
 };
-constexpr size_t kSensorDoubts = 9;
+constexpr size_t kSensorDoubts = 10;
 std::string_view name(SensorDoubt doubt);
 
 struct SensorWarning {
@@ -65,7 +66,10 @@ class SensorMonitor {
   // contradicts the map or torn images, for which tracking itself calls poses tentative.
   bool doubts() const;
   // True while depth contradicts the images.
-  bool doubts_depth() const { return holds(SensorDoubt::depth_against_motion) || holds(SensorDoubt::depth_displaced); }
+  bool doubts_depth() const {
+    return holds(SensorDoubt::depth_against_motion) || holds(SensorDoubt::depth_displaced) ||
+           holds(SensorDoubt::outlines_fit_nowhere);
+  }
   // True once depth has contradicted the images or the map. It stays so: every key frame is compared from then on.
   bool suspects_depth() const;
   // Ends all doubts; what was seen counts no more. Warnings are not repeated.
@@ -120,7 +124,8 @@ class SensorMonitor {
   };
   InARow in_a_row_;
   DepthOutlines outlines_;
-  std::vector<double> depths_;  // work space
+  std::optional<double> last_fit_;  // OutlineFit::here of the last answer, if that told much
+  std::vector<double> depths_;      // work space
   std::array<bool, kSensorDoubts> wrong_{}, told_{};
   std::vector<SensorWarning> fresh_;
 };

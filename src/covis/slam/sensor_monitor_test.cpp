@@ -226,6 +226,24 @@ TEST(SensorMonitor, DepthThatContradictsTheMapIsToldAfterFiveFrames) {
   EXPECT_FALSE(monitor.doubts()) << "tracking itself calls these poses tentative";
 }
 
+TEST(SensorMonitor, OutlinesThatFitNowhereAreDoubtedUntilTheyFit) {
+  const OutlineFit good{12, 6, 900}, nowhere{3, 5, 900}, few{1, 5, 50};
+  SensorMonitor monitor(Sensor::rgbd);
+  for (const OutlineFit& fit : {good, nowhere, good, few, nowhere, few, nowhere}) monitor.add_outlines(0, fit);
+  EXPECT_FALSE(monitor.doubts()) << "never twice in a row";
+  monitor.add_outlines(40, nowhere);
+  EXPECT_TRUE(monitor.doubts());
+  EXPECT_TRUE(monitor.doubts_depth());
+  EXPECT_TRUE(monitor.suspects_depth());
+  const auto warnings = monitor.take_warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].doubt, SensorDoubt::outlines_fit_nowhere);
+  EXPECT_EQ(warnings[0].frame, 40);
+  EXPECT_THAT(describe(warnings[0], Sensor::rgbd), HasSubstr("3.0 standard deviations"));
+  monitor.add_outlines(60, good);
+  EXPECT_FALSE(monitor.doubts());
+}
+
 TEST(SensorMonitor, TornImagesAreToldAfterTwoInARow) {
   using Rows = SensorMonitor::Rows;
   SensorMonitor monitor(Sensor::monocular);

@@ -133,7 +133,7 @@ bool DepthBelief::is_on_probation(Timestamp now) const {
 }
 
 bool DepthBelief::blames_map(Timestamp now) const {
-  if (!since_ || !last_.contradicts()) return false;
+  if (!since_ || !last_.contradicts() || last_.points < kFewPoints) return false;
   const Timestamp agreed = begun_ ? *since_ - *begun_ : from_seconds(kBelieved);
   return now - *since_ >= std::clamp(agreed, from_seconds(kLeast), from_seconds(kBelieved));
 }
