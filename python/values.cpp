@@ -113,7 +113,7 @@ void bind_states(py::module_& m) {
         std::pair(Kind::submap_discarded, "A monocular submap that was lost in its first moments."),
         std::pair(Kind::lost, "The frame has no pose, and the one before had one."),
         std::pair(Kind::found, "The camera was lost, and its place in the map is known again."),
-        std::pair(Kind::sensor_doubted, "Depth or the pair of images is not to be believed; a message says why.")})
+        std::pair(Kind::sensor_doubted, "Images, a pair or depth are not to be believed; a message says why.")})
     kind.value(name(k), k, doc);
 }
 

@@ -81,7 +81,7 @@ struct Event {
     submap_discarded,  // a monocular submap that was lost in its first moments
     lost,              // the frame has no pose, and the one before had one
     found,             // the camera was lost, and its place in the map is known again
-    sensor_doubted,    // depth or the pair of images is not to be believed; a message to the log sink says why
+    sensor_doubted,    // images, a pair or depth are not to be believed; a message to the log sink says why
   };
   Kind kind = Kind::key_frame_made;
   int64_t stamp = 0;                       // of the frame or key frame that it happened with, nanoseconds

@@ -128,7 +128,7 @@ struct FrameResult {
   int submap = 0;                            // id of the submap whose world the pose is in
   // The camera was found far from its last place, less than a second ago. If the frames of that second do not confirm
   // the place, they lose their poses (the trajectory leaves them out), and a later frame is lost or found elsewhere.
-  // Also true while depth is not to be believed (Event::Kind::sensor_doubted).
+  // Also true while images or depth are not to be believed (Event::Kind::sensor_doubted).
   bool tentative = false;
   // In localisation only: the frame shows too few points of the map, and its own depth carried the pose on. It drifts.
   bool dead_reckoned = false;
