@@ -23,8 +23,8 @@ constexpr int kPiece = 640;                  // approximate size of a piece, pix
 constexpr int kLeast = 160;                  // images with a shorter side give no useful pyramid
 
 bool is_image_name(const fs::path& file) {
-  static constexpr std::array<std::string_view, 10> kNames = {".bmp", ".jpeg", ".jpg",  ".pgm",  ".png",
-                                                              ".ppm", ".tif",  ".tiff", ".webp", ".jp2"};
+  static constexpr std::array<std::string_view, 9> kNames = {".bmp", ".jpeg", ".jpg",  ".pgm", ".png",
+                                                             ".ppm", ".tif",  ".tiff", ".webp"};
   std::string name = file.extension().string();
   std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
   return std::find(kNames.begin(), kNames.end(), name) != kNames.end();

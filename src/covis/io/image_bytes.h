@@ -3,18 +3,33 @@
 // keep to themselves that data was damaged, and ask for memory of whatever size a header claims.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 
 namespace covis::io {
 
-inline constexpr int kLargestImageSide = 20000;  // pixels
+inline constexpr int kLargestImageSide = 20000;           // pixels
+inline constexpr int64_t kMostImagePixels = 100'000'000;  // larger images are not decoded
 
-// Says what is wrong with the bytes of an image file: cut short, a damaged header, an absurd size, or (JPEG other than
-// progressive) compressed data that ends early or does not fit. nullopt where nothing is, and for other formats than
-// PNG, JPEG and TIFF.
-std::optional<std::string> problem_of_image(std::string_view bytes);
+// The size that images must have, before or after they are turned as their EXIF orientation says.
+struct ExpectedSize {
+  int width = 0, height = 0;  // pixels; 0: any size
+  std::string camera;         // where the size is from, for messages
+};
+// Says that an image has another size than it should.
+std::string wrong_size(int64_t width, int64_t height, const ExpectedSize& expected);
+
+// Says why an image file must not be handed to a decoder: its format is none of PNG, JPEG, TIFF, BMP, PBM, PGM, PPM and
+// WebP, or OpenCV would not choose that format's decoder; it is cut short; its header is damaged, or tells an absurd
+// size or another one than expected; compressed data of a JPEG (other than progressive) end early or do not fit.
+// nullopt where nothing is wrong.
+std::optional<std::string> problem_of_image(std::string_view bytes, const ExpectedSize& expected = {});
+
+// Returns a PNG without the compressed texts in it, which nobody reads and a decoder would unpack; empty where it has
+// none, or is another format. The bytes have no problem.
+std::string without_texts(std::string_view bytes);
 
 // The same of the compressed data of a JPEG file that has sequential Huffman coding, by walking through its codes as a
 // decoder does (ITU T.81, sections F.2.2 and E.2). True also for what is coded in another way: it is not looked at.

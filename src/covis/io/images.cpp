@@ -59,18 +59,22 @@ bool is_turned(std::string_view bytes) {
 }
 
 // Reads and decodes a file.
-Result<cv::Mat> decode_file(const std::filesystem::path& file, std::string& bytes, int flags, cv::Mat to) {
+Result<cv::Mat> decode_file(const std::filesystem::path& file, std::string& bytes, int flags, cv::Mat to,
+                            const ExpectedSize& expected) {
   if (auto read = read_bytes(file, bytes); !read) return tl::unexpected(read.error());
-  return decode_image(file.string(), bytes, flags, std::move(to));
+  return decode_image(file.string(), bytes, flags, std::move(to), expected);
 }
 
 }  // namespace
 
-Result<cv::Mat> decode_image(const std::string& name, std::string_view bytes, int flags, cv::Mat to) {
-  if (const auto problem = problem_of_image(bytes)) return fail(name + ": " + *problem);
+Result<cv::Mat> decode_image(const std::string& name, std::string_view bytes, int flags, cv::Mat to,
+                             const ExpectedSize& expected) {
+  if (const auto problem = problem_of_image(bytes, expected)) return fail(name + ": " + *problem);
   if (bytes.size() > kLargestFile) return fail(name + ": the image file is too large");
   const auto codecs = plugin<CodecPlugin>();
   if (!codecs) return fail(name + ": " + codecs.error().message);
+  const std::string plain = without_texts(bytes);
+  if (!plain.empty()) bytes = plain;
   const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
   const ReusedMemory memory(std::move(to));
   cv::Mat decoded;
@@ -81,7 +85,7 @@ Result<cv::Mat> decode_image(const std::string& name, std::string_view bytes, in
     if (error.code == cv::Error::StsNoMem) return tl::unexpected(no_memory(name));
     decoded.release();
   }
-  if (decoded.empty()) return fail(name + ": it is not an image that can be read (PNG, JPEG, TIFF, BMP, PGM …)");
+  if (decoded.empty()) return fail(name + ": the image can't be decoded");
   decoded.allocator = nullptr;
   return decoded;
 }
@@ -102,7 +106,7 @@ void depth_in_metres(const cv::Mat& stored, double scale, ImageF& depth) {
 }
 
 Result<void> ImageReader::grey(const std::filesystem::path& file, ImageU8& image) {
-  const auto decoded = decode_file(file, bytes_, cv::IMREAD_GRAYSCALE, as_mat(image, CV_8UC1));
+  const auto decoded = decode_file(file, bytes_, cv::IMREAD_GRAYSCALE, as_mat(image, CV_8UC1), expected_);
   if (!decoded) return tl::unexpected(decoded.error());
   if (!image.empty() && decoded->data == image.row(0)) return {};
   image.resize(decoded->cols, decoded->rows);
@@ -110,9 +114,9 @@ Result<void> ImageReader::grey(const std::filesystem::path& file, ImageU8& image
   return {};
 }
 
-Result<Picture> read_picture(const std::filesystem::path& file) {
+Result<Picture> read_picture(const std::filesystem::path& file, const ExpectedSize& expected) {
   std::string bytes;
-  const auto decoded = decode_file(file, bytes, cv::IMREAD_ANYCOLOR, {});
+  const auto decoded = decode_file(file, bytes, cv::IMREAD_ANYCOLOR, {}, expected);
   if (!decoded) return tl::unexpected(decoded.error());
   Picture picture = picture_of(*decoded);
   if (!is_turned(bytes)) picture.file = file;
@@ -143,7 +147,7 @@ Result<void> write_picture(const std::filesystem::path& file, const Picture& pic
 }
 
 Result<void> ImageReader::depth(const std::filesystem::path& file, double scale, ImageF& depth) {
-  const auto decoded = decode_file(file, bytes_, cv::IMREAD_UNCHANGED, as_mat(raw_, CV_16UC1));
+  const auto decoded = decode_file(file, bytes_, cv::IMREAD_UNCHANGED, as_mat(raw_, CV_16UC1), expected_);
   if (!decoded) return tl::unexpected(decoded.error());
   if (decoded->type() != CV_16UC1 && decoded->type() != CV_32FC1) {
     return fail(file.string() + ": a depth image must have one channel of 16 bits or of 32-bit float");
@@ -153,7 +157,7 @@ Result<void> ImageReader::depth(const std::filesystem::path& file, double scale,
   return {};
 }
 
-Result<Picture> ImageReader::picture(const std::filesystem::path& file) { return read_picture(file); }
+Result<Picture> ImageReader::picture(const std::filesystem::path& file) { return read_picture(file, expected_); }
 
 bool ImageReader::may_have_colours(const std::filesystem::path& file) { return io::may_have_colours(file); }
 

@@ -9,6 +9,7 @@
 
 #include "covis/core/error.h"
 #include "covis/core/image.h"
+#include "covis/io/image_bytes.h"
 #include "covis/types.h"
 
 namespace covis::io {
@@ -33,7 +34,7 @@ bool is_image(const std::filesystem::path& file);
 bool may_have_colours(const std::filesystem::path& file);
 // Images are turned upright as their EXIF orientation says, as they are for tracking. Picture::file is set where the
 // file holds the picture as it is, not turned.
-Result<Picture> read_picture(const std::filesystem::path& file);
+Result<Picture> read_picture(const std::filesystem::path& file, const ExpectedSize& expected = {});
 // Writes a PNG, or a JPEG of quality 95, as the name's ending says; completely or not at all.
 Result<void> write_picture(const std::filesystem::path& file, const Picture& picture);
 // Calls resample(from, to) for each channel, and returns what it made, of one size for all.
@@ -61,6 +62,8 @@ Picture resampled(const Picture& picture, Resample&& resample) {
 class ImageSource {
  public:
   virtual ~ImageSource() = default;
+  // From now on images of another size are refused before they are decoded.
+  virtual void expect(const ExpectedSize& size) = 0;
   // Reads grey values. Of 16 bits the upper 8 are kept.
   virtual Result<void> grey(const std::filesystem::path& name, ImageU8& image) = 0;
   // Reads depth in metres: 16-bit images are divided by `scale` (units per metre), 32-bit float images are used as they
@@ -74,6 +77,7 @@ class ImageSource {
 // Reads image files into reused memory: in the steady state only the decoders allocate memory of an image's size.
 class ImageReader : public ImageSource {
  public:
+  void expect(const ExpectedSize& size) override { expected_ = size; }
   // Colour is converted on decoding (JPEG: the stored luma). Fails for a file that is missing, truncated or no image.
   Result<void> grey(const std::filesystem::path& file, ImageU8& image) override;
   // 32-bit float files are TIFF.
@@ -81,7 +85,11 @@ class ImageReader : public ImageSource {
   Result<Picture> picture(const std::filesystem::path& file) override;
   bool may_have_colours(const std::filesystem::path& file) override;
 
+ protected:
+  const ExpectedSize& expected() const { return expected_; }
+
  private:
+  ExpectedSize expected_;
   std::string bytes_;    // contents of the file
   Image<uint16_t> raw_;  // depth as stored in the file
 };

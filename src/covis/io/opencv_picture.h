@@ -20,7 +20,8 @@ cv::Mat as_mat(Image<T>& image, int type) {
 
 // Decodes the bytes of an image file with cv::imdecode's flags, into `to`'s memory if size and type match, else into
 // new memory. name: for messages.
-Result<cv::Mat> decode_image(const std::string& name, std::string_view bytes, int flags, cv::Mat to);
+Result<cv::Mat> decode_image(const std::string& name, std::string_view bytes, int flags, cv::Mat to,
+                             const ExpectedSize& expected = {});
 
 // Converts a depth image of 16 bits, divided by `scale` (units per metre), or of 32-bit float, in metres. Negative and
 // non-finite depths become 0 (no measurement). Bytes in `stored` must be aligned for its type.

@@ -33,6 +33,7 @@ class BagImages : public ImageSource {
  public:
   explicit BagImages(std::shared_ptr<const OpenBag> bag) : bag_(std::move(bag)) {}
 
+  void expect(const ExpectedSize& size) override { decoder_.expect(size); }
   Result<void> grey(const fs::path& name, ImageU8& image) override {
     return with_message<Result<void>>(name, [&](const auto& message) { return decoder_.grey(message, image); });
   }

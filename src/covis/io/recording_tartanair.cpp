@@ -52,7 +52,7 @@ class TartanImages : public ImageReader {
 
  private:
   Result<void> floats_of(const fs::path& file, ImageF& depth) {
-    const auto decoded = decode_image(file.string(), bytes_, cv::IMREAD_UNCHANGED, {});
+    const auto decoded = decode_image(file.string(), bytes_, cv::IMREAD_UNCHANGED, {}, expected());
     if (!decoded) return tl::unexpected(decoded.error());
     if (decoded->type() != CV_8UC4)
       return fail(file.string() + ": a depth image must have four channels of 8 bits, which hold a 32-bit float");

@@ -112,10 +112,10 @@ Result<CompressedDepth> compressed_depth(const RosCompressedImage& m) {
   return depth;
 }
 
-Result<cv::Mat> decode_compressed(const RosCompressedImage& m, int flags, cv::Mat to) {
+Result<cv::Mat> decode_compressed(const RosCompressedImage& m, int flags, cv::Mat to, const ExpectedSize& expected) {
   if (m.format.find("compressedDepth") != std::string_view::npos)
     return fail("format '" + std::string(m.format.substr(0, 60)) + "' is that of a depth image");
-  return decode_image("data", m.data, flags, std::move(to));
+  return decode_image("data", m.data, flags, std::move(to), expected);
 }
 
 }  // namespace
@@ -150,7 +150,7 @@ Result<void> RosImageDecoder::grey(const RosImage& message, ImageU8& image) {
 }
 
 Result<void> RosImageDecoder::grey(const RosCompressedImage& message, ImageU8& image) {
-  const auto decoded = decode_compressed(message, cv::IMREAD_GRAYSCALE, as_mat(image, CV_8UC1));
+  const auto decoded = decode_compressed(message, cv::IMREAD_GRAYSCALE, as_mat(image, CV_8UC1), expected_);
   if (!decoded) return tl::unexpected(decoded.error());
   if (!image.empty() && decoded->data == image.row(0)) return {};
   image.resize(decoded->cols, decoded->rows);
@@ -176,7 +176,7 @@ Result<void> RosImageDecoder::depth(const RosImage& message, double scale, Image
 Result<void> RosImageDecoder::depth(const RosCompressedImage& message, double scale, ImageF& depth) {
   const auto compressed = compressed_depth(message);
   if (!compressed) return tl::unexpected(compressed.error());
-  const auto decoded = decode_image("data", compressed->png, cv::IMREAD_UNCHANGED, {});
+  const auto decoded = decode_image("data", compressed->png, cv::IMREAD_UNCHANGED, {}, expected_);
   if (!decoded) return tl::unexpected(decoded.error());
   if (decoded->type() != CV_16UC1) return fail("data: a compressed depth image must have one channel of 16 bits");
   depth_in_metres(*decoded, compressed->inverse ? 1 : scale, depth);
@@ -215,7 +215,7 @@ Result<Picture> RosImageDecoder::picture(const RosImage& message) {
 }
 
 Result<Picture> RosImageDecoder::picture(const RosCompressedImage& message) {
-  const auto decoded = decode_compressed(message, cv::IMREAD_ANYCOLOR, {});
+  const auto decoded = decode_compressed(message, cv::IMREAD_ANYCOLOR, {}, expected_);
   if (!decoded) return tl::unexpected(decoded.error());
   return picture_of(*decoded);
 }

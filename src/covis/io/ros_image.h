@@ -15,6 +15,8 @@ namespace covis::io {
 // Decodes into reused memory. Errors name the field of the message. Not thread-safe.
 class RosImageDecoder {
  public:
+  // From now on compressed images of another size are refused before they are decoded.
+  void expect(const ExpectedSize& size) { expected_ = size; }
   // The upper 8 of 16 bits are kept.
   Result<void> grey(const RosImage& message, ImageU8& image);
   Result<void> grey(const RosCompressedImage& message, ImageU8& image);
@@ -26,6 +28,7 @@ class RosImageDecoder {
   Result<Picture> picture(const RosCompressedImage& message);
 
  private:
+  ExpectedSize expected_;
   Image<uint16_t> words_;
   ImageF floats_;
 };

@@ -18,13 +18,14 @@ const char* sensor_text(Sensor sensor) {
   return sensor == Sensor::monocular ? "monocular" : sensor == Sensor::stereo ? "stereo" : "RGB-D";
 }
 
-std::unique_ptr<ImageSource> image_source(const Recording& recording) {
-  return recording.images ? recording.images() : std::make_unique<ImageReader>();
+std::unique_ptr<ImageSource> image_source(const Recording& recording, const ExpectedSize& expected) {
+  std::unique_ptr<ImageSource> source = recording.images ? recording.images() : std::make_unique<ImageReader>();
+  source->expect(expected);
+  return source;
 }
 
-std::string wrong_size(const std::filesystem::path& file, int width, int height, const Recording& recording) {
-  return file.string() + ": the image is " + size_text(width, height) + ", the camera of " + recording.calibration +
-         " is " + size_text(recording.camera.width, recording.camera.height);
+ExpectedSize expected_size(const Recording& recording) {
+  return {recording.camera.width, recording.camera.height, recording.calibration};
 }
 
 class FolderSequence : public Sequence {
@@ -32,8 +33,8 @@ class FolderSequence : public Sequence {
   FolderSequence(Recording recording, const SequenceOptions& options)
       : recording_(std::move(recording)),
         options_(options),
-        images_(image_source(recording_)),
-        pictures_(image_source(recording_)),
+        images_(image_source(recording_, expected_size(recording_))),
+        pictures_(image_source(recording_, expected_size(recording_))),
         ahead_([this](Frame memory) { return decode(std::move(memory)); }, options.decode_ahead) {}
 
   SequenceKind kind() const override { return recording_.kind; }
@@ -124,7 +125,7 @@ class FolderSequence : public Sequence {
   Result<void> check_size(const std::filesystem::path& file, int width, int height) const {
     const Camera& c = recording_.camera;
     if (width == c.width && height == c.height) return {};
-    return fail(wrong_size(file, width, height, recording_));
+    return fail(file.string() + ": " + wrong_size(width, height, expected_size(recording_)));
   }
 
   const Recording recording_;
@@ -142,7 +143,7 @@ class FolderSequence : public Sequence {
 Result<void> settle_size(Recording& recording) {
   Camera& camera = recording.camera;
   const size_t count = recording.frames.size();
-  const std::unique_ptr<ImageSource> reader = image_source(recording);
+  const std::unique_ptr<ImageSource> reader = image_source(recording, {});
   ImageU8 image;
   if (camera.width == 0) {
     Result<void> read;
@@ -160,7 +161,7 @@ Result<void> settle_size(Recording& recording) {
     const std::filesystem::path& file = recording.frames[k].image;
     if (!reader->grey(file, image)) continue;  // next() will report the error
     if (image.width() == camera.width && image.height() == camera.height) return {};
-    problem = wrong_size(file, image.width(), image.height(), recording);
+    problem = file.string() + ": " + wrong_size(image.width(), image.height(), expected_size(recording));
   }
   if (problem.empty()) return {};
   return fail(problem);
