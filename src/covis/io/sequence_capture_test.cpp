@@ -30,6 +30,33 @@ TEST_F(Sequences, ReadsAVideo) {
   EXPECT_EQ(frames, 5);
 }
 
+TEST_F(Sequences, ReadsTheUsualContainers) {
+  camera_yaml();
+  for (const auto& [name, codec] : {std::pair{"a.mp4", "mp4v"},
+                                    {"a.mov", "mp4v"},
+                                    {"a.mkv", "MJPG"},
+                                    {"a.webm", "VP80"},
+                                    {"a.avi", "XVID"},
+                                    {"a.ts", "MPG2"},
+                                    {"a.mpg", "MPG1"},
+                                    {"a.flv", "FLV1"},
+                                    {"a.wmv", "WMV2"},
+                                    {"a.mjpeg", "MJPG"}}) {
+    const std::string video = (folder / name).string();
+    cv::VideoWriter writer(video, cv::CAP_FFMPEG, cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]), 25,
+                           {kWidth, kHeight});
+    if (!writer.isOpened()) continue;  // FFmpeg was built without it
+    for (int i = 0; i < 30; ++i) writer.write(cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(100)));
+    writer.release();
+    const auto opened = open_sequence(video, {.camera_file = folder / "camera.yaml"});
+    ASSERT_TRUE(opened) << opened.error().message;
+    const auto frame = (*opened)->next();
+    ASSERT_TRUE(frame && *frame) << name;
+    EXPECT_NEAR((*frame)->image(20, 20), 100, 4) << name;
+    RecordProperty(name, "read");
+  }
+}
+
 TEST_F(Sequences, AVideoOpenedUncalibratedHasASizeAlone) {
   const std::string video = (folder / "video.avi").string();
   cv::VideoWriter writer(video, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25, {kWidth, kHeight});
@@ -110,6 +137,15 @@ TEST_F(BadInput, VideosAndCameras) {
   EXPECT_THAT(error(video, {.sensor = Sensor::stereo}), HasSubstr("--sensor mono only"));
   ASSERT_EQ(mkfifo((folder / "pipe.mp4").c_str(), 0600), 0);
   EXPECT_THAT(error((folder / "pipe.mp4").string(), options), HasSubstr("pipe.mp4: it is no regular file"));
+  // Playlists, a script, a description of a stream and an animation, in what may be taken for a video by its name.
+  for (const char* text : {"#EXTM3U\n#EXTINF:1,\n/dev/zero\n", "ffconcat version 1.0\nfile '/dev/zero'\n", "<MPD>\n",
+                           "v=0\nm=video 5000 RTP/AVP 96\nc=IN IP4 127.0.0.1\n", "GIF89a\1\0\1\0\0\0\0;"}) {
+    write("video.mp4", text);
+    EXPECT_THAT(error(video, options), AllOf(HasSubstr("video.mp4"), HasSubstr("not a video"))) << text;
+  }
+  write("video.mp4", std::string(1 << 16, '\xff').replace(1, 1, "\xd8") + "\nc=IN IP4 127.0.0.1\n");
+  EXPECT_THAT(error(video, options), HasSubstr("not a video")) << "FFmpeg may not take another kind than those known";
+  EXPECT_EQ(std::getenv("OPENCV_FFMPEG_CAPTURE_OPTIONS"), nullptr) << "as it was";
   EXPECT_THAT(error("987", options), HasSubstr("the camera can't be opened"));
   EXPECT_THAT(error("webcam", {.kind = SequenceKind::camera, .camera_file = options.camera_file}),
               HasSubstr("named by its number"));

@@ -1,14 +1,63 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/io/video_file.h"
 
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <string_view>
+#include <utility>
+
+#include "covis/io/image_bytes.h"
 #include "covis/io/plugin.h"
 
 namespace covis::io {
+namespace {
+
+using namespace std::string_view_literals;
+
+// Containers and streams whose pictures are in the file itself. FFmpeg would also open playlists, scripts and
+// descriptions of streams, which name other files and addresses, and animated images of any size.
+bool is_video(std::string_view head) {
+  const auto begins = [&](size_t at, std::string_view text) {
+    return head.substr(std::min(head.size(), at)).starts_with(text);
+  };
+  // MKV and WebM, Ogg, FLV, ASF, IVF, Y4M, MPEG program and video streams with H.264 and H.265, Motion JPEG
+  for (const std::string_view first : {"\x1a\x45\xdf\xa3"sv, "OggS"sv, "FLV\1"sv, "\x30\x26\xb2\x75"sv, "DKIF"sv,
+                                       "YUV4MPEG2 "sv, "\0\0\1"sv, "\0\0\0\1"sv, "\xff\xd8\xff"sv}) {
+    if (begins(0, first)) return true;
+  }
+  for (const std::string_view atom : {"ftyp"sv, "moov"sv, "mdat"sv, "free"sv, "skip"sv, "wide"sv}) {  // MP4 and MOV
+    if (begins(4, atom)) return true;
+  }
+  for (const auto& [first, packet] : {std::pair{0, 188}, {4, 192}, {0, 204}}) {  // MPEG transport streams
+    const auto synchronised = [&](int k) { return begins(static_cast<size_t>(first + k * packet), "G"); };
+    if (synchronised(0) && synchronised(1) && synchronised(2)) return true;
+  }
+  return begins(8, "AVI ");
+}
+
+}  // namespace
 
 Result<std::unique_ptr<VideoFile>> open_video_file(const std::string& path) {
+  std::array<char, 1024> head{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), head.size());
+  if (!is_video({head.data(), static_cast<size_t>(file.gcount())})) {
+    return fail(path +
+                ": it is not a video that can be read (MP4, MOV, MKV, WebM, AVI, MPEG, Ogg, FLV, ASF, IVF, Y4M, H.264, "
+                "H.265, Motion JPEG)");
+  }
   const auto videos = plugin<VideoPlugin>();
   if (!videos) return tl::unexpected(videos.error());
-  return (*videos)->open_file(path);
+  auto video = (*videos)->open_file(path);
+  if (!video) return video;
+  const VideoFile::Properties properties = video->properties();
+  if (int64_t{properties.width} * properties.height > kMostImagePixels) {
+    return fail(path + ": its images are " + std::to_string(properties.width) + "x" +
+                std::to_string(properties.height) + "; " + std::to_string(kMostImagePixels / 1'000'000) +
+                " million pixels can be read");
+  }
+  return video;
 }
 
 }  // namespace covis::io
