@@ -33,14 +33,20 @@ class Frames {
     if (!video) return tl::unexpected(video.error());
     if (!*video) return fail(path + ": it is neither a folder of images nor a video that can be read");
     frames.video_ = std::move(*video);
+    frames.path_ = path;
     return frames;
   }
   bool is_video() const { return files_.empty(); }
   // False at the end. An image that can't be read is empty; what `grey` shows holds until the next call.
   bool next(cv::Mat& grey) {
     if (is_video()) {
-      if (!video_->grab() || !video_->retrieve(picture_)) return false;
-      io::to_grey(picture_, image_);
+      if (!video_->grab()) return false;
+      if (video_->retrieve(picture_)) {
+        io::to_grey(picture_, image_);
+      } else {
+        log(LogLevel::warning, path_ + ": frame " + std::to_string(at_) + " can't be decoded; it is passed over");
+        image_ = {};
+      }
     } else {
       if (at_ == files_.size()) return false;
       const auto read = reader_.grey(files_[at_], image_);
@@ -57,6 +63,7 @@ class Frames {
  private:
   std::vector<fs::path> files_;
   std::unique_ptr<io::VideoFile> video_;
+  std::string path_;  // of the video
   cv::Mat picture_;
   io::ImageReader reader_;
   ImageU8 image_;

@@ -67,27 +67,32 @@ class OpenCvVideo : public VideoFile {
 
   Properties properties() const override {
     const double frames = capture_.get(cv::CAP_PROP_FRAME_COUNT);
+    const auto codec = static_cast<int>(capture_.get(cv::CAP_PROP_FOURCC));
+    const bool ffmpeg = capture_.getBackendName() == "FFMPEG";
     return {static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_WIDTH)),
             static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_HEIGHT)), capture_.get(cv::CAP_PROP_FPS),
             frames > 0 && frames < 1e12 ? static_cast<int64_t>(frames) : 0,
             // OpenCV's own reader of AVI files tells the time of the frame after.
-            capture_.getBackendName() == "FFMPEG"};
+            ffmpeg, ffmpeg && (codec == fourcc("MJPG") || codec == fourcc("mjpg") || codec == fourcc("jpeg"))};
   }
   bool grab() override { return capture_.grab(); }
   bool retrieve(cv::Mat& picture) override { return capture_.retrieve(picture) && !picture.empty(); }
   double time() const override { return capture_.get(cv::CAP_PROP_POS_MSEC); }
 
  private:
+  static int fourcc(const char* c) { return cv::VideoWriter::fourcc(c[0], c[1], c[2], c[3]); }
+
   cv::VideoCapture capture_;
 };
 
-std::unique_ptr<VideoFile> open_file(const std::string& path) {
+std::unique_ptr<VideoFile> open_file(const std::string& path, VideoPlugin::Give give) {
   // Only the suitable back ends are tried, because a search through all of them takes longer and leaks memory.
   cv::VideoCapture capture = open_quietly([&](cv::VideoCapture& opened) {
     const FfmpegLimits limits;
     if (!opened.open(path, cv::CAP_FFMPEG)) opened.open(path, cv::CAP_OPENCV_MJPEG);
   });
   if (!capture.isOpened()) return nullptr;
+  if (give == VideoPlugin::Give::packets && !capture.set(cv::CAP_PROP_FORMAT, -1)) return nullptr;
   return std::make_unique<OpenCvVideo>(std::move(capture));
 }
 

@@ -36,6 +36,41 @@ bool is_video(std::string_view head) {
   return begins(8, "AVI ");
 }
 
+// Looks at the packets of Motion JPEG beside the decoder. Without a word it fills what is missing in a damaged one with
+// the picture before, gives that in place of one of another size, and ends the video at one that is no JPEG.
+class CheckedVideo : public VideoFile {
+ public:
+  CheckedVideo(std::unique_ptr<VideoFile> pictures, std::unique_ptr<VideoFile> packets)
+      : properties_(pictures->properties()), pictures_(std::move(pictures)), packets_(std::move(packets)) {}
+
+  Properties properties() const override { return properties_; }
+  bool grab() override {
+    decoded_ = pictures_->grab();
+    const bool any = packets_->grab() && packets_->retrieve(packet_);
+    if (!std::exchange(begun_, true)) checks_ = any && !is_damaged();
+    checks_ = checks_ && (any || !decoded_);  // else they are no longer those of the pictures
+    return decoded_ || (checks_ && any);
+  }
+  bool retrieve(cv::Mat& picture) override {
+    return decoded_ && !(checks_ && is_damaged()) && pictures_->retrieve(picture);
+  }
+  double time() const override { return pictures_->time(); }
+
+ private:
+  bool is_damaged() const {
+    const std::string_view bytes(reinterpret_cast<const char*>(packet_.data), packet_.total() * packet_.elemSize());
+    return problem_of_image(bytes, {properties_.width, properties_.height, {}}).has_value();
+  }
+
+  const Properties properties_;
+  const std::unique_ptr<VideoFile> pictures_, packets_;
+  // Of the frame that was grabbed last.
+  cv::Mat packet_;
+  bool decoded_ = false;
+  bool begun_ = false;
+  bool checks_ = false;  // the first packet is a whole JPEG file: some cameras leave out its end
+};
+
 }  // namespace
 
 Result<std::unique_ptr<VideoFile>> open_video_file(const std::string& path) {
@@ -49,7 +84,7 @@ Result<std::unique_ptr<VideoFile>> open_video_file(const std::string& path) {
   }
   const auto videos = plugin<VideoPlugin>();
   if (!videos) return tl::unexpected(videos.error());
-  auto video = (*videos)->open_file(path);
+  auto video = (*videos)->open_file(path, VideoPlugin::Give::pictures);
   if (!video) return video;
   const VideoFile::Properties properties = video->properties();
   if (int64_t{properties.width} * properties.height > kMostImagePixels) {
@@ -57,7 +92,10 @@ Result<std::unique_ptr<VideoFile>> open_video_file(const std::string& path) {
                 std::to_string(properties.height) + "; " + std::to_string(kMostImagePixels / 1'000'000) +
                 " million pixels can be read");
   }
-  return video;
+  if (!properties.motion_jpeg) return video;
+  auto packets = (*videos)->open_file(path, VideoPlugin::Give::packets);
+  if (!packets) return video;
+  return std::make_unique<CheckedVideo>(std::move(video), std::move(packets));
 }
 
 }  // namespace covis::io

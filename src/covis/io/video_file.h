@@ -20,6 +20,7 @@ class VideoFile {
     double rate = 0;            // Hz
     int64_t frames = 0;         // number of frames
     bool has_times = false;     // its frames have times of their own
+    bool motion_jpeg = false;   // each frame is a JPEG file
   };
 
   virtual ~VideoFile() = default;
@@ -32,13 +33,16 @@ class VideoFile {
   virtual double time() const = 0;
 };
 
-// Null: the file is not a video that can be read.
+// Null: the file is not a video that can be read. Frames of Motion JPEG that are damaged, or of another size, can't be
+// decoded.
 Result<std::unique_ptr<VideoFile>> open_video_file(const std::string& path);
 
 // plugin_video.cpp
 struct VideoPlugin {
   static constexpr const char *kName = "covis_video", *kPurpose = "reads videos and cameras";
-  std::unique_ptr<VideoFile> (*open_file)(const std::string& path);
+  // The file gives decoded pictures, or in their place the bytes of its packets.
+  enum class Give { pictures, packets };
+  std::unique_ptr<VideoFile> (*open_file)(const std::string& path, Give give);
   // Makes the device /dev/videoNUMBER, which is asked for the size and the rate of `wanted` whenever it is opened.
   std::unique_ptr<CameraDevice> (*make_camera)(int number, const CameraFile& wanted);
 };
