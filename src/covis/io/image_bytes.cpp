@@ -123,7 +123,8 @@ std::optional<std::string> problem_of_jpeg(std::string_view bytes, const Expecte
   if (end == std::string_view::npos || end < at) return too_short(bytes);
   if (size) return size;
   if (has_too_many_scans(bytes.substr(at))) return "the image is given in more scans than any real JPEG has";
-  if (!jpeg_scan_is_whole(bytes)) return "the compressed data of the image is damaged or cut short";
+  if (!jpeg_scan_is_whole(bytes) || !progressive_jpeg_is_whole(bytes))
+    return "the compressed data of the image is damaged or cut short";
   return std::nullopt;
 }
 

@@ -23,7 +23,7 @@ std::string wrong_size(int64_t width, int64_t height, const ExpectedSize& expect
 
 // Says why an image file must not be handed to a decoder: its format is none of PNG, JPEG, TIFF, BMP, PBM, PGM, PPM and
 // WebP, or OpenCV would not choose that format's decoder; it is cut short; its header is damaged, or tells an absurd
-// size or another one than expected; compressed data of a JPEG (other than progressive) end early or do not fit.
+// size or another one than expected; compressed data of a JPEG end early or do not fit.
 // nullopt where nothing is wrong.
 std::optional<std::string> problem_of_image(std::string_view bytes, const ExpectedSize& expected = {});
 
@@ -34,5 +34,7 @@ std::string without_texts(std::string_view bytes);
 // The same of the compressed data of a JPEG file that has sequential Huffman coding, by walking through its codes as a
 // decoder does (ITU T.81, sections F.2.2 and E.2). True also for what is coded in another way: it is not looked at.
 bool jpeg_scan_is_whole(std::string_view bytes);
+// The same of all scans of a JPEG file that is progressive and has Huffman coding.
+bool progressive_jpeg_is_whole(std::string_view bytes);
 
 }  // namespace covis::io

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/io/image_bytes.h"
 
+#include <opencv2/imgproc.hpp>
+
 #include "covis/io/images.h"
 #include "covis/io/test_recordings.h"
 
@@ -102,6 +104,37 @@ TEST(ImageBytes, AJpegOfAbsurdlyManyScansIsRefused) {
   const std::string scan = jpeg.substr(last, jpeg.size() - 2 - last);
   for (int i = 0; i < 100; ++i) jpeg.insert(last, scan);
   EXPECT_THAT(problem(jpeg), HasSubstr("more scans"));
+}
+
+TEST(ImageBytes, ThePartOfAProgressiveJpegThatIsDamagedIsReported) {
+  int all = 0, noticed = 0;
+  for (const cv::Size size : {cv::Size(64, 48), cv::Size(67, 41), cv::Size(16, 200), cv::Size(301, 205)}) {
+    for (const int type : {CV_8UC3, CV_8UC1}) {
+      for (const int restart : {0, 3}) {
+        for (const double blur : {0.0, 2.0, 6.0}) {
+          cv::Mat image(size, type);
+          cv::RNG(1).fill(image, cv::RNG::UNIFORM, 0, 255);
+          if (blur > 0) cv::GaussianBlur(image, image, {}, blur);
+          std::vector<uint8_t> bytes;
+          cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_PROGRESSIVE, 1, cv::IMWRITE_JPEG_RST_INTERVAL, restart});
+          const std::string whole(bytes.begin(), bytes.end());
+          SCOPED_TRACE(testing::Message() << size << " " << type << " " << restart << " " << blur);
+          EXPECT_EQ(problem(whole), "");
+          EXPECT_EQ(problem(whole + "behind"), "");
+          for (size_t at = whole.find("\xff\xda"); at != std::string::npos; at = whole.find("\xff\xda", at + 1)) {
+            const size_t data = at + 4 + static_cast<size_t>(whole[at + 3]), end = whole.find("\xff\xc4", data);
+            const size_t length = std::min(end, whole.size() - 2) - data;
+            if (length < 400) continue;
+            all += 2;
+            noticed += problem(whole.substr(0, data + length / 2) + "\xff\xd9") != "";
+            noticed += problem(with(whole, data + length / 3, std::string(length / 3, '\0'))) != "";
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(all, 100);
+  EXPECT_GE(noticed, all * 9 / 10) << "of " << all;
 }
 
 class ImageFiles : public RecordingTest {};
