@@ -28,7 +28,8 @@ const std::vector<Target>& targets() {
   static const std::vector<Target> all = [] {
     set_log_sink([](LogLevel, std::string_view) {});
     std::vector<Target> made;
-    for (const auto& some : {map_targets(), vocabulary_targets(), text_targets(), recording_targets(), ros_targets()})
+    for (const auto& some :
+         {map_targets(), vocabulary_targets(), text_targets(), recording_targets(), ros_targets(), image_targets()})
       made.insert(made.end(), some.begin(), some.end());
     return made;
   }();

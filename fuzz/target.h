@@ -22,6 +22,7 @@ std::vector<Target> vocabulary_targets();
 std::vector<Target> text_targets();
 std::vector<Target> recording_targets();
 std::vector<Target> ros_targets();
+std::vector<Target> image_targets();
 
 // Ends the process when something holds that must not.
 inline void require(bool holds, const char* what) {

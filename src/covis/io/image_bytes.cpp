@@ -71,7 +71,7 @@ bool is_png_header(uint32_t depth, uint32_t colour, uint32_t compression, uint32
   return power && fits && compression == 0 && filter == 0 && interlace <= 1;
 }
 
-// Of a PNG: the bytes of its signature, of the header's data, and of length, name and sum of a chunk.
+// Bytes of a PNG: its signature, the header's data, and length, name and sum of a chunk.
 constexpr size_t kSignature = 8, kHeader = 13, kAround = 12;
 
 // Walks through the chunks (the PNG specification, section 5). The decoder checks the sums of all but the header's.

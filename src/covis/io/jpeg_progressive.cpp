@@ -10,11 +10,11 @@ namespace covis::io::jpeg {
 namespace {
 
 struct Scan {
-  std::array<uint32_t, 4> components = {};
-  std::array<ScanTables, 4> used = {};  // of each of these
-  uint32_t count = 0;                   // of these
-  uint32_t first = 0, last = 0;         // coefficients
-  bool refines = false;                 // each has its upper bits already
+  uint32_t count = 0;                       // components
+  std::array<uint32_t, 4> components = {};  // their places in the frame
+  std::array<ScanTables, 4> used = {};      // their tables
+  uint32_t first = 0, last = 0;             // coefficients
+  bool refines = false;                     // each has its upper bits already
 };
 
 class Progressive {
@@ -199,10 +199,9 @@ class Progressive {
   HuffmanTables tables_;
   Frame frame_;
   uint32_t restart_interval_ = 0;
-  uint32_t zero_blocks_ = 0;  // from here on whose other coefficients of the scan are zero
-  std::array<std::vector<uint64_t>, 4> set_ =
-      {};               // of each component and block: by bits, coefficients that are not zero
-  bool known_ = false;  // there was a scan of first coefficients
+  uint32_t zero_blocks_ = 0;                       // from here on whose other coefficients of the scan are zero
+  std::array<std::vector<uint64_t>, 4> set_ = {};  // by component and block: bits of coefficients that are not zero
+  bool known_ = false;                             // there was a scan of first coefficients
 };
 
 }  // namespace

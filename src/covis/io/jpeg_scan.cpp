@@ -12,7 +12,7 @@ namespace {
 struct Headers {
   HuffmanTables tables;
   Frame frame;
-  std::array<ScanTables, 4> used = {};  // of each component
+  std::array<ScanTables, 4> used = {};  // by component
   uint32_t restart_interval = 0;
   std::string_view data;  // from the first byte of the scan on
 };

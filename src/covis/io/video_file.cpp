@@ -64,8 +64,7 @@ class CheckedVideo : public VideoFile {
 
   const Properties properties_;
   const std::unique_ptr<VideoFile> pictures_, packets_;
-  // Of the frame that was grabbed last.
-  cv::Mat packet_;
+  cv::Mat packet_;  // the last one that was grabbed
   bool decoded_ = false;
   bool begun_ = false;
   bool checks_ = false;  // the first packet is a whole JPEG file: some cameras leave out its end
