@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "covis/exchange/scene.h"
+#include "covis/io/files.h"
 
 namespace covis::exchange {
 namespace {
@@ -20,11 +21,15 @@ namespace fs = std::filesystem;
 // The lines of a file but for comments, with their numbers.
 class Lines {
  public:
-  explicit Lines(const fs::path& file) : file_(file), stream_(file) {}
-  bool is_open() const { return stream_.is_open(); }
+  static Result<Lines> open(const fs::path& file) {
+    const auto head = io::read_head(file, 2);
+    if (!head) return tl::unexpected(head.error());
+    if (io::is_wide_text(*head)) return tl::unexpected(io::wide_text(file));
+    return Lines(file);
+  }
   std::optional<std::istringstream> next() {
     for (std::string line; std::getline(stream_, line);) {
-      ++number_;
+      if (++number_ == 1) io::remove_byte_order_mark(line);
       if (line.ends_with('\r')) line.pop_back();
       if (!line.starts_with("#")) return std::istringstream(line);
     }
@@ -35,8 +40,10 @@ class Lines {
   }
 
  private:
-  const fs::path file_;
-  std::ifstream stream_;
+  explicit Lines(const fs::path& file) : file_(file), stream_(file) {}
+
+  fs::path file_;
+  std::ifstream stream_;  // a model can be larger than what is read whole
   int number_ = 0;
 };
 
@@ -55,16 +62,17 @@ const std::map<std::string, Figures> kModels{{"SIMPLE_PINHOLE", {3, true, Distor
 constexpr int kMaxSide = 32768;  // pixels
 
 Result<Camera> read_camera(const fs::path& file, int& id) {
-  Lines lines(file);
-  auto line = lines.next();
-  if (!line) return lines.problem("there is no camera");
+  auto lines = Lines::open(file);
+  if (!lines) return tl::unexpected(lines.error());
+  auto line = lines->next();
+  if (!line) return lines->problem("there is no camera");
   std::string model;
   Camera camera;
   *line >> id >> model >> camera.width >> camera.height;
   const auto known = kModels.find(model);
   if (!*line || known == kModels.end()) {
-    return lines.problem("camera model '" + model +
-                         "' is none of SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, OPENCV_FISHEYE");
+    return lines->problem("camera model '" + model +
+                          "' is none of SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, OPENCV_FISHEYE");
   }
   const Figures& figures = known->second;
   std::array<double, 8> values{};
@@ -80,11 +88,11 @@ Result<Camera> read_camera(const fs::path& file, int& id) {
   if (!whole || !bounded || std::min(camera.width, camera.height) < 64 ||
       std::max(camera.width, camera.height) > kMaxSide || !(p.fx >= 1 && p.fy >= 1) || !std::isfinite(p.fx + p.fy) ||
       !(p.cx > 0 && p.cx < camera.width && p.cy > 0 && p.cy < camera.height))
-    return lines.problem("a " + model +
-                         " of at least 64 x 64 and at most 32768 x 32768 pixels with positive focal lengths of a "
-                         "pixel or more and its principal point "
-                         "in the image is wanted");
-  if (lines.next()) return lines.problem("there is a second camera; one is wanted");
+    return lines->problem("a " + model +
+                          " of at least 64 x 64 and at most 32768 x 32768 pixels with positive focal lengths of a "
+                          "pixel or more and its principal point "
+                          "in the image is wanted");
+  if (lines->next()) return lines->problem("there is a second camera; one is wanted");
   return camera;
 }
 
@@ -136,14 +144,15 @@ Result<ColmapModel> read_colmap(const fs::path& folder) {
   if (!camera) return tl::unexpected(camera.error());
   ColmapModel model{.camera = *camera, .images = {}};
   std::map<int, ColmapModel::Image> by_id;
-  Lines lines(folder / "images.txt");
-  while (auto line = lines.next()) {
+  auto lines = Lines::open(folder / "images.txt");
+  if (!lines) return tl::unexpected(lines.error());
+  while (auto line = lines->next()) {
     if (line->str().empty()) continue;
     int image_id = 0;
-    auto image = read_image(lines, *line, id, image_id);
+    auto image = read_image(*lines, *line, id, image_id);
     if (!image) return tl::unexpected(image.error());
     if (!by_id.emplace(image_id, std::move(*image)).second)
-      return lines.problem("there is another image of the id " + std::to_string(image_id));
+      return lines->problem("there is another image of the id " + std::to_string(image_id));
   }
   for (auto& [number, image] : by_id) model.images.push_back(std::move(image));
   if (model.images.size() < 2) return fail((folder / "images.txt").string() + ": there are less than two images");

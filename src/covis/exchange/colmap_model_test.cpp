@@ -66,6 +66,13 @@ TEST_F(ColmapModelFiles, MayHaveLinesOfWindows) {
   EXPECT_EQ(read_colmap(folder.path())->images[0].name, "a.png");
 }
 
+TEST_F(ColmapModelFiles, MayBeginWithAByteOrderMark) {
+  const std::string camera = "1 PINHOLE 640 480 500 500 320 240";
+  EXPECT_EQ(error("\xef\xbb\xbf" + camera, "\xef\xbb\xbf" + images), "");
+  EXPECT_THAT(error("\xff\xfe" + camera, images), HasSubstr("cameras.txt: it is in UTF-16"));
+  EXPECT_THAT(error(camera, "\xfe\xff" + images), HasSubstr("images.txt: it is in UTF-16"));
+}
+
 TEST_F(ColmapModelFiles, ThatAreWrongAreNamedWithTheirLine) {
   const std::string camera = "1 PINHOLE 640 480 500 500 320 240\n";
   EXPECT_THAT(error("", images), HasSubstr("cameras.txt:0: there is no camera"));

@@ -3,7 +3,7 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
+#include <sstream>
 #include <utility>
 
 #include "covis/core/atomic_file.h"
@@ -42,7 +42,12 @@ Result<KeptImages> KeptImages::read(const fs::path& folder) {
     return fail(folder.string() + ": there is no folder of images; covis run --keep-images makes it");
   KeptImages kept(folder);
   kept.listed_ = fs::exists(folder / kList);
-  std::ifstream list(folder / kList);
+  std::istringstream list;
+  if (kept.listed_) {
+    const auto text = io::read_text(folder / kList);
+    if (!text) return tl::unexpected(text.error());
+    list.str(*text);
+  }
   std::string name;
   for (Timestamp stamp = 0; list >> name >> stamp;) {
     // Names of this folder alone, and no links, which Covis does not make: they would lead to files of others.

@@ -2,6 +2,7 @@
 #include "covis/exchange/kept_images.h"
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include "covis/core/test_folder.h"
 
@@ -32,6 +33,12 @@ TEST(KeptImages, AreThoseOfTheirMapAndNoOthersAreRemoved) {
   EXPECT_FALSE(fs::exists(folder / "m.images/000001.png"));
   EXPECT_TRUE(fs::exists(folder / "m.images/000002.jpg"));
   EXPECT_TRUE(fs::exists(folder / "m.images/000009.png"));
+}
+
+TEST(KeptImages, AListThatNeverEndsIsRefused) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(mkfifo((folder / "images.txt").c_str(), 0600), 0);
+  EXPECT_THAT(KeptImages::read(folder.path()).error().message, testing::HasSubstr("images.txt: it is a pipe"));
 }
 
 TEST(KeptImages, AreNotWrittenIntoAFolderOfOtherThings) {

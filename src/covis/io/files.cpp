@@ -10,17 +10,56 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "covis/core/stamp_bounds.h"
 
 namespace covis::io {
 namespace {
 
-struct Handle {  // closes the file
-  int number;
-  ~Handle() {
-    if (number >= 0) close(number);
+class RegularFile {
+ public:
+  static Result<RegularFile> open(const std::filesystem::path& file) {
+    std::error_code none;
+    if (std::filesystem::is_directory(file, none)) return fail(file.string() + ": it is a folder; a file is expected");
+    // Without O_NONBLOCK it would wait for whoever writes to a pipe.
+    RegularFile opened(file, ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+    if (opened.handle_ < 0) return fail(file.string() + ": it can't be opened: " + std::strerror(errno));
+    struct stat status {};
+    if (fstat(opened.handle_, &status) != 0 || !S_ISREG(status.st_mode))
+      return fail(file.string() + ": it is a pipe or a device; a regular file is expected");
+    opened.size_ = static_cast<size_t>(status.st_size);
+    return opened;
   }
+  RegularFile(RegularFile&& other) noexcept
+      : file_(std::move(other.file_)), handle_(std::exchange(other.handle_, -1)), size_(other.size_) {}
+  RegularFile& operator=(RegularFile&&) = delete;
+  ~RegularFile() {
+    if (handle_ >= 0) close(handle_);
+  }
+
+  size_t size() const { return size_; }  // a hint: files of /proc have none
+  // Reads into bytes from `at` on until they are full. Returns how many were read: fewer at the file's end.
+  Result<size_t> read(std::string& bytes, size_t at) const {
+    const size_t begin = at;
+    while (at < bytes.size()) {
+      const ssize_t n = ::read(handle_, bytes.data() + at, bytes.size() - at);
+      if (n == 0) break;
+      if (n > 0) {
+        at += static_cast<size_t>(n);
+      } else if (errno != EINTR) {
+        return fail(file_.string() + ": it can't be read: " + std::strerror(errno));
+      }
+    }
+    return at - begin;
+  }
+
+ private:
+  RegularFile(std::filesystem::path file, int handle) : file_(std::move(file)), handle_(handle) {}
+
+  std::filesystem::path file_;
+  int handle_;
+  size_t size_ = 0;
 };
 
 }  // namespace
@@ -28,7 +67,24 @@ struct Handle {  // closes the file
 Result<std::string> read_text(const std::filesystem::path& file) {
   std::string text;
   if (auto read = read_bytes(file, text); !read) return tl::unexpected(read.error());
+  if (is_wide_text(text)) return tl::unexpected(wide_text(file));
+  remove_byte_order_mark(text);
   return text;
+}
+
+bool is_wide_text(std::string_view text) {
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return true;
+  const auto beside = [&](size_t zero, size_t letter) { return text[zero] == '\0' && text[letter] > ' '; };
+  return text.size() > 1 && (beside(0, 1) || beside(1, 0));
+}
+
+Error wide_text(const std::filesystem::path& file) {
+  return {file.string() + ": it is in UTF-16, or no text; save it in UTF-8"};
+}
+
+void remove_byte_order_mark(std::string& text) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";
+  if (text.starts_with(kMark)) text.erase(0, kMark.size());
 }
 
 bool is_regular(const std::filesystem::path& file) {
@@ -37,35 +93,33 @@ bool is_regular(const std::filesystem::path& file) {
 }
 
 Result<void> read_bytes(const std::filesystem::path& file, std::string& bytes) {
-  std::error_code none;
-  if (std::filesystem::is_directory(file, none)) return fail(file.string() + ": it is a folder; a file is expected");
-  // Without O_NONBLOCK it would wait for whoever writes to a pipe.
-  const Handle handle{open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
-  if (handle.number < 0) return fail(file.string() + ": it can't be opened: " + std::strerror(errno));
-  struct stat status {};
-  if (fstat(handle.number, &status) != 0 || !S_ISREG(status.st_mode))
-    return fail(file.string() + ": it is a pipe or a device; a regular file is expected");
-  const auto size = static_cast<size_t>(status.st_size);  // a hint: files of /proc have none
+  const auto opened = RegularFile::open(file);
+  if (!opened) return tl::unexpected(opened.error());
   const auto too_large = [&] {
     return fail(file.string() + ": it has more than " + std::to_string(kLargestFile >> 20) +
                 " MiB, which is too much for such a file");
   };
-  if (size > kLargestFile) return too_large();
-  bytes.resize(size + 1);
+  if (opened->size() > kLargestFile) return too_large();
   size_t done = 0;
-  while (true) {
+  for (bytes.resize(opened->size() + 1);; bytes.resize(std::max<size_t>(4096, 2 * done))) {
+    const auto read = opened->read(bytes, done);
+    if (!read) return tl::unexpected(read.error());
+    done += *read;
     if (done > kLargestFile) return too_large();
-    if (done == bytes.size()) bytes.resize(std::max<size_t>(4096, 2 * done));
-    const ssize_t n = read(handle.number, bytes.data() + done, bytes.size() - done);
-    if (n == 0) break;
-    if (n > 0) {
-      done += static_cast<size_t>(n);
-    } else if (errno != EINTR) {
-      return fail(file.string() + ": it can't be read: " + std::strerror(errno));
-    }
+    if (done < bytes.size()) break;
   }
   bytes.resize(done);
   return {};
+}
+
+Result<std::string> read_head(const std::filesystem::path& file, size_t most) {
+  const auto opened = RegularFile::open(file);
+  if (!opened) return tl::unexpected(opened.error());
+  std::string bytes(most, '\0');
+  const auto read = opened->read(bytes, 0);
+  if (!read) return tl::unexpected(read.error());
+  bytes.resize(*read);
+  return bytes;
 }
 
 std::vector<std::string_view> split(std::string_view line) {

@@ -20,10 +20,17 @@ inline constexpr size_t kLargestFile = size_t{1} << 30;
 
 // False for what cannot be read like a file: folders, pipes and devices, whose end may never come.
 bool is_regular(const std::filesystem::path& file);
-// Reads a regular file.
+// Reads a regular file of text, without the byte order mark that may stand before it. Error: it is in UTF-16 or UTF-32.
 Result<std::string> read_text(const std::filesystem::path& file);
-// The same, into reused memory.
+// True where a text is in UTF-16 or UTF-32, by its byte order mark or its first characters.
+bool is_wide_text(std::string_view text);
+Error wide_text(const std::filesystem::path& file);
+// Removes the byte order mark of UTF-8, which some editors write.
+void remove_byte_order_mark(std::string& text);
+// Reads a regular file, into reused memory.
 Result<void> read_bytes(const std::filesystem::path& file, std::string& bytes);
+// Reads the first `most` bytes of a regular file, all if it has fewer.
+Result<std::string> read_head(const std::filesystem::path& file, size_t most);
 
 inline Error no_memory(const std::filesystem::path& name) {
   return {name.string() + ": there is not enough memory for it"};

@@ -25,6 +25,28 @@ TEST_F(Files, ReadWhole) {
   EXPECT_THAT(read_text(folder / "none").error().message, HasSubstr("none: it can't be opened"));
 }
 
+TEST_F(Files, TextIsInUtf8) {
+  write("marked", "\xef\xbb\xbfone\n");
+  EXPECT_EQ(*read_text(folder / "marked"), "one\n");
+  write("short", "\xef\xbb");
+  EXPECT_EQ(*read_text(folder / "short"), "\xef\xbb");
+  write("empty", "");
+  EXPECT_EQ(*read_text(folder / "empty"), "");
+  for (const std::string& wide : {std::string("\xff\xfeo\0n\0", 6), std::string("\xfe\xff\0o", 4),
+                                  std::string("o\0n\0", 4), std::string("\0o\0n", 4)}) {
+    write("wide", wide);
+    EXPECT_THAT(read_text(folder / "wide").error().message,
+                AllOf(HasSubstr("wide: it is in UTF-16"), HasSubstr("UTF-8")));
+  }
+}
+
+TEST_F(Files, ReadTheirHeads) {
+  write("some", "abcdef");
+  EXPECT_EQ(*read_head(folder / "some", 4), "abcd");
+  EXPECT_EQ(*read_head(folder / "some", 40), "abcdef");
+  EXPECT_THAT(read_head("/dev/zero", 4).error().message, HasSubstr("it is a pipe or a device"));
+}
+
 TEST(Stamps, AreExact) {
   EXPECT_EQ(parse_stamp("1305031102.175304"), 1305031102175304000);
   EXPECT_EQ(parse_stamp("1403715273262142976"), 1403715273262142976);

@@ -124,12 +124,11 @@ Result<Picture> read_picture(const std::filesystem::path& file, const ExpectedSi
 }
 
 bool may_have_colours(const std::filesystem::path& file) {
-  if (!is_regular(file)) return false;
   // The PNG specification, section 11.2.2: the 26th byte is the colour type; 0 and 4 are grey.
-  char head[26] = {};
-  std::ifstream(file, std::ios::binary).read(head, sizeof head);
-  const bool png = std::string_view(head, 8) == "\x89PNG\r\n\x1a\n";
-  return !(png && (head[25] == 0 || head[25] == 4));
+  const auto head = read_head(file, 26);
+  if (!head) return false;
+  const bool png = head->size() == 26 && head->starts_with("\x89PNG\r\n\x1a\n");
+  return !(png && ((*head)[25] == 0 || (*head)[25] == 4));
 }
 
 Result<void> write_picture(const std::filesystem::path& file, const Picture& picture) {

@@ -105,7 +105,7 @@ int line_of_endless_alias(const std::string& text) {
   return aliases.line();
 }
 
-// yaml-cpp reads UTF-16 and UTF-32 too, whose files begin with a mark.
+// yaml-cpp reads UTF-16 and UTF-32 too, where the files begin with a mark.
 bool is_text(std::string_view text) {
   using namespace std::literals;
   const bool wide = text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") || text.starts_with("\0\0\xfe\xff"sv);
@@ -115,16 +115,17 @@ bool is_text(std::string_view text) {
 // Returns parse(text), which may throw what yaml-cpp throws.
 template <class Parse>
 auto parsed(const std::filesystem::path& file, Parse parse) -> Result<decltype(parse(std::string()))> {
-  auto text = read_text(file);
-  if (!text) return tl::unexpected(text.error());
-  if (!is_text(*text)) return fail(file.string() + ": not YAML: it is no text");
+  std::string text;
+  if (auto read = read_bytes(file, text); !read) return tl::unexpected(read.error());
+  if (!is_text(text)) return fail(file.string() + ": not YAML: it is no text");
+  remove_byte_order_mark(text);
   // OpenCV and EuRoC write "%YAML:1.0", which is not a valid YAML directive.
-  if (text->starts_with("%YAML:")) text->replace(0, 1, "#");
+  if (text.starts_with("%YAML:")) text.replace(0, 1, "#");
   const auto place = [&](int line) { return file.string() + ":" + std::to_string(line); };
   try {
-    if (const int line = line_of_endless_alias(*text); line > 0)
+    if (const int line = line_of_endless_alias(text); line > 0)
       return fail(place(line) + ": not YAML that can be read: what an alias (*) stands for contains the alias itself");
-    return parse(*text);
+    return parse(text);
   } catch (const YAML::DeepRecursion& error) {
     return fail(place(error.mark.line + 1) + ": not YAML that can be read: it is nested too deep");
   } catch (const SecondDocument& error) {

@@ -83,6 +83,8 @@ TEST_F(Yaml, WhereNoValueCanBeginReadingEnds) {
 }
 
 TEST_F(Yaml, ADirectiveOfOpenCvIsNoError) {
+  write("b.yaml", "\xef\xbb\xbf%YAML:1.0\n---\none: 1\n");
+  EXPECT_TRUE(load_yaml(folder / "b.yaml")) << "behind a byte order mark";
   write("a.yaml", "%YAML:1.0\n---\none: 1\n");
   const auto loaded = load_yaml(folder / "a.yaml");
   ASSERT_TRUE(loaded) << loaded.error().message;
