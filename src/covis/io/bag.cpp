@@ -2,7 +2,6 @@
 #include "covis/io/bag.h"
 
 #include <algorithm>
-#include <fstream>
 #include <optional>
 
 #include "covis/io/files.h"
@@ -18,14 +17,12 @@ constexpr std::string_view kZstd = "\x28\xb5\x2f\xfd";  // the beginning of comp
 enum class BagFormat { ros1, ros2, mcap, zstd };
 
 std::optional<BagFormat> format_of(const fs::path& file) {
-  if (!is_regular(file)) return std::nullopt;
-  char bytes[16] = {};
-  std::ifstream(file, std::ios::binary).read(bytes, sizeof bytes);
-  const std::string_view head(bytes, sizeof bytes);
-  if (head.starts_with("#ROSBAG")) return BagFormat::ros1;
-  if (head.starts_with("SQLite format 3")) return BagFormat::ros2;
-  if (head.starts_with("\x89MCAP0")) return BagFormat::mcap;
-  if (head.starts_with(kZstd)) return BagFormat::zstd;
+  const auto head = read_head(file, 16);
+  if (!head) return std::nullopt;
+  if (head->starts_with("#ROSBAG")) return BagFormat::ros1;
+  if (head->starts_with("SQLite format 3")) return BagFormat::ros2;
+  if (head->starts_with("\x89MCAP0")) return BagFormat::mcap;
+  if (head->starts_with(kZstd)) return BagFormat::zstd;
   return std::nullopt;
 }
 

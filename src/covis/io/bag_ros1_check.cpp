@@ -1,18 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/io/bag_ros1_check.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <map>
+#include <deque>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace covis::io {
 namespace {
 
 constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
 constexpr uint32_t kLargestChunk = uint32_t{1} << 30;  // bytes
+// Bytes of a chunk that is compressed: nothing in the file bounds what it announces. Recorders begin a new one after
+// 768 kB, so that it holds a single message when it is larger.
+constexpr uint32_t kLargestCompressed = 128'000'000;
+constexpr int kMostConnections = 16;  // one behind another before a message; recorders write one
 
 // The kinds of records, by their field "op".
 enum Operation : uint8_t { kMessage = 2, kFileHeader = 3, kIndex = 4, kChunk = 5, kChunkInfo = 6, kConnection = 7 };
@@ -82,16 +89,34 @@ std::optional<BagRecord> record_at(std::string_view bytes, size_t at) {
 }
 
 struct BagChunk {
-  std::string_view data;  // empty when compressed
-  uint32_t size = 0;      // bytes, not compressed
+  bool compressed = false;
+  uint32_t size = 0;             // bytes, not compressed
+  std::vector<uint32_t> places;  // of its messages and of connections right before them, ascending; none if compressed
 };
+
+// Lists the places that lead to messages, as far as whole records go.
+std::vector<uint32_t> places_of_messages(std::string_view chunk) {
+  std::vector<uint32_t> places;
+  std::deque<size_t> connections;  // the last ones before the present place
+  for (size_t at = 0; at < chunk.size();) {
+    const auto record = record_at(chunk, at);
+    if (!record) break;
+    connections.push_back(at);
+    if (record->operation() == kMessage) places.insert(places.end(), connections.begin(), connections.end());
+    if (record->operation() != kConnection) connections.clear();
+    if (connections.size() > kMostConnections) connections.pop_front();
+    at += record->size();
+  }
+  return places;
+}
 
 std::optional<BagChunk> chunk_of(const BagRecord& record) {
   const auto size = record.number<uint32_t>("size");
-  if (!size || *size > kLargestChunk) return std::nullopt;
-  if (record.field("compression") != "none") return BagChunk{{}, *size};
+  const bool compressed = record.field("compression") != "none";
+  if (!size || *size > (compressed ? kLargestCompressed : kLargestChunk)) return std::nullopt;
+  if (compressed) return BagChunk{true, *size, {}};
   if (record.data.size() != *size) return std::nullopt;
-  return BagChunk{record.data, *size};
+  return BagChunk{false, *size, places_of_messages(record.data)};
 }
 
 // True when an index of messages in the chunk leads to messages.
@@ -102,14 +127,7 @@ bool leads_to_messages(const BagRecord& index, const BagChunk& chunk) {
   for (size_t at = 8; at < index.data.size(); at += kEntry) {
     const uint32_t place = *word_at(index.data, at);
     if (place >= chunk.size) return false;
-    if (chunk.data.empty()) continue;
-    // A connection may stand before its first message.
-    auto record = record_at(chunk.data, place);
-    for (size_t next = place; record && record->operation() == kConnection;) {
-      next += record->size();
-      record = record_at(chunk.data, next);
-    }
-    if (!record || record->operation() != kMessage) return false;
+    if (!chunk.compressed && !std::binary_search(chunk.places.begin(), chunk.places.end(), place)) return false;
   }
   return true;
 }
@@ -118,8 +136,8 @@ bool leads_to_messages(const BagRecord& index, const BagChunk& chunk) {
 
 Result<void> check_ros1_records(std::string_view bytes) {
   if (!bytes.starts_with(kMagic)) return {};
-  std::map<uint64_t, BagChunk> chunks;  // by their places
-  const BagChunk* latest = nullptr;     // the chunk whose indices follow
+  std::set<uint64_t> chunks;       // their places
+  std::optional<BagChunk> latest;  // the chunk whose indices follow
   uint64_t index_at = 0;
   std::pair<uint64_t, uint64_t> announced, found;  // connections and chunks in the index
   for (size_t at = kMagic.size(); at < bytes.size();) {
@@ -136,9 +154,9 @@ Result<void> check_ros1_records(std::string_view bytes) {
                      record->number<uint32_t>("chunk_count").value_or(0)};
         break;
       case kChunk: {
-        const auto chunk = chunk_of(*record);
-        if (!chunk) return damaged("a chunk of messages is damaged");
-        latest = &(chunks[at] = *chunk);
+        latest = chunk_of(*record);
+        if (!latest) return damaged("a chunk of messages is damaged");
+        chunks.insert(at);
         break;
       }
       case kIndex:

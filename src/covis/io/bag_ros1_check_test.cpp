@@ -42,6 +42,52 @@ TEST_F(Ros1Records, CutOnesDoNot) {
               HasSubstr("a record is cut short or damaged at byte 4109"));
 }
 
+std::string word(size_t value) {
+  const auto number = static_cast<uint32_t>(value);
+  return std::string(reinterpret_cast<const char*>(&number), sizeof number);
+}
+
+// A bag with one chunk and one index of it, whose entries lead to the chunk's places.
+std::string bag_of(const std::string& compression, const std::string& chunk, size_t announced,
+                   const std::vector<size_t>& places) {
+  const auto field = [](const std::string& text) { return word(text.size()) + text; };
+  const auto record = [](const std::string& header, const std::string& data) {
+    return word(header.size()) + header + word(data.size()) + data;
+  };
+  std::string entries;
+  for (const size_t place : places) entries += std::string(8, '\0') + word(place);
+  const std::string head = field("op=\3") + field("conn_count=" + word(0)) + field("chunk_count=" + word(0)) +
+                           field("index_pos=" + std::string(8, '\x7f'));
+  return "#ROSBAG V2.0\n" + record(head, "") +
+         record(field("op=\5") + field("compression=" + compression) + field("size=" + word(announced)), chunk) +
+         record(field("op=\4") + field("ver=" + word(1)) + field("conn=" + word(0)) +
+                    field("count=" + word(places.size())),
+                entries);
+}
+
+TEST_F(Ros1Records, ACompressedChunkMayAnnounceSoMuch) {
+  EXPECT_TRUE(check_ros1_records(bag_of("bz2", "BZh9", 128'000'000, {0})));
+  EXPECT_THAT(check_ros1_records(bag_of("bz2", "BZh9", 128'000'001, {0})).error().message,
+              HasSubstr("a chunk of messages is damaged"));
+}
+
+TEST_F(Ros1Records, AnIndexLeadsToMessagesInTimeProportionalToItsSize) {
+  const std::string header = word(4) + "op=\7";
+  const std::string connection = word(header.size()) + header + word(0);
+  std::string message = connection;
+  message.replace(message.find('\7'), 1, "\2");
+  std::string chunk = connection + message;
+  EXPECT_TRUE(check_ros1_records(bag_of("none", chunk, chunk.size(), {0, connection.size()})));
+  EXPECT_FALSE(check_ros1_records(bag_of("none", chunk, chunk.size(), {1}))) << "the midst of a record";
+  chunk.clear();
+  constexpr size_t kConnections = 100'000;  // pairs of a connection and an index entry: 10,000 million
+  for (size_t i = 0; i < kConnections; ++i) chunk += connection;
+  chunk += message;
+  EXPECT_FALSE(check_ros1_records(bag_of("none", chunk, chunk.size(), std::vector<size_t>(kConnections, 0))));
+  const std::vector<size_t> last(kConnections, (kConnections - 1) * connection.size());
+  EXPECT_TRUE(check_ros1_records(bag_of("none", chunk, chunk.size(), last)));
+}
+
 // Neither the check nor what rosbag_storage does of what passes it crashes.
 TEST_F(Ros1Records, DamagedOnesAreReadOrRefused) {
   Random random(hash_seed(4, 5, 6));

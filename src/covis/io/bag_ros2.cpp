@@ -4,10 +4,12 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <mutex>
 
 #include "covis/io/bag.h"
+#include "covis/io/files.h"
 
 namespace covis::io {
 namespace {
@@ -33,32 +35,93 @@ std::string text_at(sqlite3_stmt* row, int column) {
   return text ? std::string(text, static_cast<size_t>(sqlite3_column_bytes(row, column))) : std::string();
 }
 
+// For SQLite, which would take '?', '#' and '%' of a name for more than that.
+std::string immutable_uri(const std::filesystem::path& file) {
+  constexpr const char* kDigits = "0123456789abcdef";
+  std::string uri = "file://";
+  for (const char c : std::filesystem::absolute(file).string()) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) || c == '/') {
+      uri += c;
+    } else {
+      uri += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
+    }
+  }
+  return uri + "?immutable=1";
+}
+
 // One database.
 class BagFile {
  public:
   explicit BagFile(std::filesystem::path file) : file_(std::move(file)) {}
 
   Result<void> open() {
+    if (auto written = is_written(); !written) return written;
+    size_ = static_cast<int64_t>(std::filesystem::file_size(file_));
     sqlite3* opened = nullptr;
-    const int code = sqlite3_open_v2(file_.c_str(), &opened, SQLITE_OPEN_READONLY, nullptr);
+    // Immutable: no file beside the bag is read or made.
+    const int code =
+        sqlite3_open_v2(immutable_uri(file_).c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
     database_.reset(opened);
     if (code != SQLITE_OK) return damaged(message());
-    // SQLite sees that pages are missing, but not that the last one is cut.
-    int64_t bytes = 0;
-    auto asked = select("SELECT page_count * page_size FROM pragma_page_count(), pragma_page_size()",
-                        [&](sqlite3_stmt* row) -> Result<void> {
-                          bytes = sqlite3_column_int64(row, 0);
-                          return {};
-                        });
-    const auto there = static_cast<int64_t>(std::filesystem::file_size(file_));
-    if (asked && there < bytes)
-      return damaged(std::to_string(bytes) + " bytes are announced, " + std::to_string(there) + " are there");
-    return asked;
+    // SQLite advises this for files of strangers; nothing but rows of tables is wanted of it.
+    sqlite3_drop_modules(opened, nullptr);
+    sqlite3_db_config(opened, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+    sqlite3_db_config(opened, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+    sqlite3_limit(opened, SQLITE_LIMIT_LENGTH, static_cast<int>(std::min<int64_t>(size_, 1'000'000'000)));
+    if (auto whole = is_whole(); !whole) return whole;
+    return has_plain_tables();
   }
 
   // Calls visit(row) for each row of the answer until it returns an error.
   template <class Visit>
   Result<void> select(const char* query, Visit&& visit) {
+    // A row takes more bytes than instructions of SQLite to read it. A damaged file may seem to have any number of
+    // them.
+    constexpr int kStep = 1000;
+    int64_t steps_left = 10'000 + size_ / kStep;
+    const auto spent = [](void* left) { return static_cast<int>(--*static_cast<int64_t*>(left) < 0); };
+    sqlite3_progress_handler(database_.get(), kStep, spent, &steps_left);
+    const Result<void> visited = visit_rows(query, visit);
+    sqlite3_progress_handler(database_.get(), 0, nullptr, nullptr);
+    return steps_left < 0 ? damaged("it has more rows than a file of its size can hold") : visited;
+  }
+
+  Result<void> read(int64_t row, std::string& bytes, size_t most) {
+    bool found = blob_ && sqlite3_blob_reopen(blob_.get(), row) == SQLITE_OK;
+    if (!found) {
+      sqlite3_blob* opened = nullptr;
+      found = sqlite3_blob_open(database_.get(), "main", "messages", "data", row, 0, &opened) == SQLITE_OK;
+      blob_.reset(opened);
+    }
+    if (!found) return damaged(message());
+    if (sqlite3_blob_bytes(blob_.get()) > size_) return damaged("a message is longer than the file");
+    bytes.resize(std::min(most, static_cast<size_t>(sqlite3_blob_bytes(blob_.get()))));
+    if (sqlite3_blob_read(blob_.get(), bytes.data(), static_cast<int>(bytes.size()), 0) != SQLITE_OK)
+      return damaged(message());
+    return {};
+  }
+
+  const std::filesystem::path& file() const { return file_; }
+
+ private:
+  // Error: a recorder that did not end well left changes beside the file that SQLite has not put into it.
+  Result<void> is_written() const {
+    for (const char* suffix : {"-wal", "-journal"}) {
+      const std::filesystem::path beside = file_.string() + suffix;
+      std::error_code none;
+      if (!std::filesystem::exists(beside, none)) continue;
+      const auto head = read_head(beside, 1);
+      if (!head) return tl::unexpected(head.error());
+      if (head->empty() || head->front() == '\0') continue;  // nothing in it counts
+      return fail(beside.string() + ": it holds changes that are not in the bag yet; `sqlite3 " +
+                  file_.filename().string() + " 'PRAGMA journal_mode=DELETE'` puts them there");
+    }
+    return {};
+  }
+
+  template <class Visit>
+  Result<void> visit_rows(const char* query, Visit&& visit) {
     sqlite3_stmt* prepared = nullptr;
     if (sqlite3_prepare_v2(database_.get(), query, -1, &prepared, nullptr) != SQLITE_OK) return damaged(message());
     const std::unique_ptr<sqlite3_stmt, CloseStatement> statement(prepared);
@@ -70,23 +133,30 @@ class BagFile {
     return {};
   }
 
-  Result<void> read(int64_t row, std::string& bytes, size_t most) {
-    bool found = blob_ && sqlite3_blob_reopen(blob_.get(), row) == SQLITE_OK;
-    if (!found) {
-      sqlite3_blob* opened = nullptr;
-      found = sqlite3_blob_open(database_.get(), "main", "messages", "data", row, 0, &opened) == SQLITE_OK;
-      blob_.reset(opened);
-    }
-    if (!found) return damaged(message());
-    bytes.resize(std::min(most, static_cast<size_t>(sqlite3_blob_bytes(blob_.get()))));
-    if (sqlite3_blob_read(blob_.get(), bytes.data(), static_cast<int>(bytes.size()), 0) != SQLITE_OK)
-      return damaged(message());
-    return {};
+  // SQLite sees that pages are missing, but not that the last one is cut.
+  Result<void> is_whole() {
+    int64_t bytes = 0;
+    auto asked = select("SELECT page_count * page_size FROM pragma_page_count(), pragma_page_size()",
+                        [&](sqlite3_stmt* row) -> Result<void> {
+                          bytes = sqlite3_column_int64(row, 0);
+                          return {};
+                        });
+    if (asked && size_ < bytes)
+      return damaged(std::to_string(bytes) + " bytes are announced, " + std::to_string(size_) + " are there");
+    return asked;
   }
 
-  const std::filesystem::path& file() const { return file_; }
+  // A view, a virtual table or a computed column could be anything.
+  Result<void> has_plain_tables() {
+    return select(
+        "SELECT name FROM pragma_table_list AS t WHERE schema = 'main' AND lower(name) IN ('topics', 'messages') AND "
+        "(type <> 'table' OR EXISTS (SELECT 1 FROM pragma_table_xinfo(t.name) WHERE hidden <> 0))",
+        [&](sqlite3_stmt* row) -> Result<void> {
+          return fail(file_.string() + ": '" + text_at(row, 0) +
+                      "' is no plain table; a bag of ROS 2 has the tables topics and messages");
+        });
+  }
 
- private:
   std::string message() const { return database_ ? sqlite3_errmsg(database_.get()) : "there is no memory"; }
   tl::unexpected<Error> damaged(const std::string& problem) const {
     return fail(file_.string() + ": the bag can't be read: " + problem + ". If it was cut short, `sqlite3 " +
@@ -94,6 +164,7 @@ class BagFile {
   }
 
   std::filesystem::path file_;
+  int64_t size_ = 0;  // of the file, bytes
   std::unique_ptr<sqlite3, CloseDatabase> database_;
   std::unique_ptr<sqlite3_blob, CloseBlob> blob_;  // the latest message
 };
