@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // KITTI odometry sequences (Geiger et al., CVPR 2012): image_0/1 grey or image_2/3 colour, calib.txt, times.txt.
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <map>
+#include <tuple>
 
 #include "covis/geometry/camera_check.h"
 #include "covis/io/files.h"
@@ -14,6 +17,31 @@ namespace fs = std::filesystem;
 
 using Projection = std::array<double, 12>;
 
+// Parses the numbers of a row, which follow its name.
+Result<Projection> parse_projection(const std::string& where, const std::vector<std::string_view>& parts) {
+  if (parts.size() != 13)
+    return fail(where + " has " + std::to_string(parts.size() - 1) + " numbers; a projection matrix has 12");
+  Projection p{};
+  for (size_t k = 0; k < 12; ++k) {
+    const auto value = parse_double(parts[k + 1]);
+    if (!value) return fail(where + ": '" + std::string(parts[k + 1]) + "' is not a finite number");
+    p[k] = *value;
+  }
+  if (!(p[0] > 0) || !(p[5] > 0)) return fail(where + ": the focal lengths must be positive");
+  // A skew, a rotation or another scale would be no camera of rectified images.
+  constexpr double kRounding = 1e-6;
+  const auto differs = [&](size_t k, double right, double unit) { return std::abs(p[k] - right) > kRounding * unit; };
+  for (const auto& [k, right, unit] :
+       {std::tuple<size_t, double, double>{1, 0, p[0]}, {4, 0, p[5]}, {8, 0, 1}, {9, 0, 1}, {10, 1, 1}}) {
+    if (differs(k, right, unit)) {
+      return fail(where + " is not that of a rectified camera, 'fx 0 cx x 0 fy cy y 0 0 1 z': number " +
+                  std::to_string(k + 1) + " is " + std::string(parts[k + 1]) + " and must be " +
+                  (right > 0 ? "1" : "0"));
+    }
+  }
+  return p;
+}
+
 Result<std::map<std::string, Projection>> read_projections(const fs::path& file) {
   const auto text = read_text(file);
   if (!text) return tl::unexpected(text.error());
@@ -24,29 +52,35 @@ Result<std::map<std::string, Projection>> read_projections(const fs::path& file)
     std::string name(parts.empty() ? "" : parts[0]);
     if (name.empty() || name.back() != ':' || name.front() != 'P') return true;  // Tr: and other rows are not needed
     name.pop_back();
-    const std::string where = place(file, number) + ": " + name;
-    if (parts.size() != 13) {
-      problem = where + " has " + std::to_string(parts.size() - 1) + " numbers; a projection matrix has 12";
+    const auto projection = parse_projection(place(file, number) + ": " + name, parts);
+    if (!projection) {
+      problem = projection.error().message;
       return false;
     }
-    Projection p{};
-    for (size_t k = 0; k < 12; ++k) {
-      const auto value = parse_double(parts[k + 1]);
-      if (!value) {
-        problem = where + ": '" + std::string(parts[k + 1]) + "' is not a finite number";
-        return false;
-      }
-      p[k] = *value;
-    }
-    if (!(p[0] > 0) || !(p[5] > 0)) {
-      problem = where + ": the focal lengths must be positive";
-      return false;
-    }
-    projections[name] = p;
+    projections[name] = *projection;
     return true;
   });
   if (!problem.empty()) return fail(problem);
   return projections;
+}
+
+// P = K [I | t]: a point in camera 0 is translated by t.
+Eigen::Vector3d translation_of(const Projection& p) {
+  return {(p[3] - p[2] * p[11]) / p[0], (p[7] - p[6] * p[11]) / p[5], p[11]};
+}
+
+// Says why the two are not those of a rectified pair. Calibrations of KITTI have offsets of some millimetres.
+std::optional<std::string> problem_of_projections(const Projection& left, const Projection& right) {
+  if (auto problem =
+          problem_of_pair({left[0], left[5], left[2], left[6], 0}, {right[0], right[5], right[2], right[6], 0}))
+    return problem;
+  constexpr double kLargestOffset = 0.05;  // of the baseline
+  const Eigen::Vector3d between = translation_of(right) - translation_of(left);
+  const double offset = std::max(std::abs(between.y()), std::abs(between.z()));
+  if (offset <= kLargestOffset * std::abs(between.x())) return std::nullopt;
+  return "numbers 8 and 12 put the cameras " + std::to_string(between.y()) + " m apart downwards and " +
+         std::to_string(between.z()) + " m forwards, at a baseline of " + std::to_string(std::abs(between.x())) +
+         " m; those of a rectified pair lie side by side";
 }
 
 struct Calibration {
@@ -74,14 +108,12 @@ Result<Calibration> find_calibration(const Request& request, const std::string& 
   const Projection& p = found->second;
   Calibration result{file.string(), {}, {}};
   result.camera.pinhole = {p[0], p[5], p[2], p[6], 0};
-  // P = K [I | t]: a point in camera 0 is translated by t.
-  const Eigen::Vector3d t((p[3] - p[2] * p[11]) / p[0], (p[7] - p[6] * p[11]) / p[5], p[11]);
-  result.T_0c = SE3(Eigen::Matrix3d::Identity(), -t);
+  result.T_0c = SE3(Eigen::Matrix3d::Identity(), -translation_of(p));
   if (sensor != Sensor::stereo) return result;
   const auto q = projections->find(right);
   if (q == projections->end()) return fail(file.string() + ": '" + right + ":' is missing");
   const Projection& other = q->second;
-  if (const auto problem = problem_of_pair(result.camera.pinhole, {other[0], other[5], other[2], other[6], 0}))
+  if (const auto problem = problem_of_projections(p, other))
     return fail(file.string() + ": " + left + " and " + right + ": " + *problem);
   result.camera.pinhole.bf = p[3] - other[3];
   if (!(result.camera.pinhole.bf > 0))

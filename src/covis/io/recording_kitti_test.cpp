@@ -88,5 +88,45 @@ TEST_F(BadInput, StereoPairThatIsNotRectifiedOrHasNoBaseLine) {
   EXPECT_THAT(open_error(), AllOf(HasSubstr("calib.txt: fx, the focal length in pixels: 1e+308")));
 }
 
+TEST_F(BadInput, CalibrationOfKittiThatIsNotOfARectifiedCamera) {
+  kitti();
+  const std::string left = "P0: 50 0 32 0 0 50 24 0 0 0 1 0\n", right = "P1: 50 0 32 -25 0 50 24 0 0 0 1 0\n";
+  const auto error = [&](const std::string& row) {
+    write("calib.txt", left + row + "\n");
+    return open_error();
+  };
+  EXPECT_THAT(error("P1: 50 5 32 -25 0 50 24 0 0 0 1 0"),
+              AllOf(HasSubstr("calib.txt:2: P1 is not that of a rectified camera, 'fx 0 cx x 0 fy cy y 0 0 1 z'"),
+                    HasSubstr("number 2 is 5 and must be 0")));
+  EXPECT_THAT(error("P1: 50 0 32 -25 1 50 24 0 0 0 1 0"), HasSubstr("number 5 is 1"));
+  EXPECT_THAT(error("P1: 50 0 32 -25 0 50 24 0 0.1 0 1 0"), HasSubstr("number 9 is 0.1"));
+  EXPECT_THAT(error("P1: 50 0 32 -25 0 50 24 0 0 0 2 0"), HasSubstr("number 11 is 2 and must be 1"));
+  EXPECT_THAT(error("P1: 50 0 32 -25 0 50 24 40 0 0 1 0"),
+              AllOf(HasSubstr("calib.txt: P0 and P1: numbers 8 and 12"), HasSubstr("0.800000 m apart downwards")));
+  EXPECT_THAT(error("P1: 50 0 32 -25 0 50 24 0 0 0 1 5"), HasSubstr("5.000000 m forwards"));
+  EXPECT_THAT(error("P1: 50 0 32 -25 0 50 34 0 0 0 1 0"), HasSubstr("cy is 24 left and 34 right"));
+  EXPECT_THAT(error("P1: 50 0 32 -25 0 60 24 0 0 0 1 0"), HasSubstr("fy is 50 left and 60 right"));
+  write("calib.txt", "\xef\xbb\xbf" + left + right);
+  EXPECT_TRUE(open()) << "behind a byte order mark";
+  write("calib.txt", std::string("\xff\xfeP\0"
+                                 "0\0",
+                                 6));
+  EXPECT_THAT(open_error(), HasSubstr("calib.txt: it is in UTF-16"));
+}
+
+// Their cameras are some millimetres from where the ideal pair has them; the images here are smaller.
+TEST_F(Sequences, ReadsCalibrationsAsTheDataSetHasThem) {
+  kitti();
+  fs::rename(folder / "image_0", folder / "image_2");
+  fs::rename(folder / "image_1", folder / "image_3");
+  const std::string f = "7.215377000000e+02 ", c = "32 ", row = "0.000000000000e+00 7.215377000000e+02 24 ";
+  write("calib.txt", "P2: " + f + "0.000000000000e+00 " + c + "4.485728000000e+01 " + row +
+                         "2.163791000000e-01 0 0 1 2.745884000000e-03\nP3: " + f + "0.000000000000e+00 " + c +
+                         "-3.395242000000e+02 " + row + "2.199936000000e+00 0 0 1 2.729905000000e-03\n");
+  auto opened = open();
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_NEAR((*opened)->camera().pinhole.baseline(), 0.5327, 1e-4);
+}
+
 }  // namespace
 }  // namespace covis::io
