@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "common.h"
 #include "covis/core/log.h"
+#include "covis/core/message_text.h"
 #include "covis/core/quantile.h"
 #include "covis/geometry/camera_check.h"
 #include "covis/io/sequence.h"
@@ -71,24 +72,25 @@ void look_for_gaps(const std::vector<Timestamp>& stamps, std::vector<Problem>& p
 }
 
 void print(const nlohmann::json& found) {
-  std::cout << found["recording"].get<std::string>() << "\n";
+  std::cout << shown(found["recording"].get<std::string>()) << "\n";
   std::printf("frames read     %lld, %lld unreadable\n", found["frames_read"].get<long long>(),
               found["frames_unreadable"].get<long long>());
   std::printf("rate            %.2f Hz, %.2f s in all\n", found["rate_hz"].get<double>(),
               found["seconds"].get<double>());
   std::cout << "camera          " << found["camera"].dump() << "\n";
-  std::cout << "truth           " << (found["truth"].is_null() ? "none" : found["truth"].get<std::string>()) << "\n";
+  std::cout << "truth           " << (found["truth"].is_null() ? "none" : shown(found["truth"].get<std::string>()))
+            << "\n";
   if (found.contains("depth_m")) {
     const auto& depth = found["depth_m"];
     std::printf(
         "depth           %.2f m (median of the keypoints), a tenth nearer than %.2f m, a tenth farther than %.2f m\n",
         depth["median"].get<double>(), depth["tenth"].get<double>(), depth["nine_tenths"].get<double>());
   }
-  for (const auto& note : found["notes"]) std::cout << "note            " << note.get<std::string>() << "\n";
+  for (const auto& note : found["notes"]) std::cout << "note            " << shown(note.get<std::string>()) << "\n";
   for (const auto& problem : found["problems"]) {
     const std::string place =
         problem.contains("frame") ? "frame " + std::to_string(problem["frame"].get<int64_t>()) : "recording";
-    std::printf("%-15s %s\n", place.c_str(), problem["problem"].get<std::string>().c_str());
+    std::printf("%-15s %s\n", place.c_str(), shown(problem["problem"].get<std::string>()).c_str());
   }
   std::printf("%zu problem%s\n", found["problems"].size(), found["problems"].size() == 1 ? "" : "s");
 }

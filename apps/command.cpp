@@ -75,7 +75,7 @@ int say(const CLI::App& app, const CLI::ParseError& error) {
   std::ostringstream out, wrong;
   const int code = app.exit(error, out, wrong);
   std::fputs(out.str().c_str(), stdout);
-  std::fputs(covis::shown(wrong.str()).c_str(), stderr);
+  std::fputs(covis::shown_lines(wrong.str()).c_str(), stderr);
   return code == 0 ? 0 : 2;
 }
 

@@ -7,6 +7,7 @@
 
 #include "common.h"
 #include "covis/core/atomic_file.h"
+#include "covis/core/message_text.h"
 #include "covis/exchange/camera_import.h"
 
 namespace covis::app {
@@ -42,7 +43,7 @@ int import_camera(const std::string& file, const std::string& out) {
   std::printf("camera          %s\n", camera_json(imported->file.camera).dump().c_str());
   if (imported->file.baseline > 0)
     std::printf("baseline        %g m, of a pair that is rectified\n", imported->file.baseline);
-  for (const std::string& note : imported->notes) std::printf("note            %s\n", note.c_str());
+  for (const std::string& note : imported->notes) std::printf("note            %s\n", shown(note).c_str());
   if (imported->pair) {
     if (const auto written = write_pair(*imported->pair, out); !written) return fail_with(written.error());
   }

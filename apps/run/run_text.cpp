@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 
+#include "covis/core/message_text.h"
 #include "covis/geometry/camera_check.h"
 
 namespace covis::app {
@@ -59,7 +60,7 @@ std::string summary_text(const RunSummary& s, const std::filesystem::path& out) 
   std::string text = std::to_string(s.frames.tracked) + " of " + std::to_string(s.frames.all) + " frames tracked, " +
                      std::to_string(s.map.key_frames) + " key frames, " + std::to_string(s.map.points) + " points\n";
   if (const std::string live = live_text(s.frames); !live.empty()) text += live + "\n";
-  if (!s.failure.empty()) text += "ended early: " + s.failure + "\n";
+  if (!s.failure.empty()) text += "ended early: " + shown(s.failure) + "\n";
   if (s.map.submaps.size() > 1) {
     text += std::to_string(s.map.submaps.size()) + " maps that could not be joined; trajectory.txt has the " +
             std::to_string(s.map.submaps.front().frames) + " frames of the first\n";

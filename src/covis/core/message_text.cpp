@@ -19,13 +19,11 @@ std::string shortened(std::string_view text) {
   return std::string(text.substr(0, begin)) + " … " + std::string(text.substr(end));
 }
 
-bool is_control(unsigned char c) { return (c < ' ' && c != '\n' && c != '\t') || c == 0x7f; }
+bool is_control(unsigned char c) { return (c < ' ' && c != '\t') || c == 0x7f; }
 
-}  // namespace
-
-std::string shown(std::string_view text) {
+// Escapes the control characters of one line.
+std::string escaped(std::string_view all) {
   std::string safe;
-  const std::string all = shortened(text);
   for (size_t i = 0; i < all.size(); ++i) {
     const auto c = static_cast<unsigned char>(all[i]);
     // U+0080 to U+009F begin commands of terminals, too.
@@ -37,6 +35,36 @@ std::string shown(std::string_view text) {
     char escaped[8];
     std::snprintf(escaped, sizeof escaped, "\\x%02x", two ? static_cast<unsigned char>(all[++i]) : c);
     safe += escaped;
+  }
+  return safe;
+}
+
+}  // namespace
+
+std::string shown(std::string_view text) {
+  const std::string all = shortened(text);
+  std::string_view rest = all;
+  while (rest.ends_with('\n')) rest.remove_suffix(1);  // as what some libraries say ends
+  std::string safe;
+  while (true) {
+    size_t begin = std::string_view::npos, size = 0;
+    for (const std::string_view own : {kCameraExample, kBagConversion}) {
+      if (const size_t at = rest.find(own); at < begin) begin = at, size = own.size();
+    }
+    safe += escaped(rest.substr(0, begin));
+    if (begin == std::string_view::npos) return safe;
+    safe += rest.substr(begin, size);
+    rest.remove_prefix(begin + size);
+  }
+}
+
+std::string shown_lines(std::string_view text) {
+  const std::string all = shortened(text);
+  std::string safe;
+  for (size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {
+    end = all.find('\n', begin);
+    safe += escaped(std::string_view(all).substr(begin, end - begin));
+    if (end != std::string::npos) safe += '\n';
   }
   return safe;
 }

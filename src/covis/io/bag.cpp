@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "covis/core/message_text.h"
 #include "covis/io/files.h"
 #include "covis/io/yaml.h"
 
@@ -34,9 +35,7 @@ bool is_bag_name(const fs::path& file) {
 
 // Says how a bag becomes one that can be read.
 Error convertible(const fs::path& path, const std::string& problem) {
-  return {path.string() + ": " + problem +
-          ". Write a file sqlite.yaml with\n  output_bags:\n  - {uri: converted, storage_id: sqlite3, all: true}\n"
-          "and convert the bag with\n  ros2 bag convert -i " +
+  return {path.string() + ": " + problem + ". Write a file sqlite.yaml with" + std::string(kBagConversion) +
           path.string() + " -o sqlite.yaml"};
 }
 

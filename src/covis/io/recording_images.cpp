@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "covis/core/message_text.h"
 #include "covis/io/files.h"
 #include "covis/io/image_stamps.h"
 #include "covis/io/images.h"
@@ -109,8 +110,7 @@ std::vector<fs::path> list_images(const fs::path& folder) {
 
 Error no_calibration(const fs::path& folder, const std::string& looked_for) {
   return {folder.string() + ": no camera calibration found (looked for " + looked_for +
-          "). Give one with --camera FILE, a YAML such as:\n  width: 640\n  height: 480\n  fx: 525\n  fy: 525\n  cx: "
-          "320\n  cy: 240"};
+          "). Give one with --camera FILE, a YAML such as:" + std::string(kCameraExample)};
 }
 
 Result<Recording> read_images(const Request& request) {
