@@ -24,6 +24,7 @@
 #include "covis/core/fields.h"
 #include "covis/core/log.h"
 #include "covis/core/simd_targets.h"
+#include "covis/geometry/camera_check.h"
 #include "covis/io/codecs.h"
 #include "covis/io/config.h"
 #include "covis/io/plugin.h"
@@ -82,6 +83,12 @@ Result<void> open_output_folder(const std::string& folder) {
   if (const auto fits = check_writable(std::filesystem::path(folder) / "trajectory.txt"); !fits)
     return fail("the output folder can't be written to: " + fits.error().message);
   return {};
+}
+
+// Says what is played, and why its camera can hardly be right.
+void announce(const RunArguments& arguments, const io::Sequence& sequence) {
+  if (!arguments.quiet) log(LogLevel::info, sequence.description());
+  for (const std::string& doubt : doubts_about(sequence.camera())) log(LogLevel::warning, doubt);
 }
 
 // Returns nullopt when there is no ground truth, or when it cannot be read; the latter logs a warning.
@@ -293,7 +300,7 @@ int run(const RunArguments& arguments) {
     images = std::move(*opened);
   }
 
-  if (!arguments.quiet) log(LogLevel::info, record.source);
+  announce(arguments, **sequence);
   const uint32_t first_own = map ? map->map.next_serial() : 0;
   system.emplace((*sequence)->camera(), options, *vocabulary);
   if (map) {

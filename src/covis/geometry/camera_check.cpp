@@ -81,6 +81,7 @@ std::optional<std::string> problem_of_pair(const Pinhole& left, const Pinhole& r
 
 std::vector<std::string> doubts_about(const Camera& camera) {
   constexpr int kFewPixels = 64;
+  constexpr double kMostStretched = 2;
   constexpr double kLeastFold = 0.25;                                                 // share of the shorter side
   constexpr double kDegrees = 180 / std::numbers::pi, kWidest = 160, kNarrowest = 2;  // degrees
   std::vector<std::string> doubts;
@@ -89,7 +90,13 @@ std::vector<std::string> doubts_about(const Camera& camera) {
                      " pixels show too little to be tracked; each side should have " + std::to_string(kFewPixels) +
                      " or more");
   }
-  if (!(camera.pinhole.fx > 0)) return doubts;
+  if (!(camera.pinhole.fx > 0 && camera.pinhole.fy > 0)) return doubts;
+  const auto [shorter, longer] = std::minmax(camera.pinhole.fx, camera.pinhole.fy);
+  if (longer > kMostStretched * shorter) {
+    doubts.push_back("focal lengths of " + number(camera.pinhole.fx) + " (fx) and " + number(camera.pinhole.fy) +
+                     " (fy) pixels mean that images are stretched by " + number(longer / shorter) +
+                     "; fx and fy of a camera are about the same");
+  }
   const double fold = camera.distortion == Distortion::none ? std::numeric_limits<double>::infinity() : fold_of(camera);
   if (fold < kLeastFold * std::min(camera.width, camera.height)) {
     doubts.push_back("a lens of this distortion shows two directions at one place, " + number(std::round(fold)) +

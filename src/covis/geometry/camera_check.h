@@ -26,8 +26,8 @@ std::optional<std::string> problem_of(const Camera& camera);
 // principal point than depth is computed with.
 std::optional<std::string> problem_of_pair(const Pinhole& left, const Pinhole& right);
 
-// Says what of a camera that can be used is hardly that of real images that can be tracked: few pixels, an absurd field
-// of view.
+// Says what of a camera that can be used is hardly that of real images that can be tracked: few pixels, focal
+// lengths that contradict each other, an absurd field of view.
 std::vector<std::string> doubts_about(const Camera& camera);
 
 }  // namespace covis

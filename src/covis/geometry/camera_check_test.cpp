@@ -49,12 +49,16 @@ TEST(CameraCheck, BothCamerasOfARectifiedPairAreOne) {
 TEST(CameraCheck, DoubtsNameWhatCanHardlyBeTracked) {
   EXPECT_TRUE(doubts_about(usual()).empty());
   Camera camera = usual();
+  camera.pinhole.fy = 1.9 * camera.pinhole.fx;
+  EXPECT_TRUE(doubts_about(camera).empty()) << "a wide film on a narrow one";
+  camera.pinhole = {250, 2500, 320, 240, 0};
+  EXPECT_THAT(doubts_about(camera), testing::ElementsAre(HasSubstr("250 (fx) and 2500 (fy) pixels mean")));
   camera.height = 40;
-  camera.pinhole.fx = 1;
+  camera.pinhole.fx = camera.pinhole.fy = 1;
   EXPECT_THAT(doubts_about(camera), testing::ElementsAre(HasSubstr("640x40 pixels show too little"),
                                                          HasSubstr("a focal length of 1 pixels")));
   camera = usual();
-  camera.pinhole.fx = 1e5;
+  camera.pinhole.fx = camera.pinhole.fy = 1e5;
   EXPECT_THAT(doubts_about(camera), testing::ElementsAre(HasSubstr("0.36")));
   camera = usual();
   camera.distortion = Distortion::brown_conrady;
