@@ -50,15 +50,18 @@ bool comes_with_results(const std::filesystem::path& file, const std::filesystem
 Result<void> check_map_target(const std::filesystem::path& file, const SaveInterval& interval) {
   if (auto fits = storage::check_save_target(file); !fits) return fits;
   std::error_code none;
-  // A pipe or a device has nothing aside.
-  if (interval == SaveInterval{} ||
-      (std::filesystem::exists(file, none) && !std::filesystem::is_regular_file(file, none)))
-    return {};
-  const std::filesystem::path aside = unfinished_map(file);
-  if (auto fits = storage::check_save_target(aside); !fits) return fits;
-  if (!std::filesystem::exists(aside, none)) return {};
-  const std::filesystem::path older = older_unfinished_map(file);
-  if (auto fits = storage::check_save_target(older); !fits) return fits;
+  const auto no_file = [&](const std::filesystem::path& path) {
+    return std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none);
+  };
+  if (interval == SaveInterval{} || no_file(file)) return {};  // a pipe or a device has nothing aside
+  const std::filesystem::path aside = unfinished_map(file), older = older_unfinished_map(file);
+  for (const std::filesystem::path& path : {aside, older}) {
+    if (no_file(path))
+      return fail(path.string() +
+                  ": the map is saved aside there while it is made, but it is no regular file; remove it");
+    if (auto fits = storage::check_save_target(path); !fits) return fits;
+    if (!std::filesystem::exists(aside, none)) return {};
+  }
   log(LogLevel::warning, aside.string() +
                              ": it is the map of a run that did not end well. Before this run saves there, "
                              "it is renamed to " +

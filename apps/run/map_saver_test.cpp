@@ -3,6 +3,9 @@
 #include "apps/run/map_saver.h"
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
+
+#include "covis/core/test_folder.h"
 
 namespace covis::app {
 namespace {
@@ -18,6 +21,15 @@ TEST(MapSaver, IntervalsAreFramesOrSeconds) {
     ASSERT_FALSE(parsed) << wrong;
     EXPECT_THAT(parsed.error().message, testing::HasSubstr("--save-every " + std::string(wrong) + ": a number of"));
   }
+}
+
+TEST(MapSaver, WhereAMapIsSavedAsideThereMustBeAFileOrNothing) {
+  const TemporaryFolder folder;
+  EXPECT_TRUE(check_map_target(folder / "m", {.frames = 5}));
+  ASSERT_EQ(mkfifo((folder / "m.unfinished").c_str(), 0600), 0);
+  EXPECT_THAT(check_map_target(folder / "m", {.frames = 5}).error().message,
+              testing::HasSubstr("m.unfinished: the map is saved aside there while it is made, but it is no regular"));
+  EXPECT_TRUE(check_map_target(folder / "m", {})) << "nothing is saved aside";
 }
 
 }  // namespace
