@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "covis/io/npy.h"
 #include "covis/io/sequence.h"
 #include "scratch.h"
 #include "target.h"
@@ -94,6 +95,26 @@ void run_images(std::string_view bytes) {
   open(folder, {"camera.yaml", "times.txt"}, bytes);
 }
 
+void run_openloris(std::string_view bytes) {
+  static const fs::path folder = [] {
+    const fs::path made = scratch_folder() / "openloris";
+    for (const char* name : {"0.png", "1.png"}) {
+      image(made / "color" / name, CV_8UC3);
+      image(made / "aligned_depth" / name, CV_16UC1);
+    }
+    return made;
+  }();
+  open(folder, {"color.txt", "aligned_depth.txt", "sensors.yaml", "trans_matrix.yaml", "groundtruth.txt"}, bytes);
+}
+
+void run_npy(std::string_view bytes) {
+  const std::vector<char> copy(bytes.begin(), bytes.end());  // so that the sanitizer sees a read past its end
+  ImageF depth;
+  if (!io::parse_npy("depth.npy", {copy.data(), copy.size()}, depth)) return;
+  require(static_cast<size_t>(depth.width()) * static_cast<size_t>(depth.height()) * sizeof(float) <= bytes.size(),
+          "an array is as large as its file at most");
+}
+
 const std::string kCamera = "width: 64\nheight: 48\nfx: 50\nfy: 50\ncx: 32\ncy: 24\n";
 
 std::vector<std::string> tum_seeds() {
@@ -119,6 +140,32 @@ std::vector<std::string> euroc_seeds() {
   return {list + list + sensor("0") + sensor("0.1") + "#timestamp\n1000000000,0,0,0,1,0,0,0\n"};
 }
 
+std::vector<std::string> openloris_seeds() {
+  const std::string color = "0.0 color/0.png\n0.1 color/1.png\n%%\n";
+  const std::string depth = "0.01 aligned_depth/0.png\n0.1 aligned_depth/1.png\n%%\n";
+  const std::string sensors =
+      "%YAML:1.0\n---\nd400_color_optical_frame:\n   width: 64\n   height: 48\n   intrinsics: !!opencv-matrix\n"
+      "      rows: 1\n      cols: 4\n      dt: d\n      data: [50, 32, 51, 24]\n%%\n";
+  const std::string places =
+      "%YAML:1.0\n---\ntrans_matrix:\n - parent_frame: base_link\n   child_frame: d400_color_optical_frame\n"
+      "   matrix: !!opencv-matrix\n      rows: 4\n      cols: 4\n      dt: d\n"
+      "      data: [0, 0, 1, 0.25, -1, 0, 0, 0, 0, -1, 0, 1, 0, 0, 0, 1]\n%%\n";
+  const std::string truth = "#Time px py pz qx qy qz qw\n0 1 2 3 0 0 0 1\n";
+  return {color + depth + sensors + places + truth,
+          color + depth + "d400_color: {width: 64, height: 48, intrinsics: [50, 32, 51, 24]}\n%%\n%%\n" + truth};
+}
+
+std::vector<std::string> npy_seeds() {
+  const auto array = [](std::string header, char version) {
+    header += '\n';
+    std::string size = {static_cast<char>(header.size()), '\0'};
+    if (version == 2) size += std::string(2, '\0');
+    return "\x93NUMPY" + std::string{version, '\0'} + size + header + std::string(6 * sizeof(float), '\x40');
+  };
+  return {array("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }", 1),
+          array("{'descr': '<f4', 'fortran_order': False, 'shape': (3, 2), }", 2)};
+}
+
 std::vector<std::string> images_seeds() { return {kCamera + "%%\n0\n0.1\n"}; }
 
 }  // namespace
@@ -127,7 +174,9 @@ std::vector<Target> recording_targets() {
   return {{"tum", run_tum, tum_seeds},
           {"kitti", run_kitti, kitti_seeds},
           {"euroc", run_euroc, euroc_seeds},
-          {"images", run_images, images_seeds}};
+          {"images", run_images, images_seeds},
+          {"openloris", run_openloris, openloris_seeds},
+          {"npy", run_npy, npy_seeds}};
 }
 
 }  // namespace covis::fuzz

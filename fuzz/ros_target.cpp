@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages of ROS with their images, and the records of ROS 1 bags.
+// Messages of ROS with their images, the records of ROS 1 bags, and bags of ROS 2.
+#include <sqlite3.h>
+
+#include <algorithm>
 #include <cstring>
 #include <string>
 #include <vector>
 
+#include "covis/io/bag.h"
 #include "covis/io/bag_ros1_check.h"
 #include "covis/io/ros_camera.h"
 #include "covis/io/ros_image.h"
 #include "covis/io/ros_message.h"
+#include "scratch.h"
 #include "target.h"
 
 namespace covis::fuzz {
@@ -131,10 +136,49 @@ std::vector<std::string> bag_seeds() {
   return {version, begin(index_at) + chunk + index + connection() + info};
 }
 
+void run_ros2_bag(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  const auto bag = io::open_ros2_bag({file.path()});
+  if (!bag) return;
+  constexpr size_t kMessages = 3;  // of each topic
+  std::string message;
+  for (const io::BagTopic& topic : (*bag)->topics()) {
+    for (size_t i = 0; i < std::min(kMessages, topic.messages.size()); ++i) {
+      if ((*bag)->read(topic.messages[i], message)) require(message.size() <= bytes.size(), "a message is of its file");
+    }
+  }
+}
+
+// A database as recorders make it, with a message of each of two types.
+std::vector<std::string> ros2_bag_seeds() {
+  sqlite3* database = nullptr;
+  sqlite3_open(":memory:", &database);
+  sqlite3_exec(database,
+               "PRAGMA page_size = 512;"
+               "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, "
+               "serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL);"
+               "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL, "
+               "data BLOB NOT NULL);"
+               "CREATE INDEX timestamp_idx ON messages (timestamp ASC);"
+               "INSERT INTO topics VALUES(1, '/image', 'sensor_msgs/msg/Image', 'cdr', '');"
+               "INSERT INTO topics VALUES(2, '/camera_info', 'sensor_msgs/msg/CameraInfo', 'cdr', '');"
+               "INSERT INTO messages VALUES(1, 1, 1000000000, zeroblob(700));"
+               "INSERT INTO messages VALUES(2, 2, 1000000000, x'00010000');",
+               nullptr, nullptr, nullptr);
+  sqlite3_int64 size = 0;
+  unsigned char* bytes = sqlite3_serialize(database, "main", &size, 0);
+  std::string seed(reinterpret_cast<const char*>(bytes), static_cast<size_t>(size));
+  sqlite3_free(bytes);
+  sqlite3_close(database);
+  return {seed};
+}
+
 }  // namespace
 
 std::vector<Target> ros_targets() {
-  return {{"ros_message", run_message, message_seeds}, {"bag_records", run_bag, bag_seeds}};
+  return {{"ros_message", run_message, message_seeds},
+          {"bag_records", run_bag, bag_seeds},
+          {"ros2_bag", run_ros2_bag, ros2_bag_seeds}};
 }
 
 }  // namespace covis::fuzz

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text files: cameras, settings, trajectories, models of COLMAP.
+// Text files: cameras, settings, trajectories, models of COLMAP, cameras of other programs, lists of kept images.
 #include <string>
 #include <vector>
 
 #include "covis/core/fields.h"
 #include "covis/exchange/colmap_model.h"
+#include "covis/exchange/kept_images.h"
 #include "covis/io/camera_file.h"
+#include "covis/io/camera_import.h"
 #include "covis/io/config.h"
 #include "covis/io/trajectory.h"
 #include "scratch.h"
@@ -97,13 +99,60 @@ std::vector<std::string> colmap_seeds() {
           "# c\n1 OPENCV_FISHEYE 640 480 300 300 320 240 0.1 0 0 0" + images};
 }
 
+void run_camera_import(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  const auto imported = io::import_camera_yaml(file.path());
+  if (!imported || !*imported) return;
+  const MemoryFile again(io::camera_text((**imported).file));
+  require(io::load_camera(again.path()).has_value(), "an imported camera is read again as it is written");
+}
+
+std::vector<std::string> camera_import_seeds() {
+  return {
+      "cam0:\n  camera_model: pinhole\n  distortion_coeffs: [0.1, -0.2, 0.001, 0.002]\n  distortion_model: radtan\n"
+      "  intrinsics: [500.0, 501.0, 320.0, 240.0]\n  resolution: [640, 480]\ncam1:\n"
+      "  T_cn_cnm1:\n  - [1, 0, 0, -0.1]\n  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n  - [0, 0, 0, 1]\n"
+      "  camera_model: pinhole\n  distortion_coeffs: [0.1, -0.2, 0.001, 0.002]\n  distortion_model: radtan\n"
+      "  intrinsics: [500.0, 501.0, 320.0, 240.0]\n  resolution: [640, 480]\n",
+      "image_width: 640\nimage_height: 480\ncamera_matrix: {rows: 3, cols: 3, data: [500, 0, 320, 0, 500, 240, 0, 0, "
+      "1]}\ndistortion_model: plumb_bob\ndistortion_coefficients: {rows: 1, cols: 5, data: [0.1, -0.2, 0, 0, 0]}\n",
+      "%YAML:1.0\ncamera_id: left_cam\nT_BS:\n  cols: 4\n  rows: 4\n"
+      "  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\nresolution: [752, 480]\ncamera_model: pinhole\n"
+      "intrinsics: [458, 457, 367, 248]\ndistortion_model: radial-tangential\n"
+      "distortion_coefficients: [-0.28, 0.07, 0, 0]\n",
+      "{\"width\": 640, \"height\": 480, \"intrinsic_matrix\": [500, 0, 0, 0, 500, 0, 320, 240, 1]}"};
+}
+
+// The list of a map's images, in a folder with two of them.
+void run_kept_images(std::string_view bytes) {
+  static const std::filesystem::path folder = [] {
+    const std::filesystem::path made = scratch_folder() / "kept";
+    std::filesystem::create_directories(made);
+    for (const char* name : {"000001.png", "000002.jpg"}) write_file(made / name, "an image");
+    return made;
+  }();
+  write_file(folder / "images.txt", bytes);
+  const auto kept = exchange::KeptImages::read(folder);
+  if (!kept) return;
+  for (const uint32_t serial : {1u, 2u, 3u}) {
+    const std::filesystem::path found = kept->find(serial, 1'000'000'000);
+    require(found.empty() || found.parent_path() == folder, "images lie in their folder");
+  }
+}
+
+std::vector<std::string> kept_images_seeds() {
+  return {"000001.png 1000000000\n000002.jpg 2000000000\n", "../000001.png 1000000000\n/000002.jpg 1000000000\n"};
+}
+
 }  // namespace
 
 std::vector<Target> text_targets() {
   return {{"camera", run_camera, camera_seeds},
           {"settings", run_settings, settings_seeds},
           {"trajectory", run_trajectory, trajectory_seeds},
-          {"colmap", run_colmap, colmap_seeds}};
+          {"colmap", run_colmap, colmap_seeds},
+          {"camera_import", run_camera_import, camera_import_seeds},
+          {"kept_images", run_kept_images, kept_images_seeds}};
 }
 
 }  // namespace covis::fuzz
