@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -128,6 +129,9 @@ struct SplitArguments {
 
 Result<void> save_part(const SplitArguments& a, const std::string& name, const Map& part,
                        const storage::MapHeader& header) {
+  std::error_code error;
+  std::filesystem::create_directories(a.out, error);
+  if (error) return fail(a.out + ": " + error.message());
   const std::filesystem::path file = std::filesystem::path(a.out) / (name + ".m");
   storage::MapHeader of_part = header;
   if (metric_submaps(part).empty()) of_part.sensor = Sensor::monocular;
@@ -189,10 +193,14 @@ Result<std::vector<Area>> areas_of(const SplitArguments& a) {
 }
 
 Result<void> split_by_areas(const SplitArguments& a, const std::vector<Area>& areas, const storage::SavedMap& loaded) {
+  std::deque<Map> parts;  // all of them before one is written: an area may hold nothing
   for (size_t k = 0; k < areas.size(); ++k) {
-    const auto part = part_of(loaded.map, areas[k]);
+    auto part = part_of(loaded.map, areas[k]);
     if (!part) return fail(a.file + ": area " + std::to_string(k) + ": " + part.error().message);
-    if (auto saved = save_part(a, "area" + std::to_string(k), *part, loaded.header); !saved) return saved;
+    parts.push_back(std::move(*part));
+  }
+  for (size_t k = 0; k < parts.size(); ++k) {
+    if (auto saved = save_part(a, "area" + std::to_string(k), parts[k], loaded.header); !saved) return saved;
   }
   return {};
 }
@@ -202,9 +210,6 @@ int run_split(const SplitArguments& a) {
   if (!areas) return fail_with(areas.error());
   const auto loaded = storage::load_map(a.file);
   if (!loaded) return fail_with(loaded.error());
-  std::error_code error;
-  std::filesystem::create_directories(a.out, error);
-  if (error) return fail_with(a.out + ": " + error.message());
   const Result<void> done = areas->empty() ? split_by_maps(a, *loaded) : split_by_areas(a, *areas, *loaded);
   return done ? 0 : fail_with(done.error());
 }

@@ -289,7 +289,10 @@ TEST_F(CommandMerge, PartsOfAMapAreMaps) {
   EXPECT_EQ(key_frames(parts / "area1.m"), key_frames(one)) << "all of it";
   EXPECT_EQ(covis({"map", "check", parts / "area0.m"}).code, 0);
   EXPECT_THAT(split({"--around", "1,2,x,4"}).error, HasSubstr("--around 1,2,x,4: it must be 4 numbers"));
-  EXPECT_THAT(split({"--around", "1000,0,0,1"}).error, HasSubstr("area 0: no key frame lies there"));
+  fs::remove_all(parts);
+  EXPECT_THAT(split({"--around", "-0.1,0,0,0.5", "--box", "1000,0,0,1001,1,1"}).error,
+              HasSubstr("area 1: no key frame lies there"));
+  EXPECT_FALSE(fs::exists(parts));
 }
 
 }  // namespace
