@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <set>
+#include <utility>
 
 namespace covis::io {
 namespace {
@@ -137,48 +138,78 @@ bool is_tiff_coding(uint32_t bits, uint32_t compression) {
          std::find(kCompressions.begin(), kCompressions.end(), compression) != kCompressions.end();
 }
 
-// Checks the size, and that all strips or tiles lie in the file (TIFF 6.0, section 2), for the first image.
+// The first image of a TIFF (TIFF 6.0, sections 2, 8 and 15).
+struct Tiff {
+  struct Array {
+    size_t size = 0, count = 0, at = 0;  // bytes of an item
+  };
+  Array places, lengths;  // of the strips or tiles; the decoder can do without the lengths
+  uint32_t width = 0, height = 0, bits = 8, samples = 1, compression = 1, colours = 1, planes = 1, fill = 1;
+  uint32_t tile_width = 0, tile_height = 0;  // 0: it has strips
+  uint32_t strip_height = ~0u;
+};
+
+// Reads the directory from its first entry on.
+Tiff read_tiff(const Numbers& number, size_t from, size_t entries) {
+  Tiff tiff;
+  std::set<uint32_t> seen;
+  for (size_t e = from; e < from + 12 * entries; e += 12) {
+    const uint32_t tag = number(e, 2), type = number(e + 2, 2);
+    const size_t size = type == 3 ? 2 : type == 4 ? 4 : 0, count = number(e + 4, 4);
+    if (!seen.insert(tag).second) continue;  // the decoder takes the first as well
+    const size_t at = size * count <= 4 ? e + 8 : number(e + 8, 4);
+    const std::pair<uint32_t, uint32_t*> values[] = {
+        {256, &tiff.width},   {257, &tiff.height},     {258, &tiff.bits},       {259, &tiff.compression},
+        {262, &tiff.colours}, {266, &tiff.fill},       {277, &tiff.samples},    {278, &tiff.strip_height},
+        {284, &tiff.planes},  {322, &tiff.tile_width}, {323, &tiff.tile_height}};
+    for (const auto& [known, value] : values) {
+      if (tag == known) *value = number(at, size);
+    }
+    if (tag == 273 || tag == 324) tiff.places = {size, count, at};
+    if (tag == 279 || tag == 325) tiff.lengths = {size, count, at};
+  }
+  return tiff;
+}
+
+// Checks that all strips or tiles lie in the file and unpack to their rows, which are those that a decoder fills.
+std::optional<std::string> problem_of_pieces(std::string_view bytes, const Numbers& number, const Tiff& tiff) {
+  const Tiff::Array &places = tiff.places, &lengths = tiff.lengths;
+  for (const Tiff::Array& array : {places, lengths}) {
+    if (array.at + array.size * array.count > bytes.size()) return too_short(bytes);
+  }
+  const bool tiled = tiff.tile_width > 0 && tiff.tile_height > 0;
+  const uint64_t width = tiled ? tiff.tile_width : tiff.width,
+                 height = std::max(1u, tiled ? tiff.tile_height : std::min(tiff.strip_height, tiff.height)),
+                 row = (width * tiff.bits * (tiff.planes == 2 ? 1 : tiff.samples) + 7) / 8,
+                 in_plane = (tiff.height + height - 1) / height;
+  constexpr uint32_t kYCbCr = 6;  // some of its rows are left out
+  const bool looked_at = tiff.colours != kYCbCr && tiff.fill == 1;
+  for (size_t k = 0; k < std::min(places.count, lengths.count); ++k) {
+    const uint64_t place = number(places.at + k * places.size, places.size),
+                   length = number(lengths.at + k * lengths.size, lengths.size);
+    if (place + length > bytes.size()) return too_short(bytes);
+    const uint64_t rows = tiled ? height : std::min(height, tiff.height - k % in_plane * height);
+    if (looked_at && !tiff_piece_is_whole(tiff.compression, bytes.substr(place, length), row * rows))
+      return "the compressed data of the image is damaged or cut short";
+  }
+  return std::nullopt;
+}
+
 std::optional<std::string> problem_of_tiff(std::string_view bytes, const ExpectedSize& expected) {
   const Numbers number(bytes, bytes[0] == 'I' ? Numbers::Order::little : Numbers::Order::big);
   const size_t list = number(4, 4), entries = number(list, 2);
   if (number(2, 2) == 43) return "it is a BigTIFF, which is not read here; a TIFF can be";
   if (number(2, 2) != 42) return kNoImage;
   if (list < 8 || list + 2 + 12 * entries > bytes.size()) return too_short(bytes);
-  struct Array {
-    size_t size = 0, count = 0, at = 0;  // bytes of an item
-  };
-  std::array<Array, 2> pieces;  // their places, and their lengths, which the decoder can do without
-  uint32_t width = 0, height = 0, bits = 8, compression = 1, tile_width = 1, tile_height = 1;
-  std::set<uint32_t> seen;
-  for (size_t e = list + 2; e < list + 2 + 12 * entries; e += 12) {
-    const uint32_t tag = number(e, 2), type = number(e + 2, 2);
-    const size_t size = type == 3 ? 2 : type == 4 ? 4 : 0, count = number(e + 4, 4);
-    if (!seen.insert(tag).second) continue;  // the decoder takes the first as well
-    if (tag == 256) width = number(e + 8, size);
-    if (tag == 257) height = number(e + 8, size);
-    if (tag == 258 && count == 1) bits = number(e + 8, size);
-    if (tag == 259) compression = number(e + 8, size);
-    if (tag == 322) tile_width = number(e + 8, size);
-    if (tag == 323) tile_height = number(e + 8, size);
-    if (tag != 273 && tag != 324 && tag != 279 && tag != 325) continue;
-    pieces[tag == 279 || tag == 325] = {size, count, size * count <= 4 ? e + 8 : number(e + 8, 4)};
+  const Tiff tiff = read_tiff(number, list + 2, entries);
+  if (const auto problem = problem_of_size(tiff.width, tiff.height, expected)) return problem;
+  if (const auto problem = problem_of_size(std::max(1u, tiff.tile_width), std::max(1u, tiff.tile_height), {}))
+    return problem;
+  if (!is_tiff_coding(tiff.bits, tiff.compression)) {
+    return "its pixels have " + std::to_string(tiff.bits) + " bits and its compression is " +
+           std::to_string(tiff.compression) + "; such a TIFF can't be read";
   }
-  if (const auto problem = problem_of_size(width, height, expected)) return problem;
-  if (const auto problem = problem_of_size(tile_width, tile_height, {})) return problem;
-  if (!is_tiff_coding(bits, compression)) {
-    return "its pixels have " + std::to_string(bits) + " bits and its compression is " + std::to_string(compression) +
-           "; such a TIFF can't be read";
-  }
-  const auto& [places, lengths] = pieces;
-  for (const Array& array : pieces) {
-    if (array.at + array.size * array.count > bytes.size()) return too_short(bytes);
-  }
-  for (size_t k = 0; k < std::min(places.count, lengths.count); ++k) {
-    const uint64_t place = number(places.at + k * places.size, places.size),
-                   length = number(lengths.at + k * lengths.size, lengths.size);
-    if (place + length > bytes.size()) return too_short(bytes);
-  }
-  return std::nullopt;
+  return problem_of_pieces(bytes, number, tiff);
 }
 
 // Reads the words of a PBM, PGM or PPM header (netpbm.sourceforge.net/doc/pgm.html); comments go from # to a line's

@@ -23,7 +23,7 @@ std::string wrong_size(int64_t width, int64_t height, const ExpectedSize& expect
 
 // Says why an image file must not be handed to a decoder: its format is none of PNG, JPEG, TIFF, BMP, PBM, PGM, PPM and
 // WebP, or OpenCV would not choose that format's decoder; it is cut short; its header is damaged, or tells an absurd
-// size or another one than expected; compressed data of a JPEG end early or do not fit.
+// size or another one than expected; compressed data of a JPEG or TIFF end early or do not fit.
 // nullopt where nothing is wrong.
 std::optional<std::string> problem_of_image(std::string_view bytes, const ExpectedSize& expected = {});
 
@@ -36,5 +36,9 @@ std::string without_texts(std::string_view bytes);
 bool jpeg_scan_is_whole(std::string_view bytes);
 // The same of all scans of a JPEG file that is progressive and has Huffman coding.
 bool progressive_jpeg_is_whole(std::string_view bytes);
+
+// True when the data of a strip or tile of a TIFF unpack to as many bytes at least. compression: 1 (none), 5 (LZW), 8
+// or 32946 (deflate), 32773 (PackBits). True also for LZW of before TIFF 5.0: it is not looked at.
+bool tiff_piece_is_whole(uint32_t compression, std::string_view data, size_t expected);
 
 }  // namespace covis::io

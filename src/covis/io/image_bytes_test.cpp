@@ -137,6 +137,29 @@ TEST(ImageBytes, ThePartOfAProgressiveJpegThatIsDamagedIsReported) {
   EXPECT_GE(noticed, all * 9 / 10) << "of " << all;
 }
 
+TEST(ImageBytes, ThePartOfATiffThatIsDamagedIsReported) {
+  int all = 0, zeroed = 0;
+  for (const cv::Size size : {cv::Size(64, 48), cv::Size(301, 205)}) {
+    for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1, CV_32FC1}) {
+      for (const int compression : {1, 5, 8, 32773}) {
+        for (const int noise : {8, 40, 255}) {
+          SCOPED_TRACE(testing::Message() << size << " " << type << " " << compression << " " << noise);
+          cv::Mat image(size, type);
+          cv::RNG(1).fill(image, cv::RNG::UNIFORM, 0, noise);
+          std::vector<uint8_t> bytes;
+          cv::imencode(".tiff", image, bytes, {cv::IMWRITE_TIFF_COMPRESSION, compression});
+          const std::string whole(bytes.begin(), bytes.end());
+          EXPECT_EQ(problem(whole), "");
+          if (compression == 1 || type == CV_32FC1) continue;  // it is not compressed
+          ++all;
+          zeroed += problem(with(whole, 8, std::string(whole.size() / 3, '\0'))) != "";
+        }
+      }
+    }
+  }
+  EXPECT_GE(zeroed, all * 9 / 10) << "of " << all;
+}
+
 class ImageFiles : public RecordingTest {};
 
 TEST_F(ImageFiles, TheTextsOfAPngAreNotUnpacked) {
