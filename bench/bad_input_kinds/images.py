@@ -172,8 +172,8 @@ def videos():
     yield Kind('videos', 'no camera, and too short to find it', run('walk.avi'), ['walk.avi', 'no camera is given'])
     yield Kind('videos', 'a pair is wanted', run('walk.avi', *words, '--sensor', 'stereo'), ['walk.avi', '--sensor'])
     yield Kind('videos', 'stamps beyond its end', run('walk.avi', *words, '--first', '1000'), ['walk.avi', '1000|no frame'])
-    yield Kind('videos', 'cut in the middle, check', ['check', 'walk.avi', *words, '--out', 'out/picture.png'], ['6', '12'], cut('walk.avi', 0.5),
-               needs=('out',), passed_over=True, noise=AVI_NOISE)
+    yield Kind('videos', 'cut in the middle, check', ['check', 'walk.avi', *words, '--out', 'out/picture.png'], ['6', '12', 'decoded'], cut('walk.avi', 0.5),
+               needs=('out',), on_stdout=True, changes=('out/picture.png',), noise=AVI_NOISE + r'|^\[mjpeg @')
 
 
 def bags_of_ros2():
