@@ -251,7 +251,7 @@ TEST_F(BoardFiles, ThatAreNoneAreNamed) {
   write_file(folder / "text.mp4", "no video");
   EXPECT_THAT(error("empty"), testing::HasSubstr("empty: there are no images"));
   EXPECT_THAT(error("none"), testing::HasSubstr("none: there is no such"));
-  EXPECT_THAT(error("text.mp4"), testing::HasSubstr("text.mp4: it is neither"));
+  EXPECT_THAT(error("text.mp4"), testing::HasSubstr("text.mp4: it is not a video that can be read (MP4"));
   cv::imwrite((folder / "empty/0.png").string(), images[1]);
   cv::imwrite((folder / "empty/1.png").string(), images[1](cv::Rect(0, 0, 99, 99)));
   EXPECT_THAT(error("empty"), testing::HasSubstr("image 1 is 99x99, those before 480x360"));
