@@ -2,6 +2,7 @@
 // covis run on recordings without a calibration: the camera is found from the images, or it is said that they do not
 // tell it.
 #include <cmath>
+#include <fstream>
 
 #include "command_results.h"
 #include "command_video.h"
@@ -45,6 +46,19 @@ TEST_F(CommandCamera, IsFoundFromAVideoAndWrittenLong) {
   const Outcome again = covis({"run", video, "--camera", out / "camera.yaml", "--quiet", "--out", folder / "again"});
   ASSERT_EQ(again.code, 0) << again.error;
   EXPECT_EQ(text_of(folder / "again/trajectory.txt"), text_of(out / "trajectory.txt"));
+}
+
+TEST_F(CommandCamera, ThatCanHardlyBeRightIsNamedByRunAsByCheck) {
+  const fs::path recording = render("rgbd", 3), camera = folder / "wide.yaml";
+  auto file = io::load_camera(recording / "camera.yaml");
+  ASSERT_TRUE(file);
+  file->camera.pinhole.fx = file->camera.pinhole.fy = 5;
+  std::ofstream(camera) << io::camera_text(*file);
+  const auto doubt = HasSubstr("a focal length of 5 pixels means");
+  EXPECT_THAT(covis({"run", recording, "--camera", camera, "--quiet", "--out", folder / "out"}).error, doubt);
+  const Outcome check = covis({"check", recording, "--camera", camera, "--out", folder / "check.png"});
+  EXPECT_EQ(check.code, 1);
+  EXPECT_THAT(check.out, doubt);
 }
 
 TEST_F(CommandCamera, ThatTheImagesDoNotTellIsAskedFor) {
