@@ -2,7 +2,6 @@
 #include "covis/io/images.h"
 
 #include <cmath>
-#include <fstream>
 #include <opencv2/imgproc.hpp>
 #include <string_view>
 
