@@ -7,6 +7,7 @@
 #include "covis/core/atomic_file.h"
 #include "covis/features/frontend.h"
 #include "covis/io/codecs.h"
+#include "covis/io/output_check.h"
 
 namespace covis::app {
 namespace {
@@ -123,7 +124,7 @@ Result<void> CheckPicture::write(const std::filesystem::path& file) const {
   cv::vconcat(impl_->rows, all);
   const auto bytes = io::encode_image(".png", all);
   if (!bytes) return fail(file.string() + ": " + bytes.error().message);
-  return write_atomically(file, *bytes);
+  return write_atomically(file, io::marked_picture(*bytes));
 }
 
 std::string CheckPicture::caption() const {

@@ -14,6 +14,7 @@
 #include "covis/core/atomic_file.h"
 #include "covis/core/log.h"
 #include "covis/io/camera_file.h"
+#include "covis/io/output_check.h"
 
 namespace covis::app {
 namespace {
@@ -65,9 +66,17 @@ std::string file_text(const Calibration& c) {
   return text + "\n" + io::camera_text(file);
 }
 
+// Both outputs are asked about before the work.
+Result<void> check_outputs(const CalibrateArguments& a) {
+  auto fits = io::check_output(a.out, io::OutputKind::camera, {a.path});
+  if (fits && !a.picture.empty()) fits = io::check_output(a.picture, io::OutputKind::picture, {a.path, a.out});
+  return fits;
+}
+
 int run(const CalibrateArguments& a) {
   const auto board = board_of(a);
   if (!board) return fail_with(board.error());
+  if (const auto fits = check_outputs(a); !fits) return fail_with(fits.error());
   end_well_on_signals();
   constexpr size_t kMost = 60;  // views
   const auto seen = look_for_board(a.path, BoardFinder(*board), a.stride, interrupted);

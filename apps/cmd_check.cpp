@@ -16,6 +16,7 @@
 #include "covis/core/message_text.h"
 #include "covis/core/quantile.h"
 #include "covis/geometry/camera_check.h"
+#include "covis/io/output_check.h"
 #include "covis/io/sequence.h"
 #include "import_camera.h"
 
@@ -170,6 +171,8 @@ nlohmann::json to_json(const io::Sequence& sequence, const Findings& f) {
 int run(const CheckArguments& a) {
   if (!a.import_camera.empty()) return import_camera(a.import_camera, a.out.empty() ? "camera.yaml" : a.out);
   const std::string out = a.out.empty() ? "check.png" : a.out;
+  const auto fits = io::check_output(out, io::OutputKind::picture, {a.path, a.reading.camera});
+  if (!fits) return fail_with(fits.error());
   const auto opened = io::open_sequence(a.path, a.reading.options());
   if (!opened) {
     log(LogLevel::error, opened.error().message);
@@ -205,7 +208,8 @@ void add_check_command(CLI::App& app, int& exit_code) {
   add_reading_options(*command, a->reading);
   command->add_option("--out", a->out,
                       "the picture: stereo rows, depth overlay, or keypoints (default: check.png); with "
-                      "--import-camera the camera file (default: camera.yaml)");
+                      "--import-camera the camera file (default: camera.yaml); only such a picture or file of Covis "
+                      "is replaced");
   CLI::Option* json = command->add_flag("--json", a->json, "JSON on stdout");
   command
       ->add_option("--import-camera", a->import_camera,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // covis eval: the deviation of a trajectory from the ground truth.
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -10,6 +11,7 @@
 #include "common.h"
 #include "covis/eval/evaluation.h"
 #include "covis/eval/report.h"
+#include "covis/io/output_check.h"
 
 namespace covis::app {
 namespace {
@@ -34,6 +36,12 @@ const std::map<std::string, io::TrajectoryFormat> kReadFormats{
     {"tartanair", io::TrajectoryFormat::tartanair}, {"icl-nuim", io::TrajectoryFormat::icl_nuim}};
 
 int run(const EvalArguments& a) {
+  if (!a.plot.empty()) {
+    const bool page = std::filesystem::path(a.plot).extension() == ".html";
+    const auto kind = page ? io::OutputKind::page : io::OutputKind::picture;
+    const auto fits = io::check_output(a.plot, kind, {a.trajectory, a.truth, a.stamps, a.truth_stamps});
+    if (!fits) return fail_with(fits.error());
+  }
   const auto estimate = io::read_trajectory(a.trajectory, kReadFormats.at(a.format), a.stamps);
   if (!estimate) return fail_with(estimate.error());
   const auto truth = io::read_trajectory(a.truth, kReadFormats.at(a.truth_format), a.truth_stamps);

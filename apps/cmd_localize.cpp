@@ -10,6 +10,7 @@
 #include "common.h"
 #include "covis/core/log.h"
 #include "covis/core/quantile.h"
+#include "covis/io/output_check.h"
 #include "covis/io/sequence.h"
 #include "covis/io/trajectory.h"
 #include "covis/storage/compatibility.h"
@@ -75,11 +76,19 @@ void print(const Found& found, const LocalizeArguments& arguments) {
   print_json(summary);
 }
 
+// The poses found must not take the place of what they are found with.
+Result<void> check_out(const LocalizeArguments& a, const io::Sequence& sequence) {
+  const auto truth = sequence.truth();
+  return io::check_output(a.out, io::OutputKind::trajectory,
+                          {a.path, a.map, a.reading.camera, a.vocabulary, truth ? truth->file : ""});
+}
+
 int localize(const LocalizeArguments& arguments) {
   SystemOptions options;
   if (const auto set = set_all(arguments.settings, fields(options)); !set) return fail_with(set.error());
   const auto sequence = io::open_sequence(arguments.path, arguments.reading.options());
   if (!sequence) return fail_with(sequence.error());
+  if (const auto fits = check_out(arguments, **sequence); !fits) return fail_with(fits.error());
   options.sensor = (*sequence)->sensor();
   options.localize = true;
   if (arguments.features > 0) options.orb.features = arguments.features;

@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "common.h"
+#include "covis/io/output_check.h"
 #include "covis/storage/map_file.h"
 #include "map_export.h"
 #include "map_import.h"
@@ -70,6 +71,10 @@ void print(const std::string& file, const storage::MapInfo& info, const nlohmann
 }
 
 int run_info(const MapArguments& a) {
+  if (!a.picture.empty()) {
+    const auto fits = io::check_output(a.picture, io::OutputKind::picture, {a.file});
+    if (!fits) return fail_with(fits.error());
+  }
   const auto info = storage::read_map_info(a.file);
   if (!info) return fail_with(info.error());
   if (!a.picture.empty()) {

@@ -75,14 +75,11 @@ Result<void> choose_instructions(const std::string& name) {
   return fail("--simd " + name + ": there is no such instruction set here; there are " + names);
 }
 
-Result<void> open_output_folder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) return fail(folder + ": the output folder can't be made: " + error.message());
-  // Permissions alone do not tell of a read-only disk or a sandbox.
-  if (const auto fits = check_writable(std::filesystem::path(folder) / "trajectory.txt"); !fits)
-    return fail("the output folder can't be written to: " + fits.error().message);
-  return {};
+// The results must not take the place of what the run reads, nor of its map.
+Result<void> open_results(const RunArguments& a, const io::Sequence& sequence) {
+  const auto truth = sequence.truth();
+  return open_output_folder(
+      a.out, {a.path, a.reading.camera, a.config, a.vocabulary, a.map, a.save_map, truth ? truth->file : ""});
 }
 
 // Says what is played, and why its camera can hardly be right.
@@ -217,9 +214,9 @@ Result<SaveInterval> check_saving(const RunArguments& arguments, const SystemOpt
   return interval;
 }
 
-Result<void> open_outputs(const RunArguments& arguments, const SaveInterval& interval) {
+Result<void> open_outputs(const RunArguments& arguments, const SaveInterval& interval, const io::Sequence& sequence) {
   const bool unchecked = !arguments.save_map.empty() && comes_with_results(arguments.save_map, arguments.out);
-  if (auto opened = open_output_folder(arguments.out); !opened) return opened;
+  if (auto opened = open_results(arguments, sequence); !opened) return opened;
   return unchecked ? check_map_target(arguments.save_map, interval) : Result<void>();
 }
 
@@ -257,7 +254,7 @@ int run(const RunArguments& arguments) {
     return fail_with(bounded.error());
   RunRecord record;
   if (lacks_calibration(**sequence)) {
-    if (const auto opened = open_output_folder(arguments.out); !opened) return fail_with(opened.error());
+    if (const auto opened = open_results(arguments, **sequence); !opened) return fail_with(opened.error());
     const auto found = find_camera_of(arguments.path, reading, options, arguments.out, arguments.quiet, interrupted);
     if (interrupted != 0) {
       log(LogLevel::warning, "interrupted; nothing is written");
@@ -292,7 +289,7 @@ int run(const RunArguments& arguments) {
     if (!started) return fail_with("--view: " + started.error().message);
     viewer = std::move(*started);
   }
-  if (const auto opened = open_outputs(arguments, *interval); !opened) return fail_with(opened.error());
+  if (const auto opened = open_outputs(arguments, *interval, **sequence); !opened) return fail_with(opened.error());
   std::optional<exchange::KeptImages> images;
   if (arguments.keep_images) {
     auto opened = exchange::KeptImages::open_to_write(exchange::image_folder(arguments.save_map));

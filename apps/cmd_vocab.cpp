@@ -18,6 +18,7 @@
 #include "common.h"
 #include "covis/core/log.h"
 #include "covis/core/time.h"
+#include "covis/io/output_check.h"
 #include "covis/vocabulary/train.h"
 #include "covis/vocabulary/vocabulary.h"
 #include "training_images.h"
@@ -53,10 +54,12 @@ std::string checksum_text(uint64_t checksum) {
   return text;
 }
 
-Result<void> may_write(const std::string& file, bool overwrite) {
+Result<void> may_write(const std::string& file, bool overwrite, const std::vector<std::string>& inputs) {
   std::error_code error;
   if (!overwrite && std::filesystem::exists(file, error))
     return fail(file + ": the file exists; --overwrite replaces it");
+  const auto fits = io::check_output(file, io::OutputKind::vocabulary, {inputs.begin(), inputs.end()});
+  if (!fits) return fits;
   const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
   if (!std::filesystem::is_directory(folder, error)) return fail(folder.string() + ": there is no such folder");
   return {};
@@ -125,7 +128,7 @@ int train(TrainArguments arguments) {
     if (text.empty()) continue;
     if (auto ok = set_field(train_fields(arguments), name, text); !ok) return fail_with(ok.error());
   }
-  if (auto ok = may_write(arguments.out, arguments.overwrite); !ok) return fail_with(ok.error());
+  if (auto ok = may_write(arguments.out, arguments.overwrite, arguments.inputs); !ok) return fail_with(ok.error());
   const auto files = find_images(arguments.inputs);
   if (!files) return fail_with(files.error());
   end_well_on_signals();
@@ -181,7 +184,7 @@ int info(const FileArguments& arguments) {
 }
 
 int convert(const FileArguments& arguments) {
-  if (auto ok = may_write(arguments.out, arguments.overwrite); !ok) return fail_with(ok.error());
+  if (auto ok = may_write(arguments.out, arguments.overwrite, {arguments.in}); !ok) return fail_with(ok.error());
   const auto vocabulary = Vocabulary::load(arguments.in);
   if (!vocabulary) return fail_with(vocabulary.error());
   const bool text = std::filesystem::path(arguments.out).extension() == ".txt";

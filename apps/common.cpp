@@ -90,15 +90,6 @@ nlohmann::json camera_json(const Camera& camera) {
   return json;
 }
 
-Result<void> check_other_file(const std::string& out, const std::vector<std::string>& inputs) {
-  std::error_code none;
-  for (const std::string& input : inputs) {
-    if (std::filesystem::equivalent(input, out, none))
-      return fail(out + ": it is one of the maps given, which are left as they are; give --out another name");
-  }
-  return {};
-}
-
 void print_json(const nlohmann::json& json) {
   std::cout << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
 }

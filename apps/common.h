@@ -62,8 +62,6 @@ CLI::Validator positive_number();
 Result<void> set_all(const std::vector<std::string>& settings, const Fields& known);
 
 nlohmann::json camera_json(const Camera& camera);
-// Refuses an output that is one of the files it is made from, which are left as they are.
-Result<void> check_other_file(const std::string& out, const std::vector<std::string>& inputs);
 // Prints it on stdout. A path in it need not be UTF-8.
 void print_json(const nlohmann::json& json);
 

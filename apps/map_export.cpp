@@ -11,6 +11,7 @@
 #include <sstream>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "common.h"
@@ -24,6 +25,7 @@
 #include "covis/exchange/point_adjustment.h"
 #include "covis/exchange/point_cloud.h"
 #include "covis/exchange/scene_images.h"
+#include "covis/io/output_check.h"
 #include "covis/io/outputs.h"
 #include "covis/io/trajectory.h"
 #include "covis/storage/map_file.h"
@@ -52,6 +54,48 @@ fs::path of_submap(const fs::path& file, size_t k) {
   name += "_map" + std::to_string(k);
   name += file.extension();
   return file.parent_path() / name;
+}
+
+// The names that the submaps' files get must be free for them.
+Result<void> check_files(const ExportArguments& a, io::OutputKind kind, size_t submaps) {
+  for (size_t k = 0; k < submaps; ++k) {
+    if (auto fits = io::check_output(of_submap(a.out, k), kind, {a.file}); !fits) return fits;
+  }
+  return {};
+}
+
+constexpr std::pair<const char*, io::OutputKind> kModels[] = {{"sparse/0/cameras.txt", io::OutputKind::colmap},
+                                                              {"transforms.json", io::OutputKind::nerfstudio},
+                                                              {"bundle.out", io::OutputKind::bundler}};
+
+// Files in a folder are replaced if an earlier export made it, of whichever format: they share the images.
+Result<void> check_folder(const fs::path& out) {
+  std::error_code none;
+  bool earlier = !fs::is_directory(out, none) || fs::is_empty(out, none);
+  for (const auto& [file, kind] : kModels) {
+    if (!fs::is_regular_file(out / file, none)) continue;
+    if (auto fits = io::check_output(out / file, kind); !fits) return fits;
+    earlier = true;
+  }
+  if (earlier) return {};
+  return fail(out.string() + ": the folder holds other things, and no earlier export; choose another, or a new one");
+}
+
+Result<void> check_target(Format format, const ExportArguments& a, size_t submaps) {
+  switch (format) {
+    case Format::ply:
+      return check_files(a, io::OutputKind::point_cloud, submaps);
+    case Format::tum:
+    case Format::kitti:
+      return check_files(a, io::OutputKind::trajectory, submaps);
+    case Format::geojson:
+      return check_files(a, io::OutputKind::geojson, 1);
+    case Format::colmap:
+    case Format::nerfstudio:
+    case Format::bundler:
+      return check_folder(a.out);
+  }
+  return {};
 }
 
 // Calls write(scene, name of the file) for each submap.
@@ -203,6 +247,7 @@ int run_export(const ExportArguments& a) {
   if (!loaded) return fail_with(loaded.error());
   std::vector<Scene> scenes = exchange::scenes_of(loaded->map, loaded->header.camera);
   if (scenes.empty()) return fail_with(a.file + ": the map is empty, there is nothing to export");
+  if (const auto fits = check_target(format, a, scenes.size()); !fits) return fail_with(fits.error());
   if (const auto written = write(format, a, scenes); !written) return fail_with(written.error());
   size_t views = 0, points = 0;
   for (const Scene& scene : scenes) {

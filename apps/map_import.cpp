@@ -22,6 +22,7 @@ struct ImportArguments {
 };
 
 int run_import(const ImportArguments& a) {
+  if (const auto fits = storage::check_save_target(a.out); !fits) return fail_with(fits.error());
   const auto model = exchange::read_colmap(a.model);
   if (!model) return fail_with(model.error());
   const auto vocabulary = open_vocabulary(a.vocabulary);

@@ -15,6 +15,7 @@
 #include "common.h"
 #include "covis/core/log.h"
 #include "covis/exchange/kept_images.h"
+#include "covis/io/output_check.h"
 #include "covis/loops/map_merging.h"
 #include "covis/storage/compatibility.h"
 #include "covis/storage/map_file.h"
@@ -33,7 +34,7 @@ struct MergeArguments {
 // The inputs must be left as they are, and none may count twice. The result must have a place before it is made.
 Result<void> check_files(const MergeArguments& a) {
   std::error_code ignored;
-  if (auto other = check_other_file(a.out, a.files); !other) return other;
+  if (auto other = io::check_other_file(a.out, {a.files.begin(), a.files.end()}); !other) return other;
   for (size_t i = 0; i < a.files.size(); ++i) {
     for (size_t j = 0; j < i; ++j) {
       if (std::filesystem::equivalent(a.files[i], a.files[j], ignored)) return fail(a.files[i] + ": given twice");

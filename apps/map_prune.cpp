@@ -19,6 +19,7 @@
 #include "common.h"
 #include "covis/core/quantile.h"
 #include "covis/io/files.h"
+#include "covis/io/output_check.h"
 #include "covis/map/camera_change.h"
 #include "covis/mapping/map_area.h"
 #include "covis/mapping/map_thinning.h"
@@ -68,7 +69,7 @@ std::vector<ThinnedKeyFrame> views_of(const Map& map) {
 }
 
 int run_prune(const PruneArguments& a) {
-  if (const auto other = check_other_file(a.out, {a.file}); !other) return fail_with(other.error());
+  if (const auto other = io::check_other_file(a.out, {a.file}); !other) return fail_with(other.error());
   if (const auto fits = storage::check_save_target(a.out); !fits) return fail_with(fits.error());
   const auto vocabulary = open_vocabulary(a.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
@@ -133,6 +134,7 @@ Result<void> save_part(const SplitArguments& a, const std::string& name, const M
   std::filesystem::create_directories(a.out, error);
   if (error) return fail(a.out + ": " + error.message());
   const std::filesystem::path file = std::filesystem::path(a.out) / (name + ".m");
+  if (auto other = io::check_other_file(file, {a.file}); !other) return other;
   storage::MapHeader of_part = header;
   if (metric_submaps(part).empty()) of_part.sensor = Sensor::monocular;
   if (auto saved = storage::save_map(file, part.state(), of_part); !saved) return saved;

@@ -7,6 +7,7 @@
 #include "covis/core/atomic_file.h"
 #include "covis/core/log.h"
 #include "covis/io/camera_file.h"
+#include "covis/io/output_check.h"
 #include "covis/slam/camera_search.h"
 
 namespace covis::app {
@@ -46,6 +47,9 @@ Result<CameraEstimate> find_camera_of(const std::string& path, const io::Sequenc
                                       const std::atomic<int>& interrupt) {
   const auto opened = io::open_sequence(path, reading);
   if (!opened) return tl::unexpected(opened.error());
+  const std::filesystem::path file = out / "camera.yaml";
+  if (const auto fits = io::check_output(file, io::OutputKind::camera, {path}); !fits)
+    return tl::unexpected(fits.error());
   const int width = (*opened)->camera().width, height = (*opened)->camera().height;
   const auto tell = [&](const std::string& message) {
     if (!quiet) log(LogLevel::info, message);
@@ -57,7 +61,7 @@ Result<CameraEstimate> find_camera_of(const std::string& path, const io::Sequenc
     return fail(path + ": no camera is given, and the recording does not tell it: " + found.error().message +
                 ". Give one with --camera FILE; covis calibrate makes one");
   }
-  CameraEstimate estimate{out / "camera.yaml", found->focal_sigma, found->camera.coefficients[0], found->k1_sigma};
+  CameraEstimate estimate{file, found->focal_sigma, found->camera.coefficients[0], found->k1_sigma};
   if (const auto written = write_atomically(estimate.file, file_text(*found)); !written)
     return tl::unexpected(written.error());
   return estimate;

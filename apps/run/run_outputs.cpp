@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <utility>
 
 #include "apps/run/run_json.h"
@@ -11,6 +12,7 @@
 #include "apps/view/page.h"
 #include "covis/core/atomic_file.h"
 #include "covis/eval/report.h"
+#include "covis/io/output_check.h"
 #include "covis/io/outputs.h"
 
 namespace covis::app {
@@ -48,7 +50,28 @@ ReportInput report_of(const RunRecord& run, MainSubmap results, const RunSummary
   return report;
 }
 
+// Names and kinds of the files of each run.
+constexpr std::pair<const char*, io::OutputKind> kFiles[] = {
+    {"trajectory.txt", io::OutputKind::trajectory}, {"trajectory_online.txt", io::OutputKind::trajectory},
+    {"keyframes.txt", io::OutputKind::trajectory},  {"map.ply", io::OutputKind::point_cloud},
+    {"stats.jsonl", io::OutputKind::json},          {"summary.json", io::OutputKind::json},
+    {"scene.bin", io::OutputKind::scene},           {"report.html", io::OutputKind::page},
+    {"trajectory.png", io::OutputKind::png}};
+
 }  // namespace
+
+Result<void> open_output_folder(const std::filesystem::path& folder, const std::vector<std::filesystem::path>& given) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return fail(folder.string() + ": the output folder can't be made: " + error.message());
+  for (const auto& [name, kind] : kFiles) {
+    if (auto fits = io::check_output(folder / name, kind, given); !fits) return fits;
+  }
+  // Permissions alone do not tell of a read-only disk or a sandbox.
+  if (const auto fits = check_writable(folder / "trajectory.txt"); !fits)
+    return fail("the output folder can't be written to: " + fits.error().message);
+  return {};
+}
 
 Result<void> write_outputs(const RunRecord& run, const Snapshot& snapshot, const RunSummary& summary,
                            const OutputOptions& options) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "apps/run/run_summary.h"
 #include "covis/core/error.h"
@@ -17,6 +18,10 @@ struct OutputOptions {
   std::string title;
   const Trajectory* truth = nullptr;  // ground truth of the camera; may be null
 };
+
+// Makes the folder. Error: it can't be made or written to, or a file that write_outputs() would write there is one of
+// those given, or of another kind.
+Result<void> open_output_folder(const std::filesystem::path& folder, const std::vector<std::filesystem::path>& given);
 
 // Writes trajectory.txt, trajectory_online.txt, keyframes.txt and map.ply of the main map, trajectory_map1.txt and so
 // on of maps not joined to it, stats.jsonl, summary.json, scene.bin, report.html and trajectory.png. Each file is

@@ -14,15 +14,46 @@ FILES = {'run --save-map': (lambda out: run('rgbd', '--save-map',
          'eval --plot': (lambda out: ['eval', 'trajectory.txt', 'truth.txt', '--plot', out], 'png'),
          'vocab train': (lambda out: ['vocab', 'train', 'mono/images', '--branching', '4', '--depth', '3', '--quiet', '--overwrite', '--out', out],
                          'covis-voc'), 'vocab convert': (lambda out: ['vocab', 'convert', 'words.txt', out, '--overwrite'], 'covis-voc'),
-         'check': (lambda out: ['check', 'rgbd', '--out', out], 'png')}
+         'map export geojson': (lambda out: ['map', 'export', 'office.m', '--to', 'geojson', '--origin', '48', '11', '--out', out], 'geojson'),
+         'check': (lambda out: ['check', 'rgbd', '--out', out], 'png'),
+         'check --import-camera': (lambda out: ['check', '--import-camera', 'colmap/sparse/0/cameras.txt', '--out', out], 'yaml')}
 FOLDERS = {'run': lambda out: run('rgbd', out=out), 'map split': lambda out: ['map', 'split', 'office.m', '--around', '0,0,0,100', '--out', out],
            'map export colmap': lambda out: ['map', 'export', 'office.m', '--to', 'colmap', '--out', out],
            'synth': lambda out: ['synth', 'room', '--frames', '2', '--quiet', '--overwrite', '--out', out]}
+# The first bytes of a file that the command replaces, where no good input is one.
+OLDER = {'txt': '1.000000000' + ' 0.000000000' * 6 + ' 1.000000000\n', 'ply': 'ply\n', 'covis-voc': 'COVISVOC', 'yaml': 'width: 640\n',
+         'geojson': '{\n "features": [\n',
+         'png': b'\x89PNG\r\n\x1a\n' + bytes(25) + b'\0\0\0\x0etEXtSoftware\0Covis\xf9\x0b\x3b\xc4'}
+# An input of each command, or a file of another kind, in the place of its output.
+GIVEN = {'localize': ('office.m', 'rgbd/groundtruth.txt', 'rgbd/camera.yaml'), 'map export ply': ('office.m', 'camera.yaml'),
+         'map export tum': ('office.m', 'camera.yaml'), 'map export geojson': ('office.m', 'camera.yaml'), 'map info --picture': ('office.m', 'image/first.png'),
+         'map merge': ('office.m', 'mono.m'), 'map prune': ('office.m',), 'map import': ('colmap/sparse/0/images.txt',),
+         'eval --plot': ('truth.txt', 'trajectory.txt', 'image/first.png'), 'vocab train': ('office.m', 'image/first.png'),
+         'vocab convert': ('words.txt', 'office.m'), 'check': ('rgbd/camera.yaml', 'office.m', 'image/first.png'),
+         'check --import-camera': ('colmap/sparse/0/cameras.txt', 'office.m', 'truth.txt')}
 MAPS = ('run --save-map', 'map merge', 'map prune', 'map import')
 
 
 def kinds():
-    return [*files(), *folders(), *full_disks()]
+    return [*files(), *in_place_of_others(), *folders(), *full_disks()]
+
+
+def in_place_of_others():
+    for name, places in GIVEN.items():
+        for place in places:
+            yield Kind('outputs', f'{name}: over {place}', FILES[name][0](place), [place.rsplit('/', maxsplit=1)[-1].replace('.', r'\.'),
+                                                                                   'left as they are|it is there and is not'],
+                       needs=(place.split('/', maxsplit=1)[0],))
+    for name in ('trajectory.txt', 'map.ply', 'summary.json', 'stats.jsonl', 'report.html', 'keyframes.txt', 'scene.bin', 'trajectory.png'):
+        yield Kind('outputs', f'run: my notes in the place of {name}', run('rgbd', out='mine'), [name.replace('.', r'\.'), 'it is there and is not'],
+                   write(f'mine/{name}', 'my notes\n'))
+    yield Kind('outputs', 'run: the map in the place of a result', run('rgbd', '--save-map', 'new/trajectory.txt', out='new'),
+               [r'trajectory\.txt', 'left as they are'], changes=('new',))
+    yield Kind('outputs', 'check: another picture has the name that is not given', ['check', 'rgbd'], [r'check\.png', 'it is there and is not'],
+               write('check.png', b'\x89PNG\r\n\x1a\n' + bytes(50)))
+    for kind in ('colmap', 'nerfstudio', 'bundler'):
+        yield Kind('outputs', f'map export {kind}: into a folder of images', ['map', 'export', 'office.m', '--to', kind, '--out', 'things'],
+                   ['things', 'other things'], write('things/images/000000.png', 'x'))
 
 
 def after_the_run(name):
@@ -90,6 +121,9 @@ def full_disks():
 
 
 def _older(name, ending):
+    if name not in MAPS:
+        return write(f'older.{ending}', OLDER[ending])
+
     def do(folder):
-        (folder / f'older.{ending}').write_bytes((folder / 'office.m').read_bytes() if name in MAPS else b'an older result\n')
+        (folder / 'older.m').write_bytes((folder / 'office.m').read_bytes())
     return do

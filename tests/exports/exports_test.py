@@ -314,10 +314,10 @@ class FullDisk(unittest.TestCase):
         source, late, file = WORK / 'late.c', WORK / 'late.so', WORK / 'late.ply'
         source.write_text(LATE)
         run('cc', '-shared', '-fPIC', '-o', late, source)
-        file.write_text('old')
+        file.write_text('ply\nold')  # of the kind that is replaced
         text = run('env', f'LD_PRELOAD={late}', COVIS, 'map', 'export', MAP, '--to', 'ply', '--out', file, code=1)
         self.assertIn(f"{file}: it can't be written: No space left on device", text)
-        self.assertEqual(file.read_text(), 'old')
+        self.assertEqual(file.read_text(), 'ply\nold')
 
 
 LATE = r"""

@@ -9,6 +9,7 @@
 
 #include "covis/core/atomic_file.h"
 #include "covis/io/codecs.h"
+#include "covis/io/output_check.h"
 
 namespace covis {
 namespace {
@@ -173,7 +174,7 @@ Result<std::string> draw(const std::vector<Plot>& plots) {
 Result<void> write_plots(const std::filesystem::path& file, const std::vector<Plot>& plots) {
   const auto png = draw(plots);
   if (!png) return tl::unexpected(png.error());
-  return write_atomically(file, *png);
+  return write_atomically(file, io::marked_picture(*png));
 }
 
 }  // namespace covis

@@ -37,7 +37,7 @@ struct Plot {
 // Returns the bytes of a PNG file: the plots one below the other. They must have the same width. Error: the
 // installation has no part that writes images.
 Result<std::string> draw(const std::vector<Plot>& plots);
-// Draws them into a PNG file, whatever its name.
+// Draws them into a PNG file, whatever its name, with a note that Covis made it.
 Result<void> write_plots(const std::filesystem::path& file, const std::vector<Plot>& plots);
 
 }  // namespace covis

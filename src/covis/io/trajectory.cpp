@@ -7,6 +7,7 @@
 
 #include "covis/core/atomic_file.h"
 #include "covis/io/files.h"
+#include "covis/io/output_check.h"
 
 namespace covis::io {
 namespace {
@@ -177,12 +178,14 @@ Result<void> write_trajectories(const std::filesystem::path& file, const std::ve
     const std::string name = file.stem().string() + (m > 0 ? "_map" + std::to_string(m) : "");
     const std::filesystem::path one = file.parent_path() / (name + file.extension().string());
     if (m < of_map.size()) {
-      const auto written = write_trajectory(one, of_map[m], format);
+      auto written = check_output(one, OutputKind::trajectory);
+      if (written) written = write_trajectory(one, of_map[m], format);
       if (!written && problem) problem = written;
       continue;
     }
     std::error_code error;
-    if (!std::filesystem::remove(one, error)) return problem;
+    const bool earlier = std::filesystem::is_regular_file(one, error) && may_replace(one, OutputKind::trajectory);
+    if (!earlier || !std::filesystem::remove(one, error)) return problem;
   }
 }
 

@@ -41,8 +41,8 @@ Result<Trajectory> read_trajectory(const std::filesystem::path& file,
 // Writes to a temporary name and renames, so that a full disk leaves no partial file. format: tum, kitti or euroc.
 Result<void> write_trajectory(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFormat format);
 // Maps that are not joined have a world each, and so a file each: FILE, FILE_map1, … Files of that name with higher
-// numbers from an earlier run are removed, because they would be mistaken for this run's. The first failure is
-// returned; the other files are written all the same.
+// numbers from an earlier run are removed, because they would be mistaken for this run's. What is there and is no
+// trajectory that Covis wrote stays. The first failure is returned; the other files are written all the same.
 Result<void> write_trajectories(const std::filesystem::path& file, const std::vector<Trajectory>& of_map,
                                 TrajectoryFormat format);
 

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Outputs replace neither a file that they are made from nor one of another kind. Commands ask before they begin. (Maps
+// have storage::check_save_target, which asks the same for a map.)
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "covis/core/error.h"
+
+namespace covis::io {
+
+// Kinds of files that commands write, recognised by their first bytes. A kind that many programs write counts only as
+// Covis writes it: a picture of marked_picture(), a trajectory with our decimals, a model with our first line.
+enum class OutputKind {
+  picture,
+  png,  // any
+  page,
+  point_cloud,
+  trajectory,
+  camera,
+  vocabulary,
+  geojson,
+  colmap,      // cameras.txt
+  nerfstudio,  // transforms.json
+  bundler,     // bundle.out
+  scene,
+  json
+};
+
+// True where nothing of another kind is lost: a file of that kind, an empty one, none. Also where it is no regular
+// file, which writing refuses or writes into.
+bool may_replace(const std::filesystem::path& file, OutputKind kind);
+
+// Refuses an output that is one of the files that it is made from, under whichever name. Inputs may be empty names.
+Result<void> check_other_file(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs);
+
+// The same, and refuses one that would replace a file of another kind.
+Result<void> check_output(const std::filesystem::path& out, OutputKind kind,
+                          const std::vector<std::filesystem::path>& inputs = {});
+
+// The bytes of a PNG file with a note in it that Covis made it, so that a later picture may replace it.
+std::string marked_picture(std::string png);
+
+}  // namespace covis::io
