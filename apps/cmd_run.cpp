@@ -7,7 +7,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
+#include "apps/run/activity.h"
 #include "apps/run/camera_of_recording.h"
 #include "apps/run/key_frame_pictures.h"
 #include "apps/run/map_saver.h"
@@ -27,6 +29,7 @@
 #include "covis/geometry/camera_check.h"
 #include "covis/io/codecs.h"
 #include "covis/io/config.h"
+#include "covis/io/files.h"
 #include "covis/io/plugin.h"
 #include "covis/io/sequence.h"
 #include "covis/slam/system.h"
@@ -88,53 +91,52 @@ void announce(const RunArguments& arguments, const io::Sequence& sequence) {
   for (const std::string& doubt : doubts_about(sequence.camera())) log(LogLevel::warning, doubt);
 }
 
-// Returns nullopt when there is no ground truth, or when it cannot be read; the latter logs a warning.
-std::optional<Trajectory> read_truth(const io::Sequence& sequence) {
-  if (!sequence.truth()) return std::nullopt;
-  auto truth = io::load_truth(sequence);
-  if (truth) return std::move(*truth);
-  log(LogLevel::warning, truth.error().message);
-  return std::nullopt;
-}
-
 std::string title_of(const RunArguments& arguments) {
   return std::filesystem::path(arguments.path).lexically_normal().filename().string();
 }
 
-// Saves the map where --save-map wants it, with its images if they are kept. A map of nothing is not worth an older
-// file, and could not be continued either.
-Result<void> save_map(const RunArguments& arguments, const System& system, io::Sequence& sequence,
-                      const storage::MapHeader& header, uint32_t first_own,
-                      const std::optional<exchange::KeptImages>& images) {
-  const MapState map = system.map_state();
-  if (map.key_frames.empty()) {
-    log(LogLevel::warning, arguments.save_map + ": there is no map to save, so that nothing is written there");
-    return {};
-  }
-  if (auto saved = storage::save_map(arguments.save_map, map, header); !saved) return saved;
-  if (!images) return {};
-  return keep_images(sequence, map, first_own, arguments.map, *images);
+// Messages begin with it; those of a camera name it themselves.
+std::string named(const RunArguments& arguments, io::SequenceKind kind) {
+  return kind == io::SequenceKind::camera ? "" : arguments.path + ": ";
 }
 
-// Computes the summary and writes the run's files, and the map if requested.
+OutputOptions output_options(const RunArguments& arguments, const std::optional<Trajectory>& truth) {
+  return {.directory = arguments.out,
+          .format = kWriteFormats.at(arguments.format),
+          .title = title_of(arguments),
+          .truth = truth ? &*truth : nullptr};
+}
+
+// Saves the map if that is requested, computes the summary, and writes the run's files. The map is first, and what
+// fails leaves the rest: what can't be written is the error, the first of several.
 // `first_own`: the serial of the first key frame of this run. `images`: where to keep key frames' images.
 Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, const System& system,
                         io::Sequence& sequence, const storage::MapHeader& header, uint32_t first_own,
-                        const std::optional<exchange::KeptImages>& images) {
-  const std::optional<Trajectory> truth = read_truth(sequence);
-  OutputOptions output;
-  output.directory = arguments.out;
-  output.format = kWriteFormats.at(arguments.format);
-  output.title = title_of(arguments);
-  if (truth) output.truth = &*truth;
-  const std::shared_ptr<const Snapshot> snapshot = system.snapshot();
-  RunSummary summary = summarise(record, *snapshot, output.truth, peak_rss_mb());
-  const Result<void> written = write_outputs(record, *snapshot, summary, output);
-  if (!arguments.save_map.empty()) {
-    if (const auto saved = save_map(arguments, system, sequence, header, first_own, images); !saved)
-      return tl::unexpected(saved.error());
+                        const std::optional<exchange::KeptImages>& images, std::optional<MapSaver>& saver) {
+  enter_part("while the results are written");
+  const double peak_mb = peak_rss_mb();  // of the run, without what writing takes
+  const Result<void> saved = io::without_exceptions(arguments.save_map, [&] {
+    return arguments.save_map.empty() ? Result<void>()
+                                      : save_map(arguments.save_map, system.map_state(), header, saver);
+  });
+  RunSummary summary;
+  const Result<void> written = io::without_exceptions(arguments.out, [&] {
+    const std::optional<Trajectory> truth = read_truth(sequence);
+    const std::shared_ptr<const Snapshot> snapshot = system.snapshot();
+    const OutputOptions output = output_options(arguments, truth);
+    summary = summarise(record, *snapshot, output.truth, peak_mb);
+    return write_outputs(record, *snapshot, summary, output);
+  });
+  Result<void> kept;
+  if (images && saved && system.map_size().key_frames > 0) {
+    kept = io::without_exceptions(
+        images->folder(), [&] { return keep_images(sequence, system.map_state(), first_own, arguments.map, *images); });
   }
-  if (!written) return tl::unexpected(written.error());
+  for (const Result<void>* done : {&saved, &written, &std::as_const(kept)}) {
+    if (!*done)
+      return fail((record.failure.empty() ? "" : named(arguments, sequence.kind()) + record.failure + "; ") +
+                  done->error().message);
+  }
   return summary;
 }
 
@@ -146,8 +148,7 @@ int conclude(const RunArguments& arguments, const RunSummary& summary, io::Seque
     std::fputs(summary_text(summary, arguments.out).c_str(), stdout);
   }
   if (!summary.failure.empty()) {
-    const std::string named = kind == io::SequenceKind::camera ? "" : arguments.path + ": ";  // a camera's names it
-    return fail_with(named + summary.failure + "; the results so far are written");
+    return fail_with(named(arguments, kind) + summary.failure + "; the results so far are written");
   }
   // Ctrl-C is the normal end of a camera; for a recording the exit code is the shell's code for the signal.
   if (summary.interrupted && kind != io::SequenceKind::camera) {
@@ -159,15 +160,19 @@ int conclude(const RunArguments& arguments, const RunSummary& summary, io::Seque
 }
 
 // Tells why there is nothing to save, which is not worth older results; nullopt: there is something.
-std::optional<std::string> why_nothing_was_read(const RunRecord& record) {
-  if (!record.failure.empty() || record.interrupted) return std::nullopt;
+std::optional<std::string> why_nothing_is_written(const RunRecord& record, const System& system) {
+  if (record.interrupted) return std::nullopt;
+  if (!record.failure.empty()) {
+    if (!system.snapshot()->trajectory.empty()) return std::nullopt;
+    return record.failure + "; no frame was tracked, so that nothing is written";
+  }
   std::string first;
   for (size_t k = 0; k < record.frames.size(); ++k) {
     const FrameStats frame = record.frames[k];
     if (frame.state != FrameState::unreadable) return std::nullopt;
     if (first.empty()) first = "; of the first: " + frame.reason;
   }
-  return first;
+  return "no frame could be read" + first;
 }
 
 // Bounds the map so that the whole run stays within --max-memory.
@@ -311,11 +316,10 @@ int run(const RunArguments& arguments) {
                          saver ? &*saver : nullptr),
             record);
   for (const std::string& note : record.notes) log(LogLevel::warning, note);
-  if (const auto why = why_nothing_was_read(record))
-    return fail_with(arguments.path + ": no frame could be read" + *why);
+  if (const auto why = why_nothing_is_written(record, *system))
+    return fail_with(named(arguments, (*sequence)->kind()) + *why);
 
-  const auto summary = save(arguments, record, *system, **sequence, header, first_own, images);
-  if (saver && summary && system->map_size().key_frames > 0) saver->finish();
+  const auto summary = save(arguments, record, *system, **sequence, header, first_own, images, saver);
   if (viewer)
     viewer->run_ended(view_state(record, *system->snapshot(), summary ? *summary : RunSummary(), title_of(arguments)));
   if (!summary) return fail_with(summary.error());

@@ -20,7 +20,9 @@
 #include <string>
 #include <vector>
 
+#include "apps/run/activity.h"
 #include "commands.h"
+#include "covis/core/failure_reason.h"
 #include "covis/core/fields.h"
 #include "covis/core/log.h"
 #include "covis/core/message_text.h"
@@ -82,6 +84,8 @@ int say(const CLI::App& app, const CLI::ParseError& error) {
 }  // namespace
 
 int covis_command(int argc, char** argv) {
+  covis::app::set_activity(argc, argv);
+  covis::app::end_in_order_on_terminate();
   connect_log();
   std::signal(SIGXFSZ, SIG_IGN);              // a limit on the size of files is an error of writing, as a full disk is
   setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // Covis alone reports a video that it can't read
@@ -121,7 +125,7 @@ int covis_command(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return say(app, error);
   } catch (const std::exception& error) {
-    covis::log(covis::LogLevel::error, error.what());
+    covis::log(covis::LogLevel::error, covis::app::current_activity() + ": " + std::string(covis::reason_of(error)));
     return 1;
   }
   // Results that could not be written (a full disk, a closed pipe) are a failure.

@@ -128,10 +128,10 @@ ExtractionReport extract_images(const std::vector<fs::path>& files, const OrbOpt
     const auto work = [&](Worker& own) {
       for (size_t i = next++; i < count; i = next++) results[i] = own.extract(files[begin + i]);
     };
-    std::vector<std::thread> running;
+    std::vector<std::jthread> running;  // when one can't be started, the others are waited for
     for (size_t w = 1; w < workers; ++w) running.emplace_back(work, std::ref(*worker[w]));
     work(*worker[0]);
-    for (std::thread& thread : running) thread.join();
+    for (std::jthread& thread : running) thread.join();
     for (const Result<Pieces>& pieces : results) {
       if (!pieces) report.skipped.push_back(pieces.error().message);
       if (!pieces) continue;

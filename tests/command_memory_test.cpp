@@ -5,6 +5,7 @@
 namespace covis {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 class CommandMemory : public CommandTest {};
@@ -38,6 +39,37 @@ TEST_F(CommandMemory, AMapThatReachesItsBoundIsThinned) {
   EXPECT_EQ(little.code, 1);
   EXPECT_THAT(little.error, HasSubstr("--max-memory 100: images of this size need at least"));
   EXPECT_FALSE(fs::exists(folder / "three")) << "said before anything is made";
+}
+
+// The limits lie where libraries are loaded, threads are started, frames are tracked, and pictures are drawn.
+TEST_F(CommandMemory, WhereThereIsTooLittleOneMessageSaysSoAndOlderResultsStay) {
+  const fs::path recording = render("rgbd", 12), out = folder / "out";
+  const auto run = [&](int megabytes) {
+    const std::string words = "ulimit -v " + std::to_string(1024 * megabytes) + "; ulimit -c 0; exec " + COVIS_COMMAND +
+                              " run " + recording.string() + " --quiet --out " + out.string() + " --save-map " +
+                              (folder / "m").string();
+    Process process({"/bin/sh", "-c", words}, folder / "stdout", folder / "stderr");
+    return Outcome{process.wait(kPatience), text_of(folder / "stdout"), text_of(folder / "stderr")};
+  };
+  ASSERT_EQ(run(4000).code, 0);
+  const std::string poses = text_of(out / "trajectory.txt"), map = text_of(folder / "m");
+  int refused = 0;
+  for (int megabytes = 200; megabytes < 300; megabytes += 8) {
+    SCOPED_TRACE(megabytes);
+    fs::remove(folder / "m");
+    std::ofstream(out / "trajectory.txt", std::ios::binary) << poses;
+    const Outcome little = run(megabytes);
+    if (little.code == 0) {
+      EXPECT_EQ(text_of(folder / "m"), map);
+      continue;
+    }
+    ++refused;
+    EXPECT_EQ(little.code, 1) << little.error;
+    EXPECT_THAT(little.error, AllOf(HasSubstr("error: "), testing::Not(HasSubstr("bad_alloc")),
+                                    testing::Not(HasSubstr("terminate")), testing::Not(HasSubstr("OpenCV"))));
+    EXPECT_GT(line_count(out / "trajectory.txt"), 0);
+  }
+  RecordProperty("refused", refused);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "covis/core/failure_reason.h"
 #include "covis/core/log.h"
 #include "covis/core/threads.h"
 
@@ -66,7 +67,7 @@ void KeyFrameColouring::run(const std::stop_token& stop) {
     try {
       fill();
     } catch (const std::exception& error) {  // as a lack of memory: the map stays without their colours
-      return log(LogLevel::warning, std::string("key frames get no more colours: ") + error.what());
+      return log(LogLevel::warning, "key frames get no more colours: " + std::string(reason_of(error)));
     }
   }
 }

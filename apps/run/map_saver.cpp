@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "covis/core/failure_reason.h"
 #include "covis/core/log.h"
 #include "covis/core/threads.h"
 
@@ -85,7 +86,7 @@ void MapSaver::take_result() {
   try {
     if (const Result<void> saved = saving_.get(); !saved) warn(saved.error().message);
   } catch (const std::exception& error) {  // as a lack of memory
-    warn(error.what());
+    warn(std::string(reason_of(error)));
   }
 }
 
@@ -107,7 +108,7 @@ void MapSaver::begin_saving(const System& system) {
   try {
     saving_ = std::async(std::launch::async, [this, map = system.map_state()] { return save(map); });
   } catch (const std::exception& error) {  // as no thread to be had
-    warn(error.what());
+    warn(std::string(reason_of(error)));
   }
 }
 
@@ -125,6 +126,17 @@ void MapSaver::finish() {
   take_result();
   std::error_code none;
   if (wrote_) std::filesystem::remove(aside_, none);
+}
+
+Result<void> save_map(const std::filesystem::path& file, const MapState& map, const storage::MapHeader& header,
+                      std::optional<MapSaver>& saver) {
+  if (map.key_frames.empty()) {
+    log(LogLevel::warning, file.string() + ": there is no map to save, so that nothing is written there");
+    return {};
+  }
+  auto saved = storage::save_map(file, map, header);
+  if (saved && saver) saver->finish();
+  return saved;
 }
 
 }  // namespace covis::app

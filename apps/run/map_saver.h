@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <future>
+#include <optional>
 #include <string>
 
 #include "covis/core/error.h"
@@ -67,5 +68,10 @@ class MapSaver {
   bool owned_ = false, wrote_ = false;  // the file aside is this run's to write; this run wrote it
   std::future<Result<void>> saving_;    // the last, as it is waited for before all else goes
 };
+
+// Saves the map of a run at its end, and removes what was saved aside. A map of nothing is not worth an older file, and
+// could not be continued either: it is a warning.
+Result<void> save_map(const std::filesystem::path& file, const MapState& map, const storage::MapHeader& header,
+                      std::optional<MapSaver>& saver);
 
 }  // namespace covis::app

@@ -6,12 +6,14 @@
 #include <string>
 #include <utility>
 
+#include "apps/run/activity.h"
 #include "apps/run/key_frame_pictures.h"
 #include "apps/run/pace.h"
 #include "apps/run/progress.h"
 #include "apps/run/resources.h"
 #include "apps/run/system_input.h"
 #include "apps/view/loop_history.h"
+#include "covis/core/failure_reason.h"
 #include "covis/core/log.h"
 
 namespace covis::app {
@@ -66,6 +68,7 @@ void track_frames(io::Sequence& sequence, System& system, const PlayOptions& opt
   while (*options.stop == 0) {
     const Stopwatch decode;
     beside.at = expected;
+    enter_frame(expected);
     Result<std::optional<io::Frame>> next = sequence.next(std::move(frame));
     frame = {};
     const io::LiveStatus live = sequence.live();
@@ -123,8 +126,9 @@ void track_all(io::Sequence& sequence, System& system, const PlayOptions& option
     add_warnings(system.take_warnings(), run);
     if (colouring) colouring->finish();
   } catch (const std::exception& error) {  // as a lack of memory, in whichever thread
-    run.failure = "frame " + std::to_string(at) + ": the run ends here: " + error.what();
+    run.failure = "frame " + std::to_string(at) + ": the run ends here: " + std::string(reason_of(error));
   }
+  enter_part("at the end of the recording");
   settle_states(*system.snapshot(), options.mode, run.frames);
   run.notes = sequence.notes();
   run.wall_seconds = wall.ms() / 1000;

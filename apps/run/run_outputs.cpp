@@ -11,7 +11,9 @@
 #include "apps/run/run_view.h"
 #include "apps/view/page.h"
 #include "covis/core/atomic_file.h"
+#include "covis/core/log.h"
 #include "covis/eval/report.h"
+#include "covis/io/files.h"
 #include "covis/io/output_check.h"
 #include "covis/io/outputs.h"
 
@@ -73,30 +75,53 @@ Result<void> open_output_folder(const std::filesystem::path& folder, const std::
   return {};
 }
 
+std::optional<Trajectory> read_truth(const io::Sequence& sequence) {
+  if (!sequence.truth()) return std::nullopt;
+  auto truth = io::load_truth(sequence);
+  if (truth) return std::move(*truth);
+  log(LogLevel::warning, truth.error().message);
+  return std::nullopt;
+}
+
 Result<void> write_outputs(const RunRecord& run, const Snapshot& snapshot, const RunSummary& summary,
                            const OutputOptions& options) {
   using nlohmann::json;
   MainSubmap results = main_submap(snapshot);
   const std::filesystem::path& out = options.directory;
   Result<void> problem;
-  const auto keep_first = [&](Result<void> written) {
+  // A lack of memory for one, as for the report's pictures, must not cost the others.
+  const auto keep_first = [&](const char* name, const auto& write) {
+    auto written = io::without_exceptions(out / name, [&] { return write(out / name); });
     if (!written && problem) problem = std::move(written);
   };
-  keep_first(io::write_trajectories(out / "trajectory.txt", by_submap(snapshot), options.format));
-  keep_first(io::write_trajectory(out / "trajectory_online.txt", results.online_trajectory, options.format));
-  keep_first(io::write_trajectory(out / "keyframes.txt", results.key_frames, options.format));
-  keep_first(io::write_ply(out / "map.ply", results.points));
-  keep_first(write_atomically(out / "stats.jsonl", [&](FileSink& sink) {
-    append_stats(run, snapshot, sink);
-    return Result<void>();
-  }));
-  keep_first(write_atomically(out / "summary.json",
-                              to_json(summary).dump(2, ' ', false, json::error_handler_t::replace) + "\n"));
-  const view::ViewState seen = view_state(run, snapshot, summary, options.title);
-  keep_first(write_atomically(out / "scene.bin", view::file_of(seen)));
-  ReportInput report = report_of(run, std::move(results), summary, options);
-  report.viewer = view::embedded_page(seen);
-  keep_first(write_report(out, report));
+  using File = std::filesystem::path;
+  const auto keep_trajectory = [&](const char* name, const Trajectory& trajectory) {
+    keep_first(name, [&](const File& file) { return io::write_trajectory(file, trajectory, options.format); });
+  };
+  keep_first("trajectory.txt",
+             [&](const File& file) { return io::write_trajectories(file, by_submap(snapshot), options.format); });
+  keep_trajectory("trajectory_online.txt", results.online_trajectory);
+  keep_trajectory("keyframes.txt", results.key_frames);
+  keep_first("map.ply", [&](const File& file) { return io::write_ply(file, results.points); });
+  keep_first("stats.jsonl", [&](const File& file) {
+    return write_atomically(file, [&](FileSink& sink) {
+      append_stats(run, snapshot, sink);
+      return Result<void>();
+    });
+  });
+  keep_first("summary.json", [&](const File& file) {
+    return write_atomically(file, to_json(summary).dump(2, ' ', false, json::error_handler_t::replace) + "\n");
+  });
+  view::ViewState seen;
+  keep_first("scene.bin", [&](const File& file) {
+    seen = view_state(run, snapshot, summary, options.title);
+    return write_atomically(file, view::file_of(seen));
+  });
+  keep_first("report.html", [&](const File&) {
+    ReportInput report = report_of(run, std::move(results), summary, options);
+    report.viewer = view::embedded_page(seen);
+    return write_report(out, report);
+  });
   return problem;
 }
 

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/run/run_summary.h"
 #include "covis/core/error.h"
+#include "covis/io/sequence.h"
 #include "covis/io/trajectory.h"
 
 namespace covis::app {
@@ -22,6 +24,9 @@ struct OutputOptions {
 // Makes the folder. Error: it can't be made or written to, or a file that write_outputs() would write there is one of
 // those given, or of another kind.
 Result<void> open_output_folder(const std::filesystem::path& folder, const std::vector<std::filesystem::path>& given);
+
+// Returns nullopt when there is no ground truth, or when it cannot be read; the latter logs a warning.
+std::optional<Trajectory> read_truth(const io::Sequence& sequence);
 
 // Writes trajectory.txt, trajectory_online.txt, keyframes.txt and map.ply of the main map, trajectory_map1.txt and so
 // on of maps not joined to it, stats.jsonl, summary.json, scene.bin, report.html and trajectory.png. Each file is

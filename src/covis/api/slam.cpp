@@ -10,6 +10,7 @@
 #include "covis/api/events.h"
 #include "covis/api/frame_colours.h"
 #include "covis/api/rectifier.h"
+#include "covis/core/failure_reason.h"
 #include "covis/core/fields.h"
 #include "covis/core/log.h"
 #include "covis/core/stamp_bounds.h"
@@ -32,7 +33,7 @@ auto without_exceptions(const char* name, Function&& function) -> decltype(funct
   try {
     return function();
   } catch (const std::exception& error) {
-    return Failure(std::string(name) + ": it was given up: " + error.what());
+    return Failure(std::string(name) + ": it was given up: " + std::string(reason_of(error)));
   }
 }
 

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "covis/core/failure_reason.h"
 #include "covis/core/threads.h"
 #include "covis/io/sequence.h"
 
@@ -70,7 +71,7 @@ class DecodeAhead {
       return decode_(free_memory());
     } catch (const std::exception& error) {
       failed_ = true;
-      return fail(std::string("no more frames can be read: ") + error.what());
+      return fail("no more frames can be read: " + std::string(reason_of(error)));
     }
   }
 

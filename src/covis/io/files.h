@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "covis/core/error.h"
+#include "covis/core/failure_reason.h"
 #include "covis/core/time.h"
 
 namespace covis::io {
@@ -44,7 +45,7 @@ auto without_exceptions(const std::filesystem::path& name, Function&& function) 
   } catch (const std::bad_alloc&) {
     return tl::unexpected(no_memory(name));
   } catch (const std::exception& error) {
-    return fail(name.string() + ": " + error.what());
+    return fail(name.string() + ": " + std::string(reason_of(error)));
   }
 }
 

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "covis/core/failure_reason.h"
+
 namespace covis::io {
 namespace {
 
@@ -56,7 +58,7 @@ void LiveCamera::run(const std::stop_token& stop) {
     while (capture(stop) && reopen(stop)) {
     }
   } catch (const std::exception& error) {
-    failure.message.append(std::string_view(error.what()).substr(0, kLongest));
+    failure.message.append(reason_of(error).substr(0, kLongest));
     newest_.report(Trouble::failed, std::move(failure));
   }
 }

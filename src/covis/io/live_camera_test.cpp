@@ -166,7 +166,7 @@ TEST_F(LiveCameras, ThatLackMemoryEndTheRecordingAndNotTheProcess) {
   device.lack_memory();
   const auto failed = camera.next();
   ASSERT_FALSE(failed);
-  EXPECT_THAT(failed.error().message, AllOf(HasSubstr("camera 0: "), HasSubstr("bad_alloc")));
+  EXPECT_THAT(failed.error().message, AllOf(HasSubstr("camera 0: "), HasSubstr("the memory has run out")));
   EXPECT_EQ(camera.live().state, State::failed);
   const auto end = camera.next();
   EXPECT_TRUE(end && !*end);

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "covis/core/failure_reason.h"
 #include "covis/core/log.h"
 #include "covis/core/time.h"
 
@@ -22,7 +23,7 @@ void BackgroundAdjustment::start(std::unique_ptr<AdjustmentJob> job, int key_fra
       solved_ = job_->run(interrupt_);
     } catch (const std::exception& error) {  // as a lack of memory; the map does without
       solved_ = false;
-      log(LogLevel::warning, std::string("an adjustment of the map was given up: ") + error.what());
+      log(LogLevel::warning, "an adjustment of the map was given up: " + std::string(reason_of(error)));
     }
     ms_ = watch.ms();
     done_ = true;

@@ -28,10 +28,10 @@ void run_parallel(int threads, size_t count, const std::function<void(size_t)>& 
   const auto loop = [&] {
     for (size_t i = next++; i < count; i = next++) work(i);
   };
-  std::vector<std::thread> others;
+  std::vector<std::jthread> others;  // when one can't be started, the others are waited for
   for (size_t t = 1; t < std::min(static_cast<size_t>(threads), count); ++t) others.emplace_back(loop);
   loop();
-  for (std::thread& thread : others) thread.join();
+  for (std::jthread& thread : others) thread.join();
 }
 
 // A node to be split; its members are members_[begin, end).

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// Exceptions in words for people: which resource is at its end, and what limits it.
+#pragma once
+
+#include <exception>
+#include <string_view>
+
+namespace covis {
+
+// The exception's own text, except for a lack of memory (also where OpenCV reports it) or of threads. It takes no
+// memory, and is valid as long as the exception.
+std::string_view reason_of(const std::exception& error);
+
+}  // namespace covis
