@@ -7,6 +7,7 @@
 #include "api_frames.h"
 #include "covis/core/test_allocations.h"
 #include "covis/features/staged_work.h"
+#include "covis/map/slot_store.h"
 
 namespace covis {
 namespace {
@@ -61,6 +62,28 @@ TEST(Memory, TheLibraryMakesAnErrorOfIt) {
   EXPECT_THAT(error, HasSubstr("the memory has run out"));
   (*slam)->finish();
   EXPECT_TRUE((*slam)->snapshot());
+}
+
+TEST(Memory, AStoreThatHasNoneForASlotStaysAsItWas) {
+  SlotStore<MapPointId, int> store;
+  const auto insert_without = [&] {
+    has_memory_left = false;
+    memory_is_full = true;
+    bool thrown = false;
+    try {
+      store.insert(1);
+    } catch (const std::bad_alloc&) {
+      thrown = true;
+    }
+    memory_is_full = false;
+    return thrown;
+  };
+  EXPECT_TRUE(insert_without());
+  int visited = 0;
+  store.for_each([&](MapPointId, int) { ++visited; });
+  EXPECT_EQ(visited, 0);
+  EXPECT_EQ(store.size(), 0u);
+  EXPECT_EQ(store.at(store.insert(7)), 7);
 }
 
 TEST(Memory, AStageThatFailsInAnyThreadFailsForItsCaller) {

@@ -20,8 +20,9 @@ class SlotStore {
   Handle insert(T value) {
     uint32_t slot;
     if (free_.empty()) {
-      slot = slots_++;
+      slot = slots_;
       if (slot / kBlock == blocks_.size()) blocks_.push_back(std::make_unique<Block>());
+      ++slots_;  // after what can throw: each slot counted has its block
     } else {
       slot = free_.back();
       free_.pop_back();
@@ -35,10 +36,10 @@ class SlotStore {
   // False when stale.
   bool erase(Handle id) {
     if (!find(id)) return false;
+    free_.push_back(id.slot);  // first, as it can throw
     Slot& slot = at_slot(id.slot);
     slot.value.reset();
     ++slot.generation;
-    free_.push_back(id.slot);
     --size_;
     return true;
   }
