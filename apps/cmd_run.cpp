@@ -107,14 +107,14 @@ OutputOptions output_options(const RunArguments& arguments, const std::optional<
           .truth = truth ? &*truth : nullptr};
 }
 
-// Saves the map if that is requested, computes the summary, and writes the run's files. The map is first, and what
-// fails leaves the rest: what can't be written is the error, the first of several.
-// `first_own`: the serial of the first key frame of this run. `images`: where to keep key frames' images.
+// Saves the map if that is requested, then writes the summary and the run's files. Each is written whatever becomes of
+// the others; the first that can't be is the error. `first_own`: the serial of the first key frame of this run.
+// `images`: where to keep key frames' images.
 Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, const System& system,
                         io::Sequence& sequence, const storage::MapHeader& header, uint32_t first_own,
                         const std::optional<exchange::KeptImages>& images, std::optional<MapSaver>& saver) {
   enter_part("while the results are written");
-  const double peak_mb = peak_rss_mb();  // of the run, without what writing takes
+  const double peak_mb = peak_rss_mb();  // the run, without what writing takes
   const Result<void> saved = io::without_exceptions(arguments.save_map, [&] {
     return arguments.save_map.empty() ? Result<void>()
                                       : save_map(arguments.save_map, system.map_state(), header, saver);

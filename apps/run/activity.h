@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the command is doing, for the message when it ends because memory or threads run out, in whichever thread.
+// The task of the command, for the message when it ends because memory or threads run out, in whichever thread.
 #pragma once
 
 #include <cstdint>

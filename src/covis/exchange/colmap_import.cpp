@@ -28,7 +28,7 @@ constexpr size_t kMaxImagesOfPoint = 1000;
 // For each image those that share at least kCovisibilityThreshold points with it, the ones with most first. Error: the
 // points are seen by too many images, on average of all sights.
 Result<std::vector<std::vector<Partner>>> partners_of(const ColmapModel& model) {
-  std::unordered_map<int64_t, std::vector<size_t>> images;  // of each point
+  std::unordered_map<int64_t, std::vector<size_t>> images;  // by point
   size_t sights = 0, meetings = 0;
   for (size_t i = 0; i < model.images.size(); ++i) {
     for (const int64_t point : model.images[i].points) {

@@ -83,7 +83,7 @@ bool normalise(Patch& patch, float& contrast) {
   return contrast > kSide;  // a grey level by each pixel
 }
 
-// What is looked for.
+// The patch that is looked for in an image.
 struct Template {
   explicit Template(const RimmedPatch& rimmed) {
     const auto at = [&](int column, int row) { return rimmed[static_cast<size_t>((row + 1) * kRim + column + 1)]; };
@@ -168,7 +168,7 @@ Result<void> each_image(const Scene& scene, const std::filesystem::path& folder,
   return {};
 }
 
-// Of each point the keypoint of the finest level in a view with an image; nothing where there is none.
+// For each point the keypoint of the finest level in a view with an image; nothing where there is none.
 std::vector<std::optional<ScenePoint::Sight>> finest_sights(const Scene& scene) {
   std::vector<std::optional<ScenePoint::Sight>> finest(scene.points.size());
   for (size_t i = 0; i < finest.size(); ++i) {

@@ -6,7 +6,7 @@
 namespace covis::exchange {
 namespace {
 
-constexpr double kSigma = 1;  // of a keypoint against depths and for what is an outlier, pixels
+constexpr double kSigma = 1;  // a keypoint's, against depths and for what is an outlier, pixels
 
 }  // namespace
 

@@ -19,7 +19,7 @@ namespace {
 class Points {
  public:
   explicit Points(Scene& scene) : scene_(scene) {}
-  // Nothing for a point that is not among them.
+  // Empty for a point that is not among them.
   std::optional<uint32_t> find(MapPointId id) const {
     const auto at = index_.find(id);
     return at == index_.end() ? std::nullopt : std::optional(at->second);

@@ -22,7 +22,7 @@ struct OutlineFit {
   double here = 0;  // the best fit within 4 % of the image's width
   // The best fit displaced by more than 10 %, mirrored, upside down, turned round or another size by a quarter or more.
   double elsewhere = 0;
-  int outlines = 0;  // of all frames; a small number fits nowhere well
+  int outlines = 0;  // the number in all frames; a few fit nowhere well
 
   // True when depth belongs elsewhere: more than twice as good, and more than chance gives in any scene.
   bool is_displaced() const;

@@ -16,7 +16,8 @@ class RecentPoints {
   // A point made with the key frame of this serial.
   void add(MapPointId point, uint32_t serial) { recent_.push_back({point, serial}); }
   // Erases the points that tracking finds in less than a share of the views it predicts them in, and those that too few
-  // key frames observe two key frames after they were made. After three a point stays. Returns the number erased.
+  // key frames observe two key frames after they were made. After three a point stays, and so does one of another
+  // submap than the current key frame's: that says nothing of it. Returns the number erased.
   int cull(SharedMap& map, KeyFrameId current, Sensor sensor, double min_found_ratio);
   size_t size() const { return recent_.size(); }
 

@@ -44,6 +44,20 @@ TEST_F(RecentPointsTest, ThoseNotObservedAgainGoAfterTwoKeyFrames) {
   EXPECT_EQ(recent.size(), 0u);
 }
 
+// They are what the camera is found by when it comes back.
+TEST_F(RecentPointsTest, ThoseOfASubmapThatTheCameraLeftStay) {
+  const PointScene::View view = scene.view(scene.T_cw(10));
+  KeyFrameId elsewhere;
+  for (int64_t frame = 50; frame < 53; ++frame) {
+    const auto map = world.shared.write();
+    elsewhere = frame == 50 ? map->begin_submap(frame, frame, SE3(), view.features)
+                            : map->add_key_frame(frame, frame, SE3(), view.features, map->at(elsewhere).submap);
+  }
+  EXPECT_EQ(recent.cull(world.shared, elsewhere, Sensor::rgbd, 0.25), 0);
+  EXPECT_EQ(recent.size(), 0u);
+  for (const MapPointId& id : points) EXPECT_NE(world.shared.read()->find(id), nullptr);
+}
+
 TEST_F(RecentPointsTest, ThoseObservedAgainStay) {
   world.add_key_frames(3, 0);
   EXPECT_LT(cull(), static_cast<int>(points.size()) / 3);

@@ -61,7 +61,13 @@ HWY_EXPORT(NearestRow);
 
 }  // namespace
 
-DescriptorPlanes::DescriptorPlanes(const Features& features, std::span<const uint8_t> use) {
+void DescriptorPlanes::reserve(size_t features) {
+  for (auto& plane : plane_) plane.reserve(features);
+  feature_.reserve(features);
+}
+
+void DescriptorPlanes::assign(const Features& features, std::span<const uint8_t> use) {
+  feature_.clear();
   for (size_t i = 0; i < features.descriptor.size(); ++i) {
     if (use.empty() || use[i]) feature_.push_back(static_cast<int32_t>(i));
   }

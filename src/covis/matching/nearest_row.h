@@ -25,7 +25,11 @@ class DescriptorPlanes {
  public:
   static constexpr size_t kStep = 8;  // the lanes of the widest vectors: planes are padded to a multiple of it
 
-  DescriptorPlanes(const Features& features, std::span<const uint8_t> use);
+  DescriptorPlanes() = default;
+  DescriptorPlanes(const Features& features, std::span<const uint8_t> use) { assign(features, use); }
+  // Allocates only when there are more than ever before, or than was reserved.
+  void assign(const Features& features, std::span<const uint8_t> use);
+  void reserve(size_t features);
   size_t size() const { return feature_.size(); }
   size_t padded_size() const { return plane_[0].size(); }
   const uint64_t* plane(size_t k) const { return plane_[k].data(); }  // bits 64 k to 64 k + 63

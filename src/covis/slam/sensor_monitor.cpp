@@ -212,8 +212,8 @@ void SensorMonitor::add_outlines(int64_t frame, const OutlineFit& fit) {
   // One answer may be that of a few things without edges. A doubt ends with the first answer that fits.
   constexpr double kLeastFit = 5;
   if (!fit.tells_much()) {
-    last_fit_.reset();
-  } else if (const auto before = std::exchange(last_fit_, fit.here)) {
+    in_a_row_.last_fit.reset();
+  } else if (const auto before = std::exchange(in_a_row_.last_fit, fit.here)) {
     const double mean = (*before + fit.here) / 2;
     judge(SensorDoubt::outlines_fit_nowhere, mean < kLeastFit && fit.here < kLeastFit, mean, frame);
   }
@@ -251,7 +251,6 @@ void SensorMonitor::restart() {
   error_ = {};
   spread_ = {};
   in_a_row_ = {};
-  last_fit_.reset();
   wrong_ = {};
 }
 

@@ -118,14 +118,14 @@ class SensorMonitor {
   };
   Silence silence_;  // frames in a row that say nothing of it
   struct InARow {
-    int contradictions = 0;  // frames whose depth contradicts the map
-    int displaced = 0;       // answers that depth is displaced
-    int torn = 0;            // frames
+    int contradictions = 0;            // frames whose depth contradicts the map
+    int displaced = 0;                 // answers that depth is displaced
+    int torn = 0;                      // frames
+    std::optional<double> last_fit{};  // OutlineFit::here of the last answer, if that told much
   };
   InARow in_a_row_;
   DepthOutlines outlines_;
-  std::optional<double> last_fit_;  // OutlineFit::here of the last answer, if that told much
-  std::vector<double> depths_;      // work space
+  std::vector<double> depths_;  // work space
   std::array<bool, kSensorDoubts> wrong_{}, told_{};
   std::vector<SensorWarning> fresh_;
 };

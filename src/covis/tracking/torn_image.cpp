@@ -2,10 +2,11 @@
 #include "covis/tracking/torn_image.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "covis/core/reserve.h"
 #include "covis/geometry/measurement.h"
 #include "covis/matching/descriptor_match.h"
-#include "covis/matching/nearest_row.h"
 
 namespace covis {
 namespace {
@@ -27,6 +28,18 @@ size_t thin(std::vector<uint32_t>& values, size_t most) {
 
 }  // namespace
 
+TornImage::TornImage() {
+  constexpr size_t kFeatures = 1 << 12, kLocalPoints = 1 << 14;
+  missing_.reserve(kLocalPoints);
+  free_.reserve(kFeatures);
+  others_.reserve(kFeatures);
+  nearest_point_.reserve(kFeatures);
+  matches_.reserve(kMostLookedFor);
+  sightings_.reserve(kMostLookedFor);
+  rows_.reserve(kMostLookedFor);
+  most_rows_.reserve(kMostLookedFor);
+}
+
 bool DisplacedRows::shows_tear() const { return sampled >= kLeastSampled && inliers <= kMostInliers * displaced; }
 
 bool DisplacedRows::may_show_tear() const { return sampled >= kFewSampled && inliers <= 2 * kMostInliers * displaced; }
@@ -43,6 +56,7 @@ DisplacedRows TornImage::look(const LocalMap& local_map, std::span<const uint8_t
                               const Pinhole& camera) {
   matched_.mark(frame);
   missing_.clear();
+  reserve_ahead(missing_, expected.size());
   for (uint32_t k = 0; k < expected.size(); ++k) {
     if (expected[k] && !matched_.contains(local_map.points.id[k])) missing_.push_back(k);
   }
@@ -53,13 +67,14 @@ DisplacedRows TornImage::look(const LocalMap& local_map, std::span<const uint8_t
   // Rows of the largest group of points that are displaced alike.
   const Features& f = *frame.features;
   const float same = kSameWay * (f.grid.bounds.max_x - f.grid.bounds.min_x);
-  std::vector<float> rows;
+  std::vector<float>& rows = most_rows_;
+  rows.clear();
   for (const Sighting& middle : sightings_) {
     rows_.clear();
     for (const Sighting& s : sightings_) {
       if ((s.way - middle.way).norm() < same) rows_.push_back(s.row);
     }
-    if (rows_.size() > rows.size()) rows = rows_;
+    if (rows_.size() > rows.size()) std::swap(rows, rows_);
   }
   DisplacedRows found{static_cast<int>(rows.size()), static_cast<int>(rows.size() * every), 0};
   if (found.sampled < kFewSampled) return found;
@@ -73,27 +88,25 @@ DisplacedRows TornImage::look(const LocalMap& local_map, std::span<const uint8_t
 
 // Matches the missing points with the features that have none, wherever these are.
 void TornImage::find_sightings(const LocalMap& local_map, const TrackedFrame& frame, const Pinhole& camera) {
-  struct Match {
-    uint32_t point = 0, position = 0;
-  };
   const Features& f = *frame.features;
-  std::vector<uint8_t> free(frame.source.size());
-  for (size_t i = 0; i < free.size(); ++i) free[i] = !frame.on_map(i);
-  const DescriptorPlanes to(f, free);
-  AlignedVector<uint64_t> column(to.padded_size(), kFarthest);  // for each feature the nearest point
-  std::vector<Match> matches;
+  reserve_ahead(free_, frame.source.size());
+  free_.resize(frame.source.size());
+  for (size_t i = 0; i < free_.size(); ++i) free_[i] = !frame.on_map(i);
+  others_.assign(f, free_);
+  nearest_point_.assign(others_.padded_size(), kFarthest);
+  matches_.clear();
   for (const uint32_t k : missing_) {
-    const NearestTwo nearest = nearest_row(local_map.points.descriptor[k], k, to, column.data());
+    const NearestTwo nearest = nearest_row(local_map.points.descriptor[k], k, others_, nearest_point_.data());
     const int best = near_distance(nearest.best), second = near_distance(nearest.second);
     if (best <= kForRansac.max_distance && static_cast<float>(best) < kForRansac.ratio * static_cast<float>(second))
-      matches.push_back({k, near_index(nearest.best)});
+      matches_.push_back({k, near_index(nearest.best)});
   }
   const float least = kLeastWay * (f.grid.bounds.max_x - f.grid.bounds.min_x);
   sightings_.clear();
-  for (const Match& m : matches) {
-    if (near_index(column[m.position]) != m.point) continue;
+  for (const Match& m : matches_) {
+    if (near_index(nearest_point_[m.position]) != m.point) continue;
     const PredictedMeasurement h = predict_measurement(frame.T_cw * local_map.points.position(m.point), camera);
-    const auto i = static_cast<size_t>(to.feature(m.position));
+    const auto i = static_cast<size_t>(others_.feature(m.position));
     const Eigen::Vector2f way(f.x[i] - static_cast<float>(h.u), f.y[i] - static_cast<float>(h.v));
     if (way.norm() > least) sightings_.push_back({way, f.y[i]});
   }

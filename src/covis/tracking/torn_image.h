@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "covis/core/time.h"
+#include "covis/matching/nearest_row.h"
 #include "covis/tracking/local_map.h"
 #include "covis/tracking/tracked_frame.h"
 
@@ -25,9 +26,10 @@ struct DisplacedRows {
   bool may_show_tear() const;  // after a frame that did, of which fewer points may be in view
 };
 
-// Keeps its work space between frames; looking for points allocates.
+// Keeps its work space between frames: it allocates nothing in a steady state.
 class TornImage {
  public:
+  TornImage();
   // True when a frame with fewer matches than usual is torn, or may be, as one was just before. `expected`: a flag for
   // each point of the local map that the frame should show.
   bool judge(const LocalMap& local_map, std::span<const uint8_t> expected, const TrackedFrame& frame,
@@ -46,15 +48,22 @@ class TornImage {
     Eigen::Vector2f way;  // pixels
     float row = 0;
   };
+  struct Match {
+    uint32_t point = 0, position = 0;  // in the local map; in others_
+  };
   void find_sightings(const LocalMap& local_map, const TrackedFrame& frame, const Pinhole& camera);
 
   static constexpr double kGap = 0.2;  // seconds; a torn frame may show too little of the map to tell
   bool torn_lately(Timestamp now, double seconds) const { return torn_at_ && now - *torn_at_ < from_seconds(seconds); }
   std::optional<Timestamp> torn_at_;
   MatchedPoints matched_;
-  std::vector<uint32_t> missing_;  // points of the local map
+  std::vector<uint32_t> missing_;          // points of the local map
+  std::vector<uint8_t> free_;              // by feature: 1 without a point
+  DescriptorPlanes others_;                // descriptors of those features
+  AlignedVector<uint64_t> nearest_point_;  // for each of them
+  std::vector<Match> matches_;
   std::vector<Sighting> sightings_;
-  std::vector<float> rows_;
+  std::vector<float> rows_, most_rows_;
 };
 
 }  // namespace covis
