@@ -114,9 +114,9 @@ std::string describe(const SensorWarning& warning, Sensor sensor) {
           warning.figure);
     case SensorDoubt::images_torn:
       return text(
-          "some rows of the images show known things far from where the others have them (%.0f frames in a row): does "
+          "some rows of %.0f images in a row show known things far from where the other rows have them: does a cable, "
           "a "
-          "cable, a buffer or a driver lose data? Nothing is mapped from such frames",
+          "buffer or a driver lose data? Nothing is mapped from such frames",
           warning.figure);
   }
   return {};
@@ -211,9 +211,14 @@ void SensorMonitor::add_outlines(int64_t frame, const OutlineFit& fit) {
   judge(SensorDoubt::depth_displaced, displaced >= kInARow, fit.ratio(), frame);
   // One answer may be that of a few things without edges. A doubt ends with the first answer that fits.
   constexpr double kLeastFit = 5;
+  constexpr int kSilent = 3;  // answers that tell little, after which a doubt ends
   if (!fit.tells_much()) {
     in_a_row_.last_fit.reset();
-  } else if (const auto before = std::exchange(in_a_row_.last_fit, fit.here)) {
+    if (++silence_.outlines >= kSilent) wrong_[static_cast<size_t>(SensorDoubt::outlines_fit_nowhere)] = false;
+    return;
+  }
+  silence_.outlines = 0;
+  if (const auto before = std::exchange(in_a_row_.last_fit, fit.here)) {
     const double mean = (*before + fit.here) / 2;
     judge(SensorDoubt::outlines_fit_nowhere, mean < kLeastFit && fit.here < kLeastFit, mean, frame);
   }

@@ -114,14 +114,14 @@ class SensorMonitor {
   DepthFigures depth_figures_;
   Window<kComparisons> error_, spread_;
   struct Silence {
-    size_t share = 0, depths = 0;
+    size_t share = 0, depths = 0, outlines = 0;
   };
   Silence silence_;  // frames in a row that say nothing of it
   struct InARow {
     int contradictions = 0;            // frames whose depth contradicts the map
     int displaced = 0;                 // answers that depth is displaced
     int torn = 0;                      // frames
-    std::optional<double> last_fit{};  // OutlineFit::here of the last answer, if that told much
+    std::optional<double> last_fit{};  // OutlineFit::here of the last answer, if it tells much
   };
   InARow in_a_row_;
   DepthOutlines outlines_;

@@ -242,6 +242,10 @@ TEST(SensorMonitor, OutlinesThatFitNowhereAreDoubtedUntilTheyFit) {
   EXPECT_THAT(describe(warnings[0], Sensor::rgbd), HasSubstr("3.0 standard deviations"));
   monitor.add_outlines(60, good);
   EXPECT_FALSE(monitor.doubts());
+  for (const OutlineFit& fit : {nowhere, nowhere, few, few}) monitor.add_outlines(80, fit);
+  EXPECT_TRUE(monitor.doubts());
+  monitor.add_outlines(160, few);
+  EXPECT_FALSE(monitor.doubts()) << "no outlines are left that could end it";
 }
 
 TEST(SensorMonitor, TornImagesAreToldAfterTwoInARow) {
@@ -254,7 +258,7 @@ TEST(SensorMonitor, TornImagesAreToldAfterTwoInARow) {
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0].doubt, SensorDoubt::images_torn);
   EXPECT_EQ(warnings[0].frame, 3);
-  EXPECT_THAT(describe(warnings[0], Sensor::monocular), HasSubstr("2 frames in a row"));
+  EXPECT_THAT(describe(warnings[0], Sensor::monocular), HasSubstr("2 images in a row"));
   EXPECT_FALSE(monitor.doubts()) << "tracking itself calls these poses tentative";
 }
 

@@ -42,6 +42,7 @@ MapStarter::Offer MapStarter::offer_with_depth(const TrackedFrame& frame) const 
 void MapStarter::begun() {
   beginning_ = false;
   lost_since_.reset();
+  untried_ = false;
   lost_frames_ = 0;
 }
 
@@ -49,7 +50,9 @@ void MapStarter::accept(Place place) {
   if (lost_frames_ > 0) initializer_.reset();  // the next submap has a first view of its own
   lost_frames_ = 0;
   beginning_ = false;
-  if (place == Place::settled) lost_since_.reset();
+  if (place == Place::tentative) return;
+  lost_since_.reset();
+  untried_ = false;
 }
 
 MapStarter::Loss MapStarter::lose(Timestamp stamp, KeyFrameId reference, const SharedMap* live) {
@@ -93,6 +96,8 @@ std::optional<uint32_t> MapStarter::young_submap(const Map& map, KeyFrameId refe
 }
 
 bool MapStarter::new_map_due(Timestamp stamp) const {
+  constexpr int kTries = 3;  // frames: the first one after a pause may be blurred
+  if (untried_ && lost_frames_ < kTries) return false;
   return may_begin_beside() && stamp - *lost_since_ >= from_seconds(settings_.options.new_map_after);
 }
 

@@ -50,9 +50,12 @@ class MapStarter {
   };
   // `reference`: the last key frame the camera was at; `live`: null while the map may not be read.
   Loss lose(Timestamp stamp, KeyFrameId reference, const SharedMap* live);
-  // A camera that is lost now has been lost since this moment.
+  // A camera that is lost now has been lost since this moment, when no frame came any more, or it came to a place that
+  // proves wrong.
   void lost_since(Timestamp stamp) {
-    if (!lost_since_) lost_since_ = stamp;
+    if (lost_since_) return;
+    lost_since_ = stamp;
+    untried_ = true;
   }
   // True when a submap may be begun beside others.
   bool may_begin_beside() const { return settings_.begins_new_maps && settings_.options.new_map_after > 0; }
@@ -81,6 +84,7 @@ class MapStarter {
   bool beginning_ = false;
   int lost_frames_ = 0;
   std::optional<Timestamp> lost_since_;
+  bool untried_ = false;       // it was not looked for since then
   uint32_t kept_submaps_ = 0;  // submaps with lower ids were put in place
 };
 

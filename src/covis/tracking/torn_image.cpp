@@ -48,8 +48,11 @@ bool TornImage::judge(const LocalMap& local_map, std::span<const uint8_t> expect
                       const Pinhole& camera) {
   const bool torn_just_now = torn_lately(frame.stamp, kGap);
   const DisplacedRows found = look(local_map, expected, frame, camera);
-  if (found.shows_tear() || (torn_just_now && found.may_show_tear())) torn_at_ = frame.stamp;
-  return torn_lately(frame.stamp, kGap);
+  if (found.shows_tear() || (torn_just_now && found.may_show_tear())) {
+    torn_at_ = frame.stamp;
+    if (!torn_since_) torn_since_ = frame.stamp;
+  }
+  return is_believed(frame.stamp) && torn_lately(frame.stamp, kGap);
 }
 
 DisplacedRows TornImage::look(const LocalMap& local_map, std::span<const uint8_t> expected, const TrackedFrame& frame,

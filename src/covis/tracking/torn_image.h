@@ -30,14 +30,18 @@ struct DisplacedRows {
 class TornImage {
  public:
   TornImage();
-  // True when a frame with fewer matches than usual is torn, or may be, as one was just before. `expected`: a flag for
-  // each point of the local map that the frame should show.
+  // True when a frame with fewer matches than usual is torn, or may be, as one was just before. Not for longer than
+  // three seconds, or until a whole frame came: it may be a large thing that was moved. `expected`: a flag for each
+  // point of the local map that the frame should show.
   bool judge(const LocalMap& local_map, std::span<const uint8_t> expected, const TrackedFrame& frame,
              const Pinhole& camera);
   // A frame had as many matches as usual.
-  void whole() { torn_at_.reset(); }
+  void whole() {
+    torn_at_.reset();
+    torn_since_.reset();
+  }
   // True for a second after a torn frame, or until a whole one: no map is to begin with what may be torn too.
-  bool may_go_on(Timestamp now) const { return torn_lately(now, 1.0); }
+  bool may_go_on(Timestamp now) const { return is_believed(now) && torn_lately(now, 1.0); }
 
   DisplacedRows look(const LocalMap& local_map, std::span<const uint8_t> expected, const TrackedFrame& frame,
                      const Pinhole& camera);
@@ -53,9 +57,11 @@ class TornImage {
   };
   void find_sightings(const LocalMap& local_map, const TrackedFrame& frame, const Pinhole& camera);
 
-  static constexpr double kGap = 0.2;  // seconds; a torn frame may show too little of the map to tell
+  static constexpr double kGap = 0.2;       // seconds; a torn frame may show too little of the map to tell
+  static constexpr double kBelieved = 3.0;  // seconds
+  bool is_believed(Timestamp now) const { return !torn_since_ || now - *torn_since_ < from_seconds(kBelieved); }
   bool torn_lately(Timestamp now, double seconds) const { return torn_at_ && now - *torn_at_ < from_seconds(seconds); }
-  std::optional<Timestamp> torn_at_;
+  std::optional<Timestamp> torn_at_, torn_since_;
   MatchedPoints matched_;
   std::vector<uint32_t> missing_;          // points of the local map
   std::vector<uint8_t> free_;              // by feature: 1 without a point

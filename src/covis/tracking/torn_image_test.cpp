@@ -105,6 +105,15 @@ TEST_F(TornImageTest, AfterATornFrameFewPointsAreEnough) {
   for (int i = 2; i < 10; ++i) EXPECT_TRUE(judge(torn(150, i * kStep))) << i;
 }
 
+TEST_F(TornImageTest, ItIsBelievedForThreeSeconds) {
+  int torn_frames = 0;
+  for (int i = 0; i < 100; ++i) torn_frames += judge(torn(150, i * kStep));
+  EXPECT_NEAR(static_cast<double>(torn_frames * kStep), 3e9, 2.0 * kStep)
+      << "a thing that was moved may fill these rows";
+  image.whole();
+  EXPECT_TRUE(judge(torn(150, 100 * kStep)));
+}
+
 TEST_F(TornImageTest, ItGoesOnForAMomentAndEndsWithAWholeFrame) {
   EXPECT_TRUE(judge(torn(150, 0)));
   EXPECT_TRUE(judge(torn(0, kStep))) << "the next one may show too little to tell";

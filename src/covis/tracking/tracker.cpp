@@ -59,7 +59,8 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
     outcome.retract_from = search_.place.take_retraction();
     if (found) {
       result.doubts.depth_contradiction = depth_.judge(current_, search_.camera);
-      if (depth_.blames_map(stamp) && starter_.may_begin_beside() && settings_.mode == TrackingMode::mapping)
+      if (depth_.blames_map(stamp) && !result.doubts.torn && starter_.may_begin_beside() &&
+          settings_.mode == TrackingMode::mapping)
         begin_submap(outcome);
     }
     if (found && result.method != TrackMethod::initialised) {
@@ -163,6 +164,7 @@ bool Tracker::dead_reckon(TrackResult& result) {
 
 bool Tracker::relocalise(TrackResult& result, const SharedMap* live) {
   const Stopwatch watch;
+  result.doubts.torn = false;  // it was judged at a pose that was refused
   const bool found = relocaliser_.find(current_, search_, live, last_.pose.key_frame, result);
   result.ms.motion += watch.ms();
   if (found) {
@@ -218,9 +220,9 @@ void Tracker::lose(Outcome& outcome, const SharedMap* live) {
   backlog_.lost();
   // In localisation only no submap is begun or given up.
   if (settings_.mode == TrackingMode::localisation) return;
+  if (search_.torn.may_go_on(current_.stamp)) return starter_.lost_since(current_.stamp);
   const MapStarter::Loss loss = starter_.lose(current_.stamp, last_.pose.key_frame, live);
   using Step = MapStarter::Step;
-  if (search_.torn.may_go_on(current_.stamp) && loss.step != Step::give_up_submap) return;
   if (loss.step == Step::begin_submap || loss.step == Step::replace_submap) begin_submap(outcome);
   const bool replaced = loss.step == Step::replace_submap && state_ == TrackingState::tracking;
   if (loss.step != Step::give_up_submap && !replaced) return;
