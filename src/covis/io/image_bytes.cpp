@@ -92,12 +92,19 @@ std::optional<std::string> problem_of_png(std::string_view bytes, const Expected
   return too_short(bytes);
 }
 
-// A progressive JPEG of three colours usually has ten scans; each is decoded over the whole image.
-bool has_too_many_scans(std::string_view data) {
+// A progressive JPEG of three colours usually has ten scans; each is decoded over the whole image. What is behind the
+// end mark may be anything, such as raw data or a video.
+bool has_too_many_scans(std::string_view bytes, size_t at) {
   constexpr int kMostScans = 100;
+  const Numbers number(bytes);
   int scans = 0;
-  for (size_t at = 0; scans <= kMostScans && (at = data.find("\xff\xda", at)) != std::string_view::npos; at += 2)
-    ++scans;
+  while (scans <= kMostScans && (at = bytes.find('\xff', at)) != std::string_view::npos) {
+    const uint32_t marker = number(at + 1, 1);
+    if (marker == 0xd9) break;
+    scans += marker == 0xda;
+    const bool alone = marker < 0xc0 || (marker >= 0xd0 && marker <= 0xd8);  // it has no length, or the decoder stops
+    at += marker == 0xff ? 1 : alone ? 2 : 2 + number(at + 2, 2);
+  }
   return scans > kMostScans;
 }
 
@@ -123,7 +130,7 @@ std::optional<std::string> problem_of_jpeg(std::string_view bytes, const Expecte
   const size_t end = bytes.rfind("\xff\xd9");
   if (end == std::string_view::npos || end < at) return too_short(bytes);
   if (size) return size;
-  if (has_too_many_scans(bytes.substr(at))) return "the image is given in more scans than any real JPEG has";
+  if (has_too_many_scans(bytes, at)) return "the image is given in more scans than any real JPEG has";
   if (!jpeg_scan_is_whole(bytes) || !progressive_jpeg_is_whole(bytes))
     return "the compressed data of the image is damaged or cut short";
   return std::nullopt;

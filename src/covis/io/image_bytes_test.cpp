@@ -94,12 +94,24 @@ TEST(ImageBytes, TheFirstOfTwoSizesOfATiffCounts) {
   EXPECT_NE(problem(with(tiff, height, std::string(1, '\0'))), "") << "two widths and no height";
 }
 
-TEST(ImageBytes, AJpegOfAbsurdlyManyScansIsRefused) {
+std::string progressive_jpeg() {
   std::vector<uint8_t> bytes;
   cv::imencode(".jpg", cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(100)), bytes,
                {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
-  std::string jpeg(bytes.begin(), bytes.end());
-  EXPECT_EQ(problem(jpeg), "");
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(ImageBytes, WhatIsBehindAJpegIsNoScanOfIt) {
+  std::string behind;
+  for (int i = 0; i < 200; ++i) behind += "raw \xff\xda ";
+  for (const std::string& jpeg : {flat(".jpg"), progressive_jpeg()}) {
+    EXPECT_EQ(problem(jpeg + behind), "");
+    EXPECT_EQ(problem(jpeg + behind + "\xff\xd9"), "");
+  }
+}
+
+TEST(ImageBytes, AJpegOfAbsurdlyManyScansIsRefused) {
+  std::string jpeg = progressive_jpeg();
   const size_t last = jpeg.rfind("\xff\xda");
   const std::string scan = jpeg.substr(last, jpeg.size() - 2 - last);
   for (int i = 0; i < 100; ++i) jpeg.insert(last, scan);
