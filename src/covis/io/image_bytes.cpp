@@ -114,6 +114,7 @@ std::optional<std::string> problem_of_jpeg(std::string_view bytes, const Expecte
   const Numbers number(bytes);
   if (bytes.size() > 2 && number(2, 1) != 0xff) return "the header of the image file is damaged";
   std::optional<std::string> size = "the image file has no size in its header";
+  int frames = 0;
   size_t at = 2;
   while (at + 4 <= bytes.size()) {
     const uint32_t marker = number(at + 1, 1);
@@ -124,6 +125,7 @@ std::optional<std::string> problem_of_jpeg(std::string_view bytes, const Expecte
     if (marker == 0xda) break;
     const bool alone = marker == 0x01 || (marker >= 0xd0 && marker <= 0xd7);  // it has no length
     const bool frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+    if (frame && ++frames > 1) return "the header of the image file gives its size twice; a JPEG has one";
     if (frame) size = problem_of_size(number(at + 7, 2), number(at + 5, 2), expected);
     at += alone ? 2 : 2 + number(at + 2, 2);
   }

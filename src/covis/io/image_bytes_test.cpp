@@ -110,6 +110,16 @@ TEST(ImageBytes, WhatIsBehindAJpegIsNoScanOfIt) {
   }
 }
 
+TEST(ImageBytes, AJpegHasOneSize) {
+  for (const std::string& jpeg : {flat(".jpg"), progressive_jpeg()}) {
+    const size_t frame = std::min(jpeg.find("\xff\xc0"), jpeg.find("\xff\xc2"));
+    ASSERT_NE(frame, std::string::npos);
+    const std::string large = with(jpeg.substr(frame, 19), 5, "\x20\x20\x20\x20");
+    EXPECT_THAT(problem(std::string(jpeg).insert(frame, large)), HasSubstr("its size twice"));
+    EXPECT_THAT(problem(std::string(jpeg).insert(frame, jpeg.substr(frame, 19))), HasSubstr("its size twice"));
+  }
+}
+
 TEST(ImageBytes, AJpegOfAbsurdlyManyScansIsRefused) {
   std::string jpeg = progressive_jpeg();
   const size_t last = jpeg.rfind("\xff\xda");
