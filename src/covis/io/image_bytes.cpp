@@ -190,13 +190,18 @@ std::optional<std::string> problem_of_pieces(std::string_view bytes, const Numbe
   const uint64_t width = tiled ? tiff.tile_width : tiff.width,
                  height = std::max(1u, tiled ? tiff.tile_height : std::min(tiff.strip_height, tiff.height)),
                  row = (width * tiff.bits * (tiff.planes == 2 ? 1 : tiff.samples) + 7) / 8,
-                 in_plane = (tiff.height + height - 1) / height;
+                 in_plane = (tiff.height + height - 1) / height * (tiled ? (tiff.width + width - 1) / width : 1),
+                 pieces = std::min<uint64_t>(in_plane * (tiff.planes == 2 ? tiff.samples : 1), bytes.size());
   constexpr uint32_t kYCbCr = 6;  // some of its rows are left out
   const bool looked_at = tiff.colours != kYCbCr && tiff.fill == 1;
-  for (size_t k = 0; k < std::min(places.count, lengths.count); ++k) {
+  uint64_t all = 0;  // bytes of the pieces, which may share some by mistake or malice
+  // The decoder asks for no more pieces than the image has; a list of a type without a size may name any number.
+  for (size_t k = 0; k < std::min({places.count, lengths.count, pieces}); ++k) {
     const uint64_t place = number(places.at + k * places.size, places.size),
                    length = number(lengths.at + k * lengths.size, lengths.size);
     if (place + length > bytes.size()) return too_short(bytes);
+    all += length;
+    if (all > bytes.size()) return "its strips or tiles overlap: together they are longer than the file";
     const uint64_t rows = tiled ? height : std::min(height, tiff.height - k % in_plane * height);
     if (looked_at && !tiff_piece_is_whole(tiff.compression, bytes.substr(place, length), row * rows))
       return "the compressed data of the image is damaged or cut short";

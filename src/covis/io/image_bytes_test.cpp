@@ -182,6 +182,33 @@ TEST(ImageBytes, ThePartOfATiffThatIsDamagedIsReported) {
   EXPECT_GE(zeroed, all * 9 / 10) << "of " << all;
 }
 
+// A TIFF of 4x2 pixels whose strips are rows.
+std::string tiff_of(const std::vector<uint32_t>& places, const std::vector<uint32_t>& lengths) {
+  const auto number = [](size_t value, int bytes) {
+    std::string text;
+    for (int k = 0; k < bytes; ++k) text += static_cast<char>(value >> 8 * k);
+    return text;
+  };
+  constexpr size_t kEntries = 7, kLists = 16 + 2 + 12 * kEntries + 4;
+  const auto entry = [&](int tag, size_t count, size_t value) {
+    return number(static_cast<size_t>(tag), 2) + number(4, 2) + number(count, 4) + number(value, 4);
+  };
+  std::string tiff = std::string("II*\0\x10\0\0\0", 8) + "pixels.." + number(kEntries, 2) + entry(256, 1, 4) +
+                     entry(257, 1, 2) + entry(258, 1, 8) + entry(259, 1, 1) + entry(273, places.size(), kLists) +
+                     entry(278, 1, 1) + entry(279, lengths.size(), kLists + 4 * places.size()) + number(0, 4);
+  for (const std::vector<uint32_t>& list : {places, lengths}) {
+    for (const uint32_t value : list) tiff += number(value, 4);
+  }
+  return tiff;
+}
+
+TEST(ImageBytes, TheStripsOfATiffThatTheImageHasAreLookedAt) {
+  EXPECT_EQ(problem(tiff_of({8, 12}, {4, 4})), "");
+  EXPECT_EQ(problem(tiff_of({8, 12, 1'000'000}, {4, 4, 4})), "") << "it has two rows";
+  EXPECT_THAT(problem(tiff_of({8, 1'000'000}, {4, 4})), HasSubstr("cut short"));
+  EXPECT_THAT(problem(tiff_of({8, 8}, {100, 100})), HasSubstr("strips or tiles overlap"));
+}
+
 class ImageFiles : public RecordingTest {};
 
 TEST_F(ImageFiles, TheTextsOfAPngAreNotUnpacked) {
