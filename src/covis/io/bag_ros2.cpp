@@ -7,6 +7,7 @@
 #include <cctype>
 #include <map>
 #include <mutex>
+#include <utility>
 
 #include "covis/io/bag.h"
 #include "covis/io/files.h"
@@ -35,11 +36,11 @@ std::string text_at(sqlite3_stmt* row, int column) {
   return text ? std::string(text, static_cast<size_t>(sqlite3_column_bytes(row, column))) : std::string();
 }
 
-// For SQLite, which would take '?', '#' and '%' of a name for more than that.
+// For SQLite, which would take '?', '#' and '%' of a name for more than that. file: an absolute path.
 std::string immutable_uri(const std::filesystem::path& file) {
   constexpr const char* kDigits = "0123456789abcdef";
   std::string uri = "file://";
-  for (const char c : std::filesystem::absolute(file).string()) {
+  for (const char c : file.string()) {
     const auto byte = static_cast<unsigned char>(c);
     if (std::isalnum(byte) || c == '/') {
       uri += c;
@@ -56,12 +57,15 @@ class BagFile {
   explicit BagFile(std::filesystem::path file) : file_(std::move(file)) {}
 
   Result<void> open() {
-    if (auto written = is_written(); !written) return written;
+    std::error_code error;
+    const std::filesystem::path real = std::filesystem::canonical(file_, error);  // a recorder's files are beside it
+    if (error) return fail(file_.string() + ": " + error.message());
+    if (auto written = is_written(real); !written) return written;
     size_ = static_cast<int64_t>(std::filesystem::file_size(file_));
     sqlite3* opened = nullptr;
     // Immutable: no file beside the bag is read or made.
     const int code =
-        sqlite3_open_v2(immutable_uri(file_).c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
+        sqlite3_open_v2(immutable_uri(real).c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
     database_.reset(opened);
     if (code != SQLITE_OK) return damaged(message());
     // SQLite advises this for files of strangers; nothing but rows of tables is wanted of it.
@@ -105,17 +109,21 @@ class BagFile {
   const std::filesystem::path& file() const { return file_; }
 
  private:
-  // Error: a recorder that did not end well left changes beside the file that SQLite has not put into it.
-  Result<void> is_written() const {
-    for (const char* suffix : {"-wal", "-journal"}) {
-      const std::filesystem::path beside = file_.string() + suffix;
+  // Error: a recorder that did not end well left changes beside the file, to put into it or to undo.
+  static Result<void> is_written(const std::filesystem::path& real) {
+    const std::string sqlite = "`sqlite3 '" + real.string() + "' ";
+    const std::pair<const char*, std::string> files[] = {
+        {"-wal",
+         "it holds changes that are not in the bag yet; " + sqlite + "'PRAGMA journal_mode=DELETE'` puts them there"},
+        {"-journal", "an unfinished change of the bag must be undone first; " + sqlite + ".tables` does that"}};
+    for (const auto& [suffix, problem] : files) {
+      const std::filesystem::path beside = real.string() + suffix;
       std::error_code none;
       if (!std::filesystem::exists(beside, none)) continue;
       const auto head = read_head(beside, 1);
       if (!head) return tl::unexpected(head.error());
       if (head->empty() || head->front() == '\0') continue;  // nothing in it counts
-      return fail(beside.string() + ": it holds changes that are not in the bag yet; `sqlite3 " +
-                  file_.filename().string() + " 'PRAGMA journal_mode=DELETE'` puts them there");
+      return fail(beside.string() + ": " + problem);
     }
     return {};
   }

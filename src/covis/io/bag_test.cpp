@@ -129,10 +129,24 @@ TEST_F(BagFolder, FilesBesideABagAreNeitherReadNorMade) {
   EXPECT_TRUE((*opened)->read((*opened)->topics()[1].messages[0], bytes));
   EXPECT_EQ(files(), before);
   write("bag_1.db3-wal", "\x37\x7f\x06\x82");
-  EXPECT_THAT(bag_error(), AllOf(HasSubstr("bag_1.db3-wal: it holds changes"), HasSubstr("sqlite3 bag_1.db3 'PRAGMA")));
+  EXPECT_THAT(bag_error(), AllOf(HasSubstr("bag_1.db3-wal: it holds changes"),
+                                 HasSubstr("sqlite3 '" + (folder / "bag_1.db3").string() + "' 'PRAGMA")));
   fs::remove(folder / "bag_1.db3-wal");
   ASSERT_EQ(mkfifo((folder / "bag_0.db3-journal").c_str(), 0600), 0);
   EXPECT_THAT(bag_error(), HasSubstr("bag_0.db3-journal: it is a pipe or a device"));
+}
+
+TEST_F(BagFolder, WhatIsBesideALinkedBagCounts) {
+  fs::create_directory(folder / "links");
+  const fs::path link = folder / "links" / "linked.db3";
+  fs::create_symlink("../bag_1.db3", link);
+  ASSERT_TRUE(open_bag(link));
+  write("bag_1.db3-journal", "\xd9\xd5");
+  const auto opened = open_bag(link);
+  ASSERT_FALSE(opened);
+  EXPECT_THAT(opened.error().message,
+              AllOf(HasSubstr("bag_1.db3-journal: an unfinished change of the bag must be undone first"),
+                    HasSubstr("sqlite3 '" + fs::canonical(folder / "bag_1.db3").string() + "' .tables")));
 }
 
 // Makes the inner page of a table's tree lead to a copy of itself by each of its cells, and that to another one, so
