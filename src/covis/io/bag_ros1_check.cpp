@@ -110,12 +110,18 @@ std::vector<uint32_t> places_of_messages(std::string_view chunk) {
   return places;
 }
 
-std::optional<BagChunk> chunk_of(const BagRecord& record) {
+Result<BagChunk> chunk_of(const BagRecord& record) {
+  constexpr uint32_t kMegabyte = 1'000'000;
   const auto size = record.number<uint32_t>("size");
   const bool compressed = record.field("compression") != "none";
-  if (!size || *size > (compressed ? kLargestCompressed : kLargestChunk)) return std::nullopt;
+  if (!size || *size > kLargestChunk || (!compressed && record.data.size() != *size))
+    return fail("a chunk of messages is damaged");
+  if (compressed && *size > kLargestCompressed) {
+    return fail("a compressed chunk of messages announces " + std::to_string((*size + kMegabyte - 1) / kMegabyte) +
+                " MB, and " + std::to_string(kLargestCompressed / kMegabyte) +
+                " can be read; `rosbag decompress` makes a bag that can be read. That chunk is");
+  }
   if (compressed) return BagChunk{true, *size, {}};
-  if (record.data.size() != *size) return std::nullopt;
   return BagChunk{false, *size, places_of_messages(record.data)};
 }
 
@@ -154,8 +160,9 @@ Result<void> check_ros1_records(std::string_view bytes) {
                      record->number<uint32_t>("chunk_count").value_or(0)};
         break;
       case kChunk: {
-        latest = chunk_of(*record);
-        if (!latest) return damaged("a chunk of messages is damaged");
+        auto chunk = chunk_of(*record);
+        if (!chunk) return damaged(chunk.error().message);
+        latest = std::move(*chunk);
         chunks.insert(at);
         break;
       }
