@@ -2,7 +2,6 @@
 #include "covis/io/output_check.h"
 
 #include <algorithm>
-#include <fstream>
 #include <string_view>
 #include <system_error>
 
@@ -18,14 +17,6 @@ constexpr std::string_view kPng = "\x89PNG\r\n\x1a\n";
 constexpr size_t kPngHeader = 33;  // bytes of the signature and of the first chunk
 // A chunk of text (the PNG specification, section 11.3.3.2): length, type, keyword, text, checksum.
 constexpr std::string_view kMark = "\0\0\0\x0etEXtSoftware\0Covis\xf9\x0b\x3b\xc4"sv;
-
-std::string first_bytes(const fs::path& file) {
-  std::string bytes(2000, '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  bytes.resize(static_cast<size_t>(stream.gcount()));
-  return bytes;
-}
 
 // Nine decimals each: of TUM's format eight numbers, of KITTI's twelve with an exponent.
 bool is_pose(std::string_view line) {
@@ -113,10 +104,13 @@ bool same_file(const fs::path& a, const fs::path& b) {
 
 }  // namespace
 
-bool may_replace(const fs::path& file, OutputKind kind) {
+Result<bool> may_replace(const fs::path& file, OutputKind kind) {
+  constexpr size_t kFirst = 2000;  // bytes
   std::error_code none;
   if (!fs::is_regular_file(file, none) || fs::file_size(file, none) == 0) return true;
-  return is_of(kind, first_bytes(file));
+  const auto head = read_head(file, kFirst);
+  if (!head) return tl::unexpected(head.error());
+  return is_of(kind, *head);
 }
 
 Result<void> check_other_file(const fs::path& out, const std::vector<fs::path>& inputs) {
@@ -130,7 +124,9 @@ Result<void> check_other_file(const fs::path& out, const std::vector<fs::path>& 
 
 Result<void> check_output(const fs::path& out, OutputKind kind, const std::vector<fs::path>& inputs) {
   if (auto other = check_other_file(out, inputs); !other) return other;
-  if (may_replace(out, kind)) return {};
+  const auto replaceable = may_replace(out, kind);
+  if (!replaceable) return tl::unexpected(replaceable.error());
+  if (*replaceable) return {};
   return fail(out.string() + ": it is there and is not " + name(kind) +
               ", so that it is not replaced; remove it or choose another name");
 }

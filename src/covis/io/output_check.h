@@ -30,8 +30,8 @@ enum class OutputKind {
 };
 
 // True where nothing of another kind is lost: a file of that kind, an empty one, none. Also where it is no regular
-// file, which writing refuses or writes into.
-bool may_replace(const std::filesystem::path& file, OutputKind kind);
+// file, which writing refuses or writes into. Error: the file can't be read.
+Result<bool> may_replace(const std::filesystem::path& file, OutputKind kind);
 
 // Refuses an output that is one of the files that it is made from, under whichever name. Inputs may be empty names.
 Result<void> check_other_file(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs);

@@ -2,6 +2,7 @@
 #include "covis/io/output_check.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <opencv2/core.hpp>
 
@@ -26,7 +27,7 @@ class OutputCheck : public testing::Test {
     write_file(file, bytes);
     std::vector<OutputKind> kinds;
     for (int k = 0; k <= static_cast<int>(OutputKind::json); ++k) {
-      if (may_replace(file, static_cast<OutputKind>(k))) kinds.push_back(static_cast<OutputKind>(k));
+      if (*may_replace(file, static_cast<OutputKind>(k))) kinds.push_back(static_cast<OutputKind>(k));
     }
     return kinds;
   }
@@ -54,6 +55,14 @@ TEST_F(OutputCheck, FilesOfOthersAreNotReplaced) {
   EXPECT_EQ(replaced_by("# my notes"), Kinds{});
   EXPECT_EQ(replaced_by("# Camera list with one line of data per camera:\n"), Kinds{});
   EXPECT_EQ(replaced_by("COVISMAP"), Kinds{});
+}
+
+TEST_F(OutputCheck, AFileThatCantBeReadIsNamed) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may read anything";
+  write_file(file, "ply\n");
+  fs::permissions(file, fs::perms::none);
+  EXPECT_THAT(check_output(file, OutputKind::point_cloud).error().message,
+              AllOf(HasSubstr(file.string()), HasSubstr("ermission")));
 }
 
 TEST_F(OutputCheck, APictureKnowsItsOwn) {

@@ -5,6 +5,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "covis/io/test_recordings.h"
+#include "covis/io/video_file.h"
 
 namespace covis::io {
 namespace {
@@ -179,6 +180,12 @@ TEST_F(BadInput, AFrameOfMotionJpegThatIsDamagedOrOfAnotherSizeIsReported) {
   write("video.avi", avi_of(frames));
   const auto others = open_sequence((folder / "video.avi").string(), {.camera_file = folder / "camera.yaml"});
   ASSERT_TRUE(others && (*others)->next());
+}
+
+TEST_F(BadInput, AVideoThatCantBeReadSaysWhy) {
+  EXPECT_THAT(open_video_file((folder / "none.mp4").string()).error().message,
+              AllOf(HasSubstr("none.mp4"), HasSubstr("No such file")));
+  EXPECT_THAT(open_video_file("/dev/zero").error().message, HasSubstr("it is a pipe or a device"));
 }
 
 TEST_F(BadInput, VideosAndCameras) {

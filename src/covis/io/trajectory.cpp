@@ -184,7 +184,8 @@ Result<void> write_trajectories(const std::filesystem::path& file, const std::ve
       continue;
     }
     std::error_code error;
-    const bool earlier = std::filesystem::is_regular_file(one, error) && may_replace(one, OutputKind::trajectory);
+    const bool earlier =
+        std::filesystem::is_regular_file(one, error) && may_replace(one, OutputKind::trajectory).value_or(false);
     if (!earlier || !std::filesystem::remove(one, error)) return problem;
   }
 }

@@ -2,11 +2,10 @@
 #include "covis/io/video_file.h"
 
 #include <algorithm>
-#include <array>
-#include <fstream>
 #include <string_view>
 #include <utility>
 
+#include "covis/io/files.h"
 #include "covis/io/image_bytes.h"
 #include "covis/io/plugin.h"
 
@@ -73,10 +72,9 @@ class CheckedVideo : public VideoFile {
 }  // namespace
 
 Result<std::unique_ptr<VideoFile>> open_video_file(const std::string& path) {
-  std::array<char, 1024> head{};
-  std::ifstream file(path, std::ios::binary);
-  file.read(head.data(), head.size());
-  if (!is_video({head.data(), static_cast<size_t>(file.gcount())})) {
+  const auto head = read_head(path, 1024);
+  if (!head) return tl::unexpected(head.error());
+  if (!is_video(*head)) {
     return fail(path +
                 ": it is not a video that can be read (MP4, MOV, MKV, WebM, AVI, MPEG, Ogg, FLV, ASF, IVF, Y4M, H.264, "
                 "H.265, Motion JPEG)");
