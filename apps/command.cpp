@@ -26,6 +26,7 @@
 #include "covis/core/fields.h"
 #include "covis/core/log.h"
 #include "covis/core/message_text.h"
+#include "covis/io/video_file.h"
 #include "covis/version.h"
 #include "sandbox.h"
 
@@ -89,6 +90,7 @@ int covis_command(int argc, char** argv) {
   connect_log();
   std::signal(SIGXFSZ, SIG_IGN);              // a limit on the size of files is an error of writing, as a full disk is
   setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // Covis alone reports a video that it can't read
+  covis::io::limit_ffmpeg();
   CLI::App app{"Covis: visual SLAM for monocular, stereo and RGB-D cameras"};
   app.set_version_flag("--version", std::string("covis ") + covis::version());
   app.require_subcommand(1);

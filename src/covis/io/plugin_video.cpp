@@ -2,10 +2,8 @@
 // The plug-in covis_video: videos and cameras of Video4Linux, through OpenCV's videoio.
 #include <chrono>
 #include <cstdlib>
-#include <mutex>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/videoio.hpp>
-#include <optional>
 #include <string>
 
 #include "covis/io/opencv_picture.h"
@@ -29,37 +27,6 @@ cv::VideoCapture open_quietly(Open open) {
   logging::setLogLevel(before);
   return capture;
 }
-
-// While there is one, FFmpeg opens these kinds of files alone, and no address.
-class FfmpegLimits {
- public:
-  FfmpegLimits() : lock_(mutex()) {
-    if (const char* before = std::getenv(kName)) before_ = before;
-    setenv(kName,
-           "protocol_whitelist;file|format_whitelist;mov,matroska,avi,ogg,flv,asf,ivf,yuv4mpegpipe,mpegts,mpeg,"
-           "mpegvideo,m4v,h264,hevc,mjpeg",
-           1);
-  }
-  ~FfmpegLimits() {
-    if (before_) {
-      setenv(kName, before_->c_str(), 1);
-    } else {
-      unsetenv(kName);
-    }
-  }
-  FfmpegLimits(const FfmpegLimits&) = delete;
-  FfmpegLimits& operator=(const FfmpegLimits&) = delete;
-
- private:
-  static constexpr const char* kName = "OPENCV_FFMPEG_CAPTURE_OPTIONS";
-  static std::mutex& mutex() {
-    static std::mutex one;
-    return one;
-  }
-
-  const std::lock_guard<std::mutex> lock_;
-  std::optional<std::string> before_;
-};
 
 class OpenCvVideo : public VideoFile {
  public:
@@ -88,7 +55,6 @@ class OpenCvVideo : public VideoFile {
 std::unique_ptr<VideoFile> open_file(const std::string& path, VideoPlugin::Give give) {
   // Only the suitable back ends are tried, because a search through all of them takes longer and leaks memory.
   cv::VideoCapture capture = open_quietly([&](cv::VideoCapture& opened) {
-    const FfmpegLimits limits;
     if (!opened.open(path, cv::CAP_FFMPEG)) opened.open(path, cv::CAP_OPENCV_MJPEG);
   });
   if (!capture.isOpened()) return nullptr;

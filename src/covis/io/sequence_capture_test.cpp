@@ -188,6 +188,12 @@ TEST_F(BadInput, AVideoThatCantBeReadSaysWhy) {
   EXPECT_THAT(open_video_file("/dev/zero").error().message, HasSubstr("it is a pipe or a device"));
 }
 
+TEST(VideoFile, TheUsersOptionsOfFfmpegKeepItsLimits) {
+  const std::string limits = limited_ffmpeg_options("");
+  EXPECT_THAT(limits, AllOf(HasSubstr("protocol_whitelist;file|"), HasSubstr("format_whitelist;mov,")));
+  EXPECT_EQ(limited_ffmpeg_options("threads;1"), limits + "|threads;1|" + limits);
+}
+
 TEST_F(BadInput, VideosAndCameras) {
   camera_yaml();
   const SequenceOptions options{.camera_file = folder / "camera.yaml"};
@@ -210,7 +216,7 @@ TEST_F(BadInput, VideosAndCameras) {
   }
   write("video.mp4", std::string(1 << 16, '\xff').replace(1, 1, "\xd8") + "\nc=IN IP4 127.0.0.1\n");
   EXPECT_THAT(error(video, options), HasSubstr("not a video")) << "FFmpeg may not take another kind than those known";
-  EXPECT_EQ(std::getenv("OPENCV_FFMPEG_CAPTURE_OPTIONS"), nullptr) << "as it was";
+  EXPECT_EQ(std::getenv("OPENCV_FFMPEG_CAPTURE_OPTIONS"), limited_ffmpeg_options("")) << "it stays";
   EXPECT_THAT(error("987", options), HasSubstr("the camera can't be opened"));
   EXPECT_THAT(error("webcam", {.kind = SequenceKind::camera, .camera_file = options.camera_file}),
               HasSubstr("named by its number"));

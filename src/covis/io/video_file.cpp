@@ -2,6 +2,9 @@
 #include "covis/io/video_file.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <mutex>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -71,6 +74,23 @@ class CheckedVideo : public VideoFile {
 
 }  // namespace
 
+std::string limited_ffmpeg_options(const std::string& given) {
+  const std::string limits =
+      "protocol_whitelist;file|format_whitelist;mov,matroska,avi,ogg,flv,asf,ivf,yuv4mpegpipe,mpegts,mpeg,mpegvideo,"
+      "m4v,h264,hevc,mjpeg";
+  // The last value of an option counts, but behind one that it does not understand FFmpeg reads none.
+  return given.empty() ? limits : limits + "|" + given + "|" + limits;
+}
+
+void limit_ffmpeg() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    constexpr const char* kName = "OPENCV_FFMPEG_CAPTURE_OPTIONS";
+    const char* const given = std::getenv(kName);
+    setenv(kName, limited_ffmpeg_options(given ? given : "").c_str(), 1);
+  });
+}
+
 Result<std::unique_ptr<VideoFile>> open_video_file(const std::string& path) {
   const auto head = read_head(path, 1024);
   if (!head) return tl::unexpected(head.error());
@@ -81,6 +101,7 @@ Result<std::unique_ptr<VideoFile>> open_video_file(const std::string& path) {
   }
   const auto videos = plugin<VideoPlugin>();
   if (!videos) return tl::unexpected(videos.error());
+  limit_ffmpeg();
   auto video = (*videos)->open_file(path, VideoPlugin::Give::pictures);
   if (!video) return video;
   const VideoFile::Properties properties = video->properties();

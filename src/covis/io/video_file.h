@@ -37,6 +37,13 @@ class VideoFile {
 // decoded.
 Result<std::unique_ptr<VideoFile>> open_video_file(const std::string& path);
 
+// From the first call on FFmpeg opens the kinds of files that open_video_file knows, and no address. The environment
+// says so to it, which must not change while threads run: programs call this before they start any. Else the first
+// video does.
+void limit_ffmpeg();
+// The options of OPENCV_FFMPEG_CAPTURE_OPTIONS that limit it so, and before them those given.
+std::string limited_ffmpeg_options(const std::string& given);
+
 // plugin_video.cpp
 struct VideoPlugin {
   static constexpr const char *kName = "covis_video", *kPurpose = "reads videos and cameras";
