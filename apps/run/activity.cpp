@@ -31,22 +31,30 @@ void describe(char (&text)[kLongest + 100]) {
   }
 }
 
-[[noreturn]] void end_in_order() {
+void write_error(std::string_view reason) {
   char text[kLongest + 100], message[kLongest + 400];
   describe(text);
-  std::string_view reason = "the process can't go on";
-  const std::exception_ptr failure = std::current_exception();  // held, as the reason may be its text
+  const int length = std::snprintf(message, sizeof message, "error: %s: %.*s", text,
+                                   static_cast<int>(std::min<size_t>(reason.size(), 250)), reason.data());
+  char* const end = message + std::min(static_cast<size_t>(std::max(0, length)), sizeof message - 2);
+  const auto is_control = [](unsigned char c) { return c < ' ' || c == 0x7f; };
+  std::replace_if(message, end, is_control, '?');  // the exception's text may quote a file of strangers
+  *end = '\n';
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, message, static_cast<size_t>(end + 1 - message));
+}
+
+[[noreturn]] void end_in_order() {
+  const std::exception_ptr failure = std::current_exception();
   try {
     if (failure) std::rethrow_exception(failure);
+    write_error("the process can't go on");
   } catch (const std::exception& error) {
-    reason = reason_of(error);
+    write_error(reason_of(error));
+    if (lack_of_resources(error)) std::_Exit(1);
   } catch (...) {
+    write_error("an exception of unknown kind");
   }
-  const int length = std::snprintf(message, sizeof message, "error: %s: %.*s\n", text,
-                                   static_cast<int>(std::min<size_t>(reason.size(), 250)), reason.data());
-  const auto bytes = std::min(static_cast<size_t>(std::max(0, length)), sizeof message - 1);
-  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, message, bytes);
-  std::_Exit(1);
+  std::abort();
 }
 
 }  // namespace

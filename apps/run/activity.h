@@ -16,8 +16,9 @@ void enter_frame(int64_t frame);
 // "covis run desk, frame 7".
 std::string current_activity();
 
-// Makes an exception that nothing can catch (in a thread, in a library that is being loaded) end the process with 1 and
-// one message that says what was being done. Files are written whole or not at all, so that older ones stay.
+// Makes an exception that nothing can catch (in a thread, in a library that is being loaded) end the process with one
+// message that says what was being done: with 1 where memory or threads have run out, else, as after any error of the
+// program's, by SIGABRT. Files are written whole or not at all, so that older ones stay.
 void end_in_order_on_terminate();
 
 }  // namespace covis::app

@@ -15,13 +15,17 @@ bool lacks_memory(const std::exception& error) {
 
 }  // namespace
 
-std::string_view reason_of(const std::exception& error) {
+std::optional<std::string_view> lack_of_resources(const std::exception& error) {
   if (lacks_memory(error)) return "the memory has run out (ulimit -v, or what the machine has)";
   const auto* const system = dynamic_cast<const std::system_error*>(&error);
   // Threads are the one thing that is made here and may be had again later.
   if (system && system->code() == std::errc::resource_unavailable_try_again)
     return "no thread could be started: the memory has run out, or there are too many (ulimit -v, ulimit -u)";
-  return error.what();
+  return std::nullopt;
+}
+
+std::string_view reason_of(const std::exception& error) {
+  return lack_of_resources(error).value_or(std::string_view(error.what()));
 }
 
 }  // namespace covis
