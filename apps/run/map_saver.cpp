@@ -11,6 +11,7 @@
 #include "covis/core/failure_reason.h"
 #include "covis/core/log.h"
 #include "covis/core/threads.h"
+#include "covis/io/files.h"
 
 namespace covis::app {
 
@@ -40,11 +41,8 @@ std::filesystem::path older_unfinished_map(const std::filesystem::path& file) {
 
 bool comes_with_results(const std::filesystem::path& file, const std::filesystem::path& results) {
   std::error_code none;
-  const auto place = [&](const std::filesystem::path& path) {
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(path, none), none);
-  };
   if (file.parent_path().empty() || std::filesystem::exists(file.parent_path(), none)) return false;
-  const std::filesystem::path folder = place(file.parent_path()), made = place(results);
+  const std::filesystem::path folder = io::normal_path(file.parent_path()), made = io::normal_path(results);
   return std::mismatch(folder.begin(), folder.end(), made.begin(), made.end()).first == folder.end();
 }
 

@@ -64,6 +64,14 @@ class RegularFile {
 
 }  // namespace
 
+std::filesystem::path normal_path(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::filesystem::path whole = std::filesystem::absolute(file, error);
+  if (error) return file.lexically_normal();
+  std::filesystem::path normal = std::filesystem::weakly_canonical(whole, error);
+  return error ? whole.lexically_normal() : normal;
+}
+
 Result<std::string> read_text(const std::filesystem::path& file) {
   std::string text;
   if (auto read = read_bytes(file, text); !read) return tl::unexpected(read.error());

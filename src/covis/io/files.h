@@ -21,6 +21,9 @@ inline constexpr size_t kLargestFile = size_t{1} << 30;
 
 // False for what cannot be read like a file: folders, pipes and devices, whose end may never come.
 bool is_regular(const std::filesystem::path& file);
+// The name by which places can be compared, also where nothing is there: absolute, and without links as far as these
+// can be followed.
+std::filesystem::path normal_path(const std::filesystem::path& file);
 // Reads a regular file of text, without the byte order mark that may stand before it. Error: it is in UTF-16 or UTF-32.
 Result<std::string> read_text(const std::filesystem::path& file);
 // True where a text is in UTF-16 or UTF-32, by its byte order mark or its first characters.

@@ -98,8 +98,7 @@ const char* name(OutputKind kind) {
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code none;
   if (fs::exists(a, none) && fs::exists(b, none)) return fs::equivalent(a, b, none);
-  const auto place = [&](const fs::path& path) { return fs::weakly_canonical(fs::absolute(path, none), none); };
-  return place(a) == place(b);
+  return normal_path(a) == normal_path(b);
 }
 
 }  // namespace

@@ -86,6 +86,9 @@ TEST_F(OutputCheck, WhatIsGivenStaysUnderAnyName) {
   }
   EXPECT_TRUE(check_output(file, OutputKind::camera, {folder / "new"}));
   EXPECT_FALSE(check_output(folder / "./new", OutputKind::camera, {folder / "new"})) << "neither is there yet";
+  fs::create_symlink("loop", folder / "loop");
+  EXPECT_TRUE(check_other_file(folder / "loop/a", {folder / "loop/b"})) << "two names that lead nowhere";
+  EXPECT_FALSE(check_other_file(folder / "loop/a", {folder / "loop/./a"}));
   EXPECT_THAT(check_output(file, OutputKind::picture).error().message,
               HasSubstr("file: it is there and is not a picture that Covis made, so that it is not replaced; remove"));
 }
