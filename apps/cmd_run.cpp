@@ -115,9 +115,11 @@ Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, 
                         const std::optional<exchange::KeptImages>& images, std::optional<MapSaver>& saver) {
   enter_part("while the results are written");
   const double peak_mb = peak_rss_mb();  // the run, without what writing takes
+  // A run that failed before it tracked a frame adds nothing to the map that it was given.
+  const bool to_save =
+      !arguments.save_map.empty() && (record.failure.empty() || !system.snapshot()->trajectory.empty());
   const Result<void> saved = io::without_exceptions(arguments.save_map, [&] {
-    return arguments.save_map.empty() ? Result<void>()
-                                      : save_map(arguments.save_map, system.map_state(), header, saver);
+    return to_save ? save_map(arguments.save_map, system.map_state(), header, saver) : Result<void>();
   });
   RunSummary summary;
   const Result<void> written = io::without_exceptions(arguments.out, [&] {
@@ -128,7 +130,7 @@ Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, 
     return write_outputs(record, *snapshot, summary, output);
   });
   Result<void> kept;
-  if (images && saved && system.map_size().key_frames > 0) {
+  if (images && saved && to_save && system.map_size().key_frames > 0) {
     kept = io::without_exceptions(
         images->folder(), [&] { return keep_images(sequence, system.map_state(), first_own, arguments.map, *images); });
   }
@@ -157,22 +159,6 @@ int conclude(const RunArguments& arguments, const RunSummary& summary, io::Seque
   }
   if (summary.frames.tracked > 0) return 0;
   return fail_with(arguments.path + ": no frame was tracked: " + why_nothing_is_tracked(summary, camera));
-}
-
-// Tells why there is nothing to save, which is not worth older results; nullopt: there is something.
-std::optional<std::string> why_nothing_is_written(const RunRecord& record, const System& system) {
-  if (record.interrupted) return std::nullopt;
-  if (!record.failure.empty()) {
-    if (!system.snapshot()->trajectory.empty()) return std::nullopt;
-    return record.failure + "; no frame was tracked, so that nothing is written";
-  }
-  std::string first;
-  for (size_t k = 0; k < record.frames.size(); ++k) {
-    const FrameStats frame = record.frames[k];
-    if (frame.state != FrameState::unreadable) return std::nullopt;
-    if (first.empty()) first = "; of the first: " + frame.reason;
-  }
-  return "no frame could be read" + first;
 }
 
 // Bounds the map so that the whole run stays within --max-memory.
@@ -316,7 +302,7 @@ int run(const RunArguments& arguments) {
                          saver ? &*saver : nullptr),
             record);
   for (const std::string& note : record.notes) log(LogLevel::warning, note);
-  if (const auto why = why_nothing_is_written(record, *system))
+  if (const auto why = why_nothing_is_written(record, *system->snapshot(), arguments.out))
     return fail_with(named(arguments, (*sequence)->kind()) + *why);
 
   const auto summary = save(arguments, record, *system, **sequence, header, first_own, images, saver);

@@ -2,6 +2,7 @@
 #include "apps/run/run_outputs.h"
 
 #include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
@@ -60,6 +61,13 @@ constexpr std::pair<const char*, io::OutputKind> kFiles[] = {
     {"scene.bin", io::OutputKind::scene},           {"report.html", io::OutputKind::page},
     {"trajectory.png", io::OutputKind::png}};
 
+bool has_results(const std::filesystem::path& folder) {
+  return std::any_of(std::begin(kFiles), std::end(kFiles), [&](const auto& file) {
+    std::error_code none;
+    return std::filesystem::exists(folder / file.first, none);
+  });
+}
+
 }  // namespace
 
 Result<void> open_output_folder(const std::filesystem::path& folder, const std::vector<std::filesystem::path>& given) {
@@ -73,6 +81,22 @@ Result<void> open_output_folder(const std::filesystem::path& folder, const std::
   if (const auto fits = check_writable(folder / "trajectory.txt"); !fits)
     return fail("the output folder can't be written to: " + fits.error().message);
   return {};
+}
+
+std::optional<std::string> why_nothing_is_written(const RunRecord& run, const Snapshot& snapshot,
+                                                  const std::filesystem::path& folder) {
+  if (run.interrupted) return std::nullopt;
+  if (!run.failure.empty()) {
+    if (!snapshot.trajectory.empty() || !has_results(folder)) return std::nullopt;
+    return run.failure + "; no frame was tracked, so that the older results in " + folder.string() + " stay";
+  }
+  std::string first;
+  for (size_t k = 0; k < run.frames.size(); ++k) {
+    const FrameStats frame = run.frames[k];
+    if (frame.state != FrameState::unreadable) return std::nullopt;
+    if (first.empty()) first = "; of the first: " + frame.reason;
+  }
+  return "no frame could be read" + first;
 }
 
 std::optional<Trajectory> read_truth(const io::Sequence& sequence) {

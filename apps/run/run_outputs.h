@@ -25,6 +25,11 @@ struct OutputOptions {
 // those given, or of another kind.
 Result<void> open_output_folder(const std::filesystem::path& folder, const std::vector<std::filesystem::path>& given);
 
+// Says why a run has nothing worth writing to the folder: no frame could be read, or it failed before it tracked one
+// and an earlier run's results are there, which stay. nullopt: its results are to be written.
+std::optional<std::string> why_nothing_is_written(const RunRecord& run, const Snapshot& snapshot,
+                                                  const std::filesystem::path& folder);
+
 // Returns nullopt when there is no ground truth, or when it cannot be read; the latter logs a warning.
 std::optional<Trajectory> read_truth(const io::Sequence& sequence);
 

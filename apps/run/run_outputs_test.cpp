@@ -32,6 +32,23 @@ TEST_F(RunOutputs, LeavesAllFiles) {
   EXPECT_THAT(read_file(folder / "report.html"), testing::HasSubstr("reason 5"));
 }
 
+TEST_F(RunOutputs, AFailureWithoutATrackedFrameIsWrittenWhereNoOlderResultsAre) {
+  RunRecord failed = made_record();
+  failed.failure = "camera 0: it is gone";
+  const Snapshot nothing;
+  EXPECT_FALSE(why_nothing_is_written(failed, nothing, folder.path()));
+  OutputOptions options;
+  options.directory = folder.path();
+  ASSERT_TRUE(write_outputs(failed, nothing, summarise(failed, nothing, nullptr, 0), options));
+  EXPECT_THAT(read_file(folder / "summary.json"), testing::HasSubstr("\"failure\": \"camera 0: it is gone\""));
+  EXPECT_THAT(read_file(folder / "stats.jsonl"), testing::HasSubstr("reason 5"));
+  EXPECT_THAT(why_nothing_is_written(failed, nothing, folder.path()).value_or(""),
+              testing::HasSubstr("camera 0: it is gone; no frame was tracked, so that the older results in "));
+  EXPECT_FALSE(why_nothing_is_written(failed, made_snapshot(), folder.path())) << "frames were tracked";
+  failed.interrupted = true;
+  EXPECT_FALSE(why_nothing_is_written(failed, nothing, folder.path()));
+}
+
 TEST_F(RunOutputs, TheOthersAreWrittenWhenOneFails) {
   fs::create_directories(folder / "keyframes.txt" / "in the way");
   const auto written = write();
