@@ -79,8 +79,7 @@ void print(const Found& found, const LocalizeArguments& arguments) {
 // The poses found must not take the place of what they are found with.
 Result<void> check_out(const LocalizeArguments& a, const io::Sequence& sequence) {
   const auto truth = sequence.truth();
-  return io::check_output(a.out, io::OutputKind::trajectory,
-                          {a.path, a.map, a.reading.camera, a.vocabulary, truth ? truth->file : ""});
+  return io::check_trajectories(a.out, {a.path, a.map, a.reading.camera, a.vocabulary, truth ? truth->file : ""});
 }
 
 int localize(const LocalizeArguments& arguments) {

@@ -128,13 +128,25 @@ struct SplitArguments {
   std::vector<std::string> around, boxes;
 };
 
-Result<void> save_part(const SplitArguments& a, const std::string& name, const Map& part,
-                       const storage::MapHeader& header) {
+// `kind`: area or map, which the k-th file's name begins with.
+std::filesystem::path part_file(const SplitArguments& a, const std::string& kind, size_t k) {
+  return std::filesystem::path(a.out) / (kind + std::to_string(k) + ".m");
+}
+
+// Makes the folder. Error: one of the parts can't be saved there.
+Result<void> open_parts(const SplitArguments& a, const std::string& kind, size_t count) {
   std::error_code error;
   std::filesystem::create_directories(a.out, error);
   if (error) return fail(a.out + ": " + error.message());
-  const std::filesystem::path file = std::filesystem::path(a.out) / (name + ".m");
-  if (auto other = io::check_other_file(file, {a.file}); !other) return other;
+  for (size_t k = 0; k < count; ++k) {
+    const std::filesystem::path file = part_file(a, kind, k);
+    if (auto other = io::check_other_file(file, {a.file}); !other) return other;
+    if (auto fits = storage::check_save_target(file); !fits) return fits;
+  }
+  return {};
+}
+
+Result<void> save_part(const std::filesystem::path& file, const Map& part, const storage::MapHeader& header) {
   storage::MapHeader of_part = header;
   if (metric_submaps(part).empty()) of_part.sensor = Sensor::monocular;
   if (auto saved = storage::save_map(file, part.state(), of_part); !saved) return saved;
@@ -144,13 +156,14 @@ Result<void> save_part(const SplitArguments& a, const std::string& name, const M
 
 Result<void> split_by_maps(const SplitArguments& a, const storage::SavedMap& loaded) {
   const std::vector<Submap> submaps = loaded.map.submaps();
+  if (auto opened = open_parts(a, "map", submaps.size()); !opened) return opened;
   for (size_t k = 0; k < submaps.size(); ++k) {
     auto part = Map::from_state(loaded.map.state());
     if (!part) return tl::unexpected(part.error());
     for (size_t other = 0; other < submaps.size(); ++other) {
       if (other != k) part->erase_submap(part->submaps()[other < k ? 0 : 1].id);
     }
-    if (auto saved = save_part(a, "map" + std::to_string(k), *part, loaded.header); !saved) return saved;
+    if (auto saved = save_part(part_file(a, "map", k), *part, loaded.header); !saved) return saved;
   }
   return {};
 }
@@ -201,8 +214,9 @@ Result<void> split_by_areas(const SplitArguments& a, const std::vector<Area>& ar
     if (!part) return fail(a.file + ": area " + std::to_string(k) + ": " + part.error().message);
     parts.push_back(std::move(*part));
   }
+  if (auto opened = open_parts(a, "area", parts.size()); !opened) return opened;
   for (size_t k = 0; k < parts.size(); ++k) {
-    if (auto saved = save_part(a, "area" + std::to_string(k), parts[k], loaded.header); !saved) return saved;
+    if (auto saved = save_part(part_file(a, "area", k), parts[k], loaded.header); !saved) return saved;
   }
   return {};
 }

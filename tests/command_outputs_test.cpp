@@ -75,6 +75,12 @@ TEST_F(CommandOutputs, OfMapsReplaceNeitherTheMapNorOthers) {
   fs::create_directories(folder / "parts");
   fs::copy(map, folder / "parts/map0.m");
   expect_given(folder / "parts/map0.m", {"map", "split", folder / "parts/map0.m", "--out", folder / "parts"});
+  fs::create_directories(folder / "areas");
+  write("areas/area1.m", "my notes\n");
+  expect_kept(folder / "areas/area1.m",
+              {"map", "split", map, "--around", "0,0,0,100", "--around", "0,0,0,100", "--out", folder / "areas"},
+              "is not a map");
+  EXPECT_FALSE(fs::exists(folder / "areas/area0.m")) << "said before the first is saved";
   expect_foreign(folder / "notes", {"map", "import", folder, "--images", folder, "--out", folder / "notes"});
   for (const char* format : {"ply", "tum"}) {  // its own kind, twice
     EXPECT_EQ(covis(to(format, folder / format)).code, 0);
@@ -117,6 +123,10 @@ TEST_F(CommandOutputs, OfARunReplaceThoseOfARun) {
     expect_foreign(folder / "mine" / name, run_to(folder / "mine"));
     fs::remove_all(folder / "mine");
   }
+  fs::create_directories(folder / "mine");
+  write("mine/trajectory_map3.txt", "my notes\n");
+  expect_foreign(folder / "mine/trajectory_map3.txt", run_to(folder / "mine"));
+  EXPECT_FALSE(fs::exists(folder / "mine/trajectory.txt")) << "said before the run";
   const fs::path fresh = folder / "new";
   expect_given(fresh / "trajectory.txt", run_to(fresh, {"--save-map", fresh / "trajectory.txt"}));
   fs::copy(recording / "camera.yaml", fresh / "keyframes.txt");

@@ -77,6 +77,7 @@ Result<void> open_output_folder(const std::filesystem::path& folder, const std::
   for (const auto& [name, kind] : kFiles) {
     if (auto fits = io::check_output(folder / name, kind, given); !fits) return fits;
   }
+  if (auto fits = io::check_trajectories(folder / "trajectory.txt", given); !fits) return fits;
   // Permissions alone do not tell of a read-only disk or a sandbox.
   if (const auto fits = check_writable(folder / "trajectory.txt"); !fits)
     return fail("the output folder can't be written to: " + fits.error().message);

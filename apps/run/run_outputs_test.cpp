@@ -49,6 +49,14 @@ TEST_F(RunOutputs, AFailureWithoutATrackedFrameIsWrittenWhereNoOlderResultsAre) 
   EXPECT_FALSE(why_nothing_is_written(failed, nothing, folder.path()));
 }
 
+TEST_F(RunOutputs, ATrajectoryOfOthersIsRefusedBeforeTheRun) {
+  write_file(folder / "trajectory_map12.txt", "notes");
+  EXPECT_THAT(open_output_folder(folder.path(), {}).error().message,
+              testing::HasSubstr("trajectory_map12.txt: it is there and is not a trajectory"));
+  fs::rename(folder / "trajectory_map12.txt", folder / "trajectory_mapped.txt");
+  EXPECT_TRUE(open_output_folder(folder.path(), {})) << "no run writes such a name";
+}
+
 TEST_F(RunOutputs, TheOthersAreWrittenWhenOneFails) {
   fs::create_directories(folder / "keyframes.txt" / "in the way");
   const auto written = write();

@@ -104,6 +104,12 @@ TEST_F(OutputCheck, TrajectoriesOfMapsThatAreNoMoreGoButNoFileOfOthers) {
   EXPECT_THAT(write_trajectories(folder / "t.txt", {poses, poses, poses}, TrajectoryFormat::tum).error().message,
               HasSubstr("t_map2.txt: it is there and is not a trajectory"));
   EXPECT_EQ(read_file(folder / "t_map2.txt"), "notes");
+  EXPECT_THAT(check_trajectories(folder / "t.txt", {}).error().message,
+              HasSubstr("t_map2.txt: it is there and is not"));
+  fs::remove(folder / "t_map2.txt");
+  EXPECT_TRUE(check_trajectories(folder / "t.txt", {}));
+  EXPECT_THAT(check_trajectories(folder / "t.txt", {folder / "t_map1.txt"}).error().message,
+              HasSubstr("t_map1.txt: it is also "));
 }
 
 }  // namespace

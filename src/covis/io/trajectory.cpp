@@ -85,6 +85,13 @@ void append(std::string& text, const char* format, double value) {
   text.append(buffer, static_cast<size_t>(std::snprintf(buffer, sizeof buffer, format, value)));
 }
 
+// FILE_map1 and so on.
+bool is_of_map(const std::filesystem::path& one, const std::filesystem::path& file) {
+  const std::string stem = file.stem().string() + "_map", name = one.stem().string();
+  return one.extension() == file.extension() && name.size() > stem.size() && name.starts_with(stem) &&
+         name.find_first_not_of("0123456789", stem.size()) == name.npos;
+}
+
 }  // namespace
 
 Result<Trajectory> read_trajectory(const std::filesystem::path& file, TrajectoryFormat format,
@@ -188,6 +195,18 @@ Result<void> write_trajectories(const std::filesystem::path& file, const std::ve
         std::filesystem::is_regular_file(one, error) && may_replace(one, OutputKind::trajectory).value_or(false);
     if (!earlier || !std::filesystem::remove(one, error)) return problem;
   }
+}
+
+Result<void> check_trajectories(const std::filesystem::path& file, const std::vector<std::filesystem::path>& inputs) {
+  if (auto fits = check_output(file, OutputKind::trajectory, inputs); !fits) return fits;
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const std::filesystem::path one = file.parent_path() / entry->path().filename();
+    if (!is_of_map(one, file)) continue;
+    if (auto fits = check_output(one, OutputKind::trajectory, inputs); !fits) return fits;
+  }
+  return {};
 }
 
 }  // namespace covis::io

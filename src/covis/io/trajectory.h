@@ -46,5 +46,9 @@ Result<void> write_trajectory(const std::filesystem::path& file, const Trajector
 Result<void> write_trajectories(const std::filesystem::path& file, const std::vector<Trajectory>& of_map,
                                 TrajectoryFormat format);
 
+// Refuses a name whose trajectory, or one that maps which are not joined may need, would replace a file given or one
+// that is no trajectory of Covis. Inputs may be empty names.
+Result<void> check_trajectories(const std::filesystem::path& file, const std::vector<std::filesystem::path>& inputs);
+
 }  // namespace io
 }  // namespace covis
