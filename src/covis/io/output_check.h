@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Outputs replace neither a file that they are made from nor one of another kind. Commands ask before they begin. (Maps
-// have storage::check_save_target, which asks the same for a map.)
+// have storage::check_save_target, which asks the same for a map.) First bytes tell a kind, not always who wrote the
+// file: the trajectory.png of a run may replace any PNG file, stats.jsonl and summary.json any JSON.
 #pragma once
 
 #include <filesystem>
@@ -11,11 +12,12 @@
 
 namespace covis::io {
 
-// Kinds of files that commands write, recognised by their first bytes. A kind that many programs write counts only as
-// Covis writes it: a picture of marked_picture(), a trajectory with our decimals, a model with our first line.
+// Kinds of files that commands write, recognised by their first bytes. Some count only as Covis writes them: a picture
+// of marked_picture(), a trajectory with our decimals, a page, a model with our first line. Of the others (png,
+// point_cloud, camera, vocabulary as text, bundler, json) a file of another program counts, too.
 enum class OutputKind {
   picture,
-  png,  // any
+  png,  // any, as earlier versions wrote no mark into that of a run
   page,
   point_cloud,
   trajectory,
