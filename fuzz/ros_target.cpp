@@ -140,7 +140,7 @@ void run_ros2_bag(std::string_view bytes) {
   const MemoryFile file(bytes);
   const auto bag = io::open_ros2_bag({file.path()});
   if (!bag) return;
-  constexpr size_t kMessages = 3;  // of each topic
+  constexpr size_t kMessages = 3;  // messages by topic
   std::string message;
   for (const io::BagTopic& topic : (*bag)->topics()) {
     for (size_t i = 0; i < std::min(kMessages, topic.messages.size()); ++i) {

@@ -63,7 +63,7 @@ class Frames {
  private:
   std::vector<fs::path> files_;
   std::unique_ptr<io::VideoFile> video_;
-  std::string path_;  // of the video
+  std::string path_;  // the video's
   cv::Mat picture_;
   io::ImageReader reader_;
   ImageU8 image_;

@@ -91,7 +91,7 @@ std::optional<BagRecord> record_at(std::string_view bytes, size_t at) {
 struct BagChunk {
   bool compressed = false;
   uint32_t size = 0;             // bytes, not compressed
-  std::vector<uint32_t> places;  // of its messages and of connections right before them, ascending; none if compressed
+  std::vector<uint32_t> places;  // its messages and the connections right before them, ascending; none if compressed
 };
 
 // Lists the places that lead to messages, as far as whole records go.

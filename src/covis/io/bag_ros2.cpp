@@ -122,7 +122,7 @@ class BagFile {
       if (!std::filesystem::exists(beside, none)) continue;
       const auto head = read_head(beside, 1);
       if (!head) return tl::unexpected(head.error());
-      if (head->empty() || head->front() == '\0') continue;  // nothing in it counts
+      if (head->empty() || head->front() == '\0') continue;  // it holds no entry that counts
       return fail(beside.string() + ": " + problem);
     }
     return {};
@@ -172,7 +172,7 @@ class BagFile {
   }
 
   std::filesystem::path file_;
-  int64_t size_ = 0;  // of the file, bytes
+  int64_t size_ = 0;  // the file's, bytes
   std::unique_ptr<sqlite3, CloseDatabase> database_;
   std::unique_ptr<sqlite3_blob, CloseBlob> blob_;  // the latest message
 };

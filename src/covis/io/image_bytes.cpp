@@ -152,7 +152,7 @@ struct Tiff {
   struct Array {
     size_t size = 0, count = 0, at = 0;  // bytes of an item
   };
-  Array places, lengths;  // of the strips or tiles; the decoder can do without the lengths
+  Array places, lengths;  // by strip or tile; the decoder can do without the lengths
   uint32_t width = 0, height = 0, bits = 8, samples = 1, compression = 1, colours = 1, planes = 1, fill = 1;
   uint32_t tile_width = 0, tile_height = 0;  // 0: it has strips
   uint32_t strip_height = ~0u;

@@ -16,7 +16,7 @@ inline constexpr int64_t kMostImagePixels = 100'000'000;  // larger images are n
 // The size that images must have, before or after they are turned as their EXIF orientation says.
 struct ExpectedSize {
   int width = 0, height = 0;  // pixels; 0: any size
-  std::string camera;         // where the size is from, for messages
+  std::string camera;         // the source of the size, for messages
 };
 // Says that an image has another size than it should.
 std::string wrong_size(int64_t width, int64_t height, const ExpectedSize& expected);

@@ -15,7 +15,7 @@ inline constexpr size_t kIds = 4;  // tables of each class
 // A code of a Huffman table: how many bits it and the value behind it take, and which coefficients it stands for. Of a
 // table of symbols: its own bits, and the symbol.
 struct Code {
-  uint8_t bits = 0;  // of both; 0: there is no such code
+  uint8_t bits = 0;  // the sum of both; 0: there is no such code
   uint8_t step = 0;  // coefficients to the next one, or kEnd; or the symbol
 };
 inline constexpr uint8_t kEnd = 64;  // the rest of the block is zeros

@@ -22,7 +22,7 @@ using testing::HasSubstr;
 
 class OutputCheck : public testing::Test {
  protected:
-  // Of the kinds asked after, those that may replace a file of these bytes.
+  // The kinds, among those asked after, that may replace a file of these bytes.
   std::vector<OutputKind> replaced_by(const std::string& bytes) const {
     write_file(file, bytes);
     std::vector<OutputKind> kinds;

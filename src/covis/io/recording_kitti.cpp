@@ -74,7 +74,7 @@ std::optional<std::string> problem_of_projections(const Projection& left, const 
   if (auto problem =
           problem_of_pair({left[0], left[5], left[2], left[6], 0}, {right[0], right[5], right[2], right[6], 0}))
     return problem;
-  constexpr double kLargestOffset = 0.05;  // of the baseline
+  constexpr double kLargestOffset = 0.05;  // share of the baseline
   const Eigen::Vector3d between = translation_of(right) - translation_of(left);
   const double offset = std::max(std::abs(between.y()), std::abs(between.z()));
   if (offset <= kLargestOffset * std::abs(between.x())) return std::nullopt;

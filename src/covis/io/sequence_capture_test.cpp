@@ -175,7 +175,7 @@ TEST_F(BadInput, AFrameOfMotionJpegThatIsDamagedOrOfAnotherSizeIsReported) {
     greys.push_back(frame ? (*frame)->image(20, 20) / 20 : -1);
   EXPECT_EQ(greys, (std::vector<int>{0, 1, -1, 3, -1, 5, -1, 7}));
   EXPECT_THAT((*opened)->picture(2).error().message, HasSubstr("frame 2 can't be decoded"));
-  // Where the first is no whole JPEG file, the decoder alone knows.
+  // If the first is no whole JPEG file, the decoder alone knows.
   frames[0].resize(frames[0].size() - 2);
   write("video.avi", avi_of(frames));
   const auto others = open_sequence((folder / "video.avi").string(), {.camera_file = folder / "camera.yaml"});

@@ -14,7 +14,7 @@ namespace {
 
 enum class List { images, others };
 
-// What is left of one list's entries that have one stamp, in the order of their indices.
+// The entries of one list with one stamp that are left, in the order of their indices.
 struct Entries {
   Timestamp stamp;
   List list;

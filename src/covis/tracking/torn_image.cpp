@@ -15,7 +15,7 @@ constexpr size_t kMostLookedFor = 300;
 constexpr int kLeastSampled = 8;       // things that only look alike are rarely displaced by one and the same way
 constexpr int kFewSampled = 4;         // in the frames after a torn one
 constexpr double kMostInliers = 0.15;  // share of the displaced points
-constexpr float kLeastWay = 1 / 16.f, kSameWay = 1 / 40.f;  // of the image's width
+constexpr float kLeastWay = 1 / 16.f, kSameWay = 1 / 40.f;  // share of the image's width
 
 // Keeps `most` of them at most, spread over all; returns of how many one was kept.
 size_t thin(std::vector<uint32_t>& values, size_t most) {
