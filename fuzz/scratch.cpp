@@ -4,6 +4,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <system_error>
@@ -14,14 +15,8 @@ namespace covis::fuzz {
 namespace {
 
 struct Folder {
-  std::filesystem::path path;
-  Folder() {
-    std::error_code none;
-    const std::filesystem::path memory = "/dev/shm";
-    path = (std::filesystem::is_directory(memory, none) ? memory : std::filesystem::temp_directory_path()) /
-           ("covis_fuzz" + std::to_string(::getpid()));
-    std::filesystem::create_directories(path);
-  }
+  std::filesystem::path path = scratch_folder_of(::getpid());
+  Folder() { std::filesystem::create_directories(path); }
   ~Folder() {
     std::error_code none;
     std::filesystem::remove_all(path, none);
@@ -46,6 +41,20 @@ std::filesystem::path MemoryFile::path() const { return "/proc/self/fd/" + std::
 const std::filesystem::path& scratch_folder() {
   static const Folder folder;
   return folder.path;
+}
+
+std::filesystem::path scratch_folder_of(pid_t process) {
+  std::error_code none;
+  const std::filesystem::path memory = "/dev/shm";
+  return (std::filesystem::is_directory(memory, none) ? memory : std::filesystem::temp_directory_path()) /
+         ("covis_fuzz" + std::to_string(process));
+}
+
+std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 std::string read_file(const std::filesystem::path& file) {
