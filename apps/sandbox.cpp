@@ -92,10 +92,7 @@ class CallFilter {
   void refuse_if(int call, const scmp_arg_cmp& argument) {
     add(seccomp_rule_add(filter_, SCMP_ACT_ERRNO(EPERM), call, 1, argument));
   }
-  int load() {
-    add(seccomp_load(filter_));
-    return error_;
-  }
+  int load() { return add(seccomp_load(filter_)), error_; }
 
  private:
   void add(int result) {

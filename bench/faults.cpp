@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every fault of tests/faults/faults.h on a rendered recording, one line each: how many frames were sure of their pose,
-// how many of those were wrong, how soon the camera was found again, how soon a warning came.
+// Every fault of tests/faults/faults.h on a recording, rendered or in files, one line each: how many frames were sure
+// of their pose, how many of those were wrong, how soon the camera was found again, how soon a warning came.
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "bench/stored_recording.h"
 #include "tests/faults/fault_run.h"
 
 namespace {
@@ -23,37 +27,66 @@ void print(const std::string& name, const FaultResult& r) {
   std::fflush(stdout);
 }
 
+// Runs all faults whose name has `only` in it.
+void run_faults(GoodRecording& recording, Stretch stretch, const std::string& only) {
+  const std::string prefix = std::string(name(recording.sensor())) + ".";
+  const auto run = [&](const std::string& name, const Fault& fault, Stretch at) {
+    if (name.find(only) != std::string::npos) print(name, run_fault(recording, fault, at));
+  };
+  const int size = recording.size();
+  run(prefix + "none", {}, {size, size});
+  for (const Fault& fault : stream_faults(recording.sensor())) run(prefix + fault.name, fault, stretch);
+  for (const Fault& fault : sensor_faults(recording.sensor())) run(prefix + "always." + fault.name, fault, {0, size});
+}
+
+struct Choice {
+  bool back = false, small = false;
+  std::string camera_file;
+  std::string recording = "room", only;
+};
+
+void run_stored(const Choice& choice, Sensor sensor) {
+  auto recording =
+      StoredRecording::read(choice.recording, {.sensor = sensor, .camera_file = choice.camera_file, .count = kFrames});
+  if (!recording) return (void)std::printf("%s: %s\n", name(sensor).data(), recording.error().message.c_str());
+  const int start = recording->size() / 3;
+  run_faults(*recording, {start, start + std::min(kStretchEnd - kStretchStart, start / 2)}, choice.only);
+}
+
+void run_rendered(const Choice& choice, Sensor sensor) {
+  SynthOptions options;
+  options.world = choice.recording;
+  options.sensor = name(sensor);
+  options.noise = 2;
+  options.depth_noise = 1;
+  options.fps = 15;
+  if (choice.small) options.width = 320, options.height = 240;
+  RenderedRecording recording(options, kFrames, choice.back ? std::optional(kStretchEnd - 1) : std::nullopt);
+  run_faults(recording, {kStretchStart, kStretchEnd}, choice.only);
+}
+
 }  // namespace
 
-// faults [--back] [--small] [WORLD] [PART OF A NAME]; --back: after the faulty stretch the camera goes back the way it
-// came; --small: images of 320x240
+// faults [--back] [--small] [WORLD] [PART OF A NAME]      a rendered recording; --back: after the faulty stretch the
+//                                                         camera goes back the way it came; --small: images of 320x240
+// faults [--camera FILE] FOLDER [PART OF A NAME]          the first frames of a recording with a ground truth, by every
+//                                                         sensor that it has
 int main(int count, char** arguments) {
-  const auto flag = [&](const char* name) {
-    const bool given = count > 1 && std::string(arguments[1]) == name;
-    if (given) --count, ++arguments;
-    return given;
-  };
-  const bool back = flag("--back"), small = flag("--small");
-  const std::string only = count > 2 ? arguments[2] : "";
-  for (const Sensor sensor : {Sensor::rgbd, Sensor::stereo, Sensor::monocular}) {
-    SynthOptions options;
-    options.world = count > 1 ? arguments[1] : "room";
-    options.sensor = name(sensor);
-    options.noise = 2;
-    options.depth_noise = 1;
-    options.fps = 15;
-    if (small) options.width = 320, options.height = 240;
-    GoodRecording recording(options, kFrames, back ? std::optional(kStretchEnd - 1) : std::nullopt);
-    const std::string prefix = std::string(name(sensor)) + ".";
-    const auto wanted = [&](const std::string& name) { return name.find(only) != std::string::npos; };
-    if (wanted(prefix + "none")) print(prefix + "none", run_fault(recording, {}, {kFrames, kFrames}));
-    for (const Fault& fault : stream_faults(sensor)) {
-      const std::string name = prefix + fault.name;
-      if (wanted(name)) print(name, run_fault(recording, fault, {kStretchStart, kStretchEnd}));
-    }
-    for (const Fault& fault : sensor_faults(sensor)) {
-      const std::string name = prefix + "always." + fault.name;
-      if (wanted(name)) print(name, run_fault(recording, fault, {0, kFrames}));
-    }
+  Choice choice;
+  std::vector<std::string> names;
+  for (int i = 1; i < count; ++i) {
+    const std::string argument = arguments[i];
+    if (argument == "--back")
+      choice.back = true;
+    else if (argument == "--small")
+      choice.small = true;
+    else if (argument == "--camera" && i + 1 < count)
+      choice.camera_file = arguments[++i];
+    else
+      names.push_back(argument);
   }
+  if (!names.empty()) choice.recording = names[0];
+  if (names.size() > 1) choice.only = names[1];
+  const auto run = std::filesystem::is_directory(choice.recording) ? run_stored : run_rendered;
+  for (const Sensor sensor : {Sensor::rgbd, Sensor::stereo, Sensor::monocular}) run(choice, sensor);
 }

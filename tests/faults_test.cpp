@@ -21,9 +21,9 @@ GoodRecording& recording(Sensor sensor) {
     options.height = 240;
     options.fps = kRate;
     options.noise = 2;
-    return GoodRecording(options, kFrames);
+    return RenderedRecording(options, kFrames);
   };
-  static GoodRecording stereo = make(Sensor::stereo), rgbd = make(Sensor::rgbd);
+  static RenderedRecording stereo = make(Sensor::stereo), rgbd = make(Sensor::rgbd);
   return sensor == Sensor::stereo ? stereo : rgbd;
 }
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <utility>
 
+#include "covis/api/convert.h"
 #include "covis/core/quantile.h"
 #include "covis/covis.h"
 #include "covis/geometry/alignment.h"
@@ -19,19 +20,12 @@ namespace {
 constexpr double kMostBound = 0.1;  // metres; a run whose median is wrong does not excuse itself
 constexpr uint64_t kStage = 100;    // stage of random numbers, above those of the library
 
-SlamOptions options_of(const Synth& synth) {
+SlamOptions options_of(const GoodRecording& recording) {
   SlamOptions options;
-  options.sensor = synth.sensor() == Sensor::monocular ? SensorType::monocular
-                   : synth.sensor() == Sensor::stereo  ? SensorType::stereo
-                                                       : SensorType::rgbd;
-  const Camera& camera = synth.camera();
-  options.camera = {.width = camera.width,
-                    .height = camera.height,
-                    .fx = camera.pinhole.fx,
-                    .fy = camera.pinhole.fy,
-                    .cx = camera.pinhole.cx,
-                    .cy = camera.pinhole.cy};
-  if (synth.sensor() == Sensor::stereo) options.camera.baseline = camera.pinhole.baseline();
+  options.sensor = recording.sensor() == Sensor::monocular ? SensorType::monocular
+                   : recording.sensor() == Sensor::stereo  ? SensorType::stereo
+                                                           : SensorType::rgbd;
+  options.camera = to_parameters(recording.camera());
   options.timing = Timing::deterministic;
   options.vocabulary = COVIS_SOURCE_DIR "/vocabulary/default.covis-voc";
   return options;
@@ -53,18 +47,19 @@ struct Sure {
   double error = 0;  // metres
 };
 
-// Each submap is aligned by what it claims outside the stretch.
+// Each submap is aligned by what it claims outside the stretch. A frame without a true position has no error.
 void find_errors(std::vector<Sure>& all, const GoodRecording& recording, Stretch stretch) {
-  const Scale scale = recording.synth().sensor() == Sensor::monocular ? Scale::free : Scale::fixed;
+  const Scale scale = recording.sensor() == Sensor::monocular ? Scale::free : Scale::fixed;
   std::map<int, std::vector<Sure*>> submaps;
   for (Sure& sure : all) submaps[sure.submap].push_back(&sure);
   for (auto& [submap, frames] : submaps) {
     std::vector<Eigen::Vector3d> claimed, truth;
     const auto collect = [&](bool outside_only) {
       for (const Sure* sure : frames) {
-        if (outside_only && stretch.has(sure->frame)) continue;
+        const auto position = recording.position(sure->frame);
+        if (!position || (outside_only && stretch.has(sure->frame))) continue;
         claimed.push_back(sure->position);
-        truth.push_back(recording.T_wc(sure->frame).t());
+        truth.push_back(*position);
       }
     };
     collect(true);
@@ -78,22 +73,30 @@ void find_errors(std::vector<Sure>& all, const GoodRecording& recording, Stretch
       for (Sure* sure : frames) sure->error = std::numeric_limits<double>::infinity();
       continue;
     }
-    for (Sure* sure : frames) sure->error = (*alignment * sure->position - recording.T_wc(sure->frame).t()).norm();
+    for (Sure* sure : frames) {
+      if (const auto position = recording.position(sure->frame))
+        sure->error = (*alignment * sure->position - *position).norm();
+    }
   }
 }
 
 double path_length(const GoodRecording& recording) {
   double length = 0;
-  for (int i = 1; i < recording.size(); ++i) length += (recording.T_wc(i).t() - recording.T_wc(i - 1).t()).norm();
+  std::optional<Eigen::Vector3d> last;
+  for (int i = 0; i < recording.size(); ++i) {
+    const auto position = recording.position(i);
+    if (position && last) length += (*position - *last).norm();
+    if (position) last = position;
+  }
   return length;
 }
 
 }  // namespace
 
-GoodRecording::GoodRecording(const SynthOptions& options, int frames, std::optional<int> turn)
+RenderedRecording::RenderedRecording(const SynthOptions& options, int frames, std::optional<int> turn)
     : synth_(std::move(Synth::create(options).value())), turn_(turn), frames_(static_cast<size_t>(frames)) {}
 
-const Moment& GoodRecording::operator()(int i) {
+const Moment& RenderedRecording::operator()(int i) {
   Moment& moment = frames_[static_cast<size_t>(std::clamp(i, 0, size() - 1))];
   if (!moment.left.empty()) return moment;
   const int at = static_cast<int>(&moment - frames_.data());
@@ -105,8 +108,7 @@ const Moment& GoodRecording::operator()(int i) {
 
 FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stretch) {
   const GoodFrames good = [&](int i) -> const Moment& { return recording(i); };
-  const Synth& synth = recording.synth();
-  auto slam = Slam::create(options_of(synth));
+  auto slam = Slam::create(options_of(recording));
   if (!slam) {
     std::fprintf(stderr, "%s\n", slam.error().c_str());
     std::abort();
@@ -142,7 +144,9 @@ FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stre
   (*slam)->finish();
   find_errors(sure, recording, stretch);
   std::vector<double> errors;
-  for (const Sure& s : sure) errors.push_back(s.error);
+  for (const Sure& s : sure) {
+    if (recording.position(s.frame)) errors.push_back(s.error);
+  }
   result.median_error = quantile(errors, 0.5);
   const double bound = std::min(kMostBound, std::max({0.02, 0.01 * path_length(recording), 5 * result.median_error}));
   for (const Sure& s : sure) {

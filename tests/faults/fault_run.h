@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rendered recording with a fault in it, through the public interface, and what came of it.
+// A good recording with a fault in it, through the public interface, and what came of it.
 #pragma once
 
 #include <algorithm>
@@ -12,16 +12,27 @@
 
 namespace covis::faults {
 
-// Frames of a world, each rendered once.
+// A recording without faults, whose frames are in memory once they were asked for.
 class GoodRecording {
  public:
-  // `turn`: the last frame before the camera goes back the way it came, if it does.
-  GoodRecording(const SynthOptions& options, int frames, std::optional<int> turn = {});
-  const Moment& operator()(int i);
+  virtual ~GoodRecording() = default;
+  virtual Sensor sensor() const = 0;
+  virtual Camera camera() const = 0;
+  virtual int size() const = 0;
+  virtual const Moment& operator()(int i) = 0;                       // the first or last one for a number beyond
+  virtual std::optional<Eigen::Vector3d> position(int i) const = 0;  // true, of the camera in the world, metres
+};
 
-  const Synth& synth() const { return synth_; }
-  SE3 T_wc(int i) const { return synth_.T_wc(place(i)); }
-  int size() const { return static_cast<int>(frames_.size()); }
+// Frames of a world, each rendered once.
+class RenderedRecording : public GoodRecording {
+ public:
+  // `turn`: the last frame before the camera goes back the way it came, if it does.
+  RenderedRecording(const SynthOptions& options, int frames, std::optional<int> turn = {});
+  Sensor sensor() const override { return synth_.sensor(); }
+  Camera camera() const override { return synth_.camera(); }
+  int size() const override { return static_cast<int>(frames_.size()); }
+  const Moment& operator()(int i) override;
+  std::optional<Eigen::Vector3d> position(int i) const override { return synth_.T_wc(place(i)).t(); }
 
  private:
   int place(int i) const { return turn_ && i > *turn_ ? std::max(0, 2 * *turn_ - i) : i; }

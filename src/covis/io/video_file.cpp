@@ -31,9 +31,9 @@ bool is_video(std::string_view head) {
   for (const std::string_view atom : {"ftyp"sv, "moov"sv, "mdat"sv, "free"sv, "skip"sv, "wide"sv}) {  // MP4 and MOV
     if (begins(4, atom)) return true;
   }
-  for (const auto& [first, packet] : {std::pair{0, 188}, {4, 192}, {0, 204}}) {  // MPEG transport streams
-    const auto synchronised = [&](int k) { return begins(static_cast<size_t>(first + k * packet), "G"); };
-    if (synchronised(0) && synchronised(1) && synchronised(2)) return true;
+  for (const auto& [first, packet] :
+       {std::pair<size_t, size_t>{0, 188}, {4, 192}, {0, 204}}) {  // MPEG transport streams
+    if (begins(first, "G") && begins(first + packet, "G") && begins(first + 2 * packet, "G")) return true;
   }
   return begins(8, "AVI ");
 }
