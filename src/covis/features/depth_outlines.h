@@ -19,13 +19,25 @@
 namespace covis {
 
 struct OutlineFit {
+  // Where depth would be laid over the image: scaled around its middle, mirrored where a scale is negative, and moved.
+  struct Place {
+    float scale_x = 1, scale_y = 1;
+    int x = 0, y = 0;  // cells
+
+    bool is_at(const Place& other) const;  // the same, to a cell
+    bool has_another_size() const;
+  };
+
   double here = 0;  // the best fit within 4 % of the image's width
   // The best fit displaced by more than 10 %, mirrored, upside down, turned round or another size by a quarter or more.
   double elsewhere = 0;
   int outlines = 0;  // the number in all frames; a few fit nowhere well
+  Place place{};     // of the best fit elsewhere
 
   // True when depth belongs elsewhere: more than twice as good, and more than chance gives in any scene.
   bool is_displaced() const;
+  // True when it is better by a quarter, with the size that it has: more than chance gives twice at one place.
+  bool is_better_elsewhere() const;
   double ratio() const;  // how many times better
   bool tells_much() const;
 };
@@ -33,15 +45,15 @@ struct OutlineFit {
 // Keeps its work space between frames.
 class DepthOutlines {
  public:
-  // Both have the same size. Every fourth frame is looked at, and after every fifth of these there is an answer.
+  // Both have the same size. Every second frame is looked at at first, later every fourth, and after every fifth of
+  // these there is an answer.
   std::optional<OutlineFit> add(ImageView<const uint8_t> image, ImageView<const float> depth);
 
  private:
   struct Outline {
     int x = 0, y = 0;  // cells
   };
-  // The outlines scaled around the middle of the image, mirrored where a scale is negative, and displaced by up to
-  // reach_x and reach_y cells.
+  // Places of one scale, displaced by up to reach_x and reach_y cells.
   struct Displacements {
     float scale_x = 1, scale_y = 1;
     int reach_x = 0, reach_y = 0;

@@ -54,6 +54,8 @@ std::string_view name(SensorDoubt doubt) {
       return "depth_displaced";
     case SensorDoubt::outlines_fit_nowhere:
       return "outlines_fit_nowhere";
+    case SensorDoubt::depth_frozen:
+      return "depth_frozen";
     case SensorDoubt::images_torn:
       return "images_torn";
   }
@@ -111,6 +113,11 @@ std::string describe(const SensorWarning& warning, Sensor sensor) {
       return text(
           "outlines of depth do not lie where the image has edges (%.1f standard deviations more than by chance; 8 to "
           "40 are usual): is depth of the same moment as the image, and registered to it?",
+          warning.figure);
+    case SensorDoubt::depth_frozen:
+      return text(
+          "%.0f depth images in a row are the same while the image changes: does the depth camera or its driver give "
+          "the last one again and again?",
           warning.figure);
     case SensorDoubt::images_torn:
       return text(
@@ -201,27 +208,16 @@ void SensorMonitor::add_comparison(int64_t frame, const DepthAgainstMotion& comp
 }
 
 void SensorMonitor::add_images(int64_t frame, ImageView<const uint8_t> image, ImageView<const float> depth) {
-  if (const auto fit = outlines_.add(image, depth)) add_outlines(frame, *fit);
+  const int equal = depth_images_.frozen.add(image, depth);
+  judge(SensorDoubt::depth_frozen, equal > 0, equal, frame);
+  if (const auto fit = depth_images_.outlines.add(image, depth)) add_outlines(frame, *fit);
 }
 
 void SensorMonitor::add_outlines(int64_t frame, const OutlineFit& fit) {
-  constexpr int kInARow = 2;
-  int& displaced = in_a_row_.displaced;
-  displaced = fit.is_displaced() ? displaced + 1 : 0;
-  judge(SensorDoubt::depth_displaced, displaced >= kInARow, fit.ratio(), frame);
-  // One answer may be that of a few things without edges. A doubt ends with the first answer that fits.
-  constexpr double kLeastFit = 5;
-  constexpr int kSilent = 3;  // answers that tell little, after which a doubt ends
-  if (!fit.tells_much()) {
-    in_a_row_.last_fit.reset();
-    if (++silence_.outlines >= kSilent) wrong_[static_cast<size_t>(SensorDoubt::outlines_fit_nowhere)] = false;
-    return;
-  }
-  silence_.outlines = 0;
-  if (const auto before = std::exchange(in_a_row_.last_fit, fit.here)) {
-    const double mean = (*before + fit.here) / 2;
-    judge(SensorDoubt::outlines_fit_nowhere, mean < kLeastFit && fit.here < kLeastFit, mean, frame);
-  }
+  OutlineAnswers& answers = depth_images_.answers;
+  answers.add(fit);
+  judge(SensorDoubt::depth_displaced, answers.are_displaced(), fit.ratio(), frame);
+  judge(SensorDoubt::outlines_fit_nowhere, answers.fit_nowhere(), answers.fit(), frame);
 }
 
 void SensorMonitor::add_map_comparison(int64_t frame, double contradiction) {
@@ -247,7 +243,8 @@ bool SensorMonitor::doubts() const {
 bool SensorMonitor::suspects_depth() const {
   const auto was_told = [this](SensorDoubt doubt) { return told_[static_cast<size_t>(doubt)]; };
   return was_told(SensorDoubt::depth_against_motion) || was_told(SensorDoubt::depth_against_map) ||
-         was_told(SensorDoubt::depth_displaced) || was_told(SensorDoubt::outlines_fit_nowhere);
+         was_told(SensorDoubt::depth_displaced) || was_told(SensorDoubt::outlines_fit_nowhere) ||
+         was_told(SensorDoubt::depth_frozen);
 }
 
 void SensorMonitor::restart() {
@@ -256,6 +253,7 @@ void SensorMonitor::restart() {
   error_ = {};
   spread_ = {};
   in_a_row_ = {};
+  depth_images_.answers = {};
   wrong_ = {};
 }
 

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,7 +16,9 @@
 #include "covis/core/sensor.h"
 #include "covis/features/depth_outlines.h"
 #include "covis/features/features.h"
+#include "covis/features/frozen_depth.h"
 #include "covis/mapping/depth_against_motion.h"
+#include "covis/slam/outline_answers.h"
 
 namespace covis {
 
@@ -30,10 +31,11 @@ enum class SensorDoubt {
   depth_against_motion,  // DepthAgainstMotion::error()
   depth_against_map,     // DepthAgainstMap::error
   depth_displaced,       // RGB-D; OutlineFit::ratio()
-  outlines_fit_nowhere,  // RGB-D; mean of OutlineFit::here of two answers in a row
+  outlines_fit_nowhere,  // RGB-D; OutlineAnswers::fit()
+  depth_frozen,          // RGB-D; the number of equal depth images in a row, of other images (FrozenDepth)
   images_torn,           // any camera; the number of torn frames in a row (torn_image.h)
 };
-constexpr size_t kSensorDoubts = 10;
+constexpr size_t kSensorDoubts = 11;
 std::string_view name(SensorDoubt doubt);
 
 struct SensorWarning {
@@ -68,7 +70,7 @@ class SensorMonitor {
   // True while depth contradicts the images.
   bool doubts_depth() const {
     return holds(SensorDoubt::depth_against_motion) || holds(SensorDoubt::depth_displaced) ||
-           holds(SensorDoubt::outlines_fit_nowhere);
+           holds(SensorDoubt::outlines_fit_nowhere) || holds(SensorDoubt::depth_frozen);
   }
   // True once depth has contradicted the images or the map. It stays so: every key frame is compared from then on.
   bool suspects_depth() const;
@@ -114,17 +116,20 @@ class SensorMonitor {
   DepthFigures depth_figures_;
   Window<kComparisons> error_, spread_;
   struct Silence {
-    size_t share = 0, depths = 0, outlines = 0;
+    size_t share = 0, depths = 0;
   };
   Silence silence_;  // frames in a row that say nothing of it
   struct InARow {
-    int contradictions = 0;            // frames whose depth contradicts the map
-    int displaced = 0;                 // answers that depth is displaced
-    int torn = 0;                      // frames
-    std::optional<double> last_fit{};  // OutlineFit::here of the last answer, if it tells much
+    int contradictions = 0;  // frames whose depth contradicts the map
+    int torn = 0;            // frames
   };
   InARow in_a_row_;
-  DepthOutlines outlines_;
+  struct DepthImages {
+    FrozenDepth frozen;
+    DepthOutlines outlines;
+    OutlineAnswers answers;
+  };
+  DepthImages depth_images_;
   std::vector<double> depths_;  // work space
   std::array<bool, kSensorDoubts> wrong_{}, told_{};
   std::vector<SensorWarning> fresh_;

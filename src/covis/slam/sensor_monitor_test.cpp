@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "covis/features/test_features.h"
 
 namespace covis {
@@ -246,6 +248,30 @@ TEST(SensorMonitor, OutlinesThatFitNowhereAreDoubtedUntilTheyFit) {
   EXPECT_TRUE(monitor.doubts());
   monitor.add_outlines(160, few);
   EXPECT_FALSE(monitor.doubts()) << "no outlines are left that could end it";
+}
+
+TEST(SensorMonitor, DepthThatNoLongerChangesIsDoubtedUntilItDoes) {
+  SensorMonitor monitor(Sensor::rgbd);
+  constexpr int kSide = 64;
+  ImageU8 image(kSide, kSide);
+  ImageF depth(kSide, kSide);
+  const auto add = [&](int i, float distance) {
+    for (int y = 0; y < kSide; ++y) {
+      std::fill_n(image.row(y), kSide, static_cast<uint8_t>(10 * i));
+      std::fill_n(depth.row(y), kSide, distance);
+    }
+    monitor.add_images(i, image.view(), depth.view());
+  };
+  for (int i = 0; i < 9; ++i) add(i, 2);
+  EXPECT_FALSE(monitor.doubts());
+  add(9, 2);
+  EXPECT_TRUE(monitor.doubts());
+  const auto warnings = monitor.take_warnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].doubt, SensorDoubt::depth_frozen);
+  EXPECT_THAT(describe(warnings[0], Sensor::rgbd), HasSubstr("10 depth images in a row are the same"));
+  add(10, 2.1f);
+  EXPECT_FALSE(monitor.doubts());
 }
 
 TEST(SensorMonitor, TornImagesAreToldAfterTwoInARow) {
