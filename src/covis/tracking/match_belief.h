@@ -26,6 +26,11 @@ class MatchBelief {
     constexpr double kOfUsual = 0.85;
     return local_share(figures) < kOfUsual * usual_local_;
   }
+  // True when so few agree that a camera found again may be at a place that only looks alike.
+  bool is_weak(const TrackFigures& figures) const {
+    constexpr double kOfUsual = 0.5;
+    return local_share(figures) < kOfUsual * usual_local_;
+  }
   // The frame's pose is believed.
   void accept(const TrackFigures& figures) {
     learn(usual_local_, local_share(figures));

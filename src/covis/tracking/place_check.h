@@ -4,7 +4,7 @@
 // usually seen from there, and stays tentative for a second: until then no key frame is made of it, and when it proves
 // wrong the frames since then lose their poses. Measured: docs/notes/005-expected-match-ratio.md.
 //
-//           relocalised, or jumped              here for a second
+//      relocalised, jumped, or doubted          here for a second
 //   settled ───────────────────────▶ tentative ──────────────────▶ settled
 //                                        │ lost, or jumped again
 //                                        └──▶ the poses since the jump are taken back
@@ -41,6 +41,8 @@ class PlaceCheck {
   };
   // True when the frame may be where it was found.
   bool is_right(const Found& found, Arrival arrival);
+  // The place of this frame, which is right as far as one can tell, is tentative.
+  void doubt(const TrackedFrame& frame);
   // The same frame is tracked: its pose holds.
   void accept(const TrackedFrame& frame, uint32_t submap);
   // The camera is lost: a tentative place was wrong.

@@ -136,6 +136,18 @@ TEST_F(TentativePlaceTest, TheFirstPlaceIsTentativeForASecond) {
   EXPECT_FALSE(place.take_retraction()) << "settled places stay";
 }
 
+TEST_F(TentativePlaceTest, APlaceThatIsDoubtedIsTentativeWhereverItLies) {
+  settle();
+  find(1, 0.1, 0.1, Arrival::relocalised);
+  EXPECT_FALSE(place.tentative());
+  place.doubt(at(1, 0.1, 0.1));
+  EXPECT_TRUE(place.tentative());
+  find(2, 0.2, 0.2);
+  place.doubt(at(2, 0.2, 0.2));
+  place.lose();
+  EXPECT_EQ(place.take_retraction(), 1) << "from the first doubt on";
+}
+
 TEST_F(TentativePlaceTest, LostWhileTentativeTakesBackThePosesSinceTheJump) {
   settle();
   find(5, 0.5, 20, Arrival::relocalised);

@@ -171,6 +171,7 @@ bool Tracker::relocalise(TrackResult& result, const SharedMap* live) {
     health_.last_recovery = current_.stamp;
     result.method = TrackMethod::recovered;
     result.first_share = 0;  // that of a hypothesis which was refused
+    if (belief_.is_weak(result)) search_.place.doubt(current_);
   } else if (state_ == TrackingState::lost || result.reason == NoPoseReason::none) {
     result.reason = NoPoseReason::no_key_frame_matches;
   }
