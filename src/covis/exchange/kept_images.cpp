@@ -49,12 +49,12 @@ Result<KeptImages> KeptImages::read(const fs::path& folder) {
     list.str(*text);
   }
   std::string name;
+  std::error_code error;
   for (Timestamp stamp = 0; list >> name >> stamp;) {
     // Names of this folder alone, and no links, which Covis does not make: they would lead to files of others.
     const fs::path file = folder / fs::path(name).filename();
-    if (fs::is_regular_file(file) && !fs::is_symlink(file)) kept.stamps_[file.filename()] = stamp;
+    if (fs::is_regular_file(fs::symlink_status(file, error))) kept.stamps_[file.filename()] = stamp;
   }
-  std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     if (!kept.listed_ && io::is_image(entry.path())) kept.stamps_[entry.path().filename()] = 0;
   }

@@ -41,6 +41,16 @@ TEST(KeptImages, AListThatNeverEndsIsRefused) {
   EXPECT_THAT(KeptImages::read(folder.path()).error().message, testing::HasSubstr("images.txt: it is a pipe"));
 }
 
+// Found by tools/fuzz.
+TEST(KeptImages, ANameThatNoFileCanHaveIsPassedOver) {
+  const TemporaryFolder folder;
+  write_file(folder / "000001.png", "an image");
+  write_file(folder / "images.txt", std::string(300, 'a') + ".png 5\n000001.png 7\n");
+  const auto kept = KeptImages::read(folder.path());
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->find(1, 7), folder / "000001.png");
+}
+
 TEST(KeptImages, AreNotWrittenIntoAFolderOfOtherThings) {
   const TemporaryFolder folder;
   fs::create_directories(folder / "rec.images");

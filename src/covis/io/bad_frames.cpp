@@ -13,7 +13,10 @@ namespace fs = std::filesystem;
 
 // Returns what is wrong with the frame's files; empty: nothing.
 std::string missing_file(const FrameFiles& frame) {
-  const auto missing = [](const fs::path& file) { return !file.empty() && !fs::exists(file); };
+  const auto missing = [](const fs::path& file) {
+    std::error_code error;  // of a name that no file can have, too
+    return !file.empty() && !fs::exists(file, error);
+  };
   if (missing(frame.image)) return frame.image + ": the file is listed but missing";
   if (missing(frame.right)) return frame.right + ": the right image of " + frame.image + " is missing";
   if (missing(frame.depth)) return frame.depth + ": the depth image of " + frame.image + " is missing";

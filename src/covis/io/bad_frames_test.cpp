@@ -71,5 +71,23 @@ TEST_F(BadFramesOfKitti, ARowOfAListToo) {
   EXPECT_THAT((*opened)->notes(), ElementsAre(HasSubstr("data.csv:4")));
 }
 
+TEST_F(BadFramesOfKitti, ANameThatNoFileCanHaveIsThatOfAMissingImage) {
+  std::string rows;
+  for (int i = 0; i < kFrames; ++i) {
+    std::string name = std::to_string(i) + ".png";
+    if (i == 3) {
+      name.insert(0, 300, 'a');
+    } else {
+      image(name, 50);
+    }
+    rows += std::to_string(0.1 * i) + " " + name + "\n";
+  }
+  write("rgb.txt", rows);
+  camera_yaml();
+  const auto opened = open({.kind = SequenceKind::tum, .sensor = Sensor::monocular});
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ((*opened)->size(), kFrames - 1);
+}
+
 }  // namespace
 }  // namespace covis::io

@@ -225,6 +225,19 @@ TEST_F(ImageFiles, TheTextsOfAPngAreNotUnpacked) {
   EXPECT_EQ(grey(3, 3), 100);
 }
 
+// Found by tools/fuzz: OpenCV takes bytes with this word at this place for another format.
+TEST_F(ImageFiles, ATextOfAPngHidesNoOtherFormat) {
+  constexpr size_t kHead = 33, kBefore = 8, kWord = 140;  // bytes: up to the first chunk, before its data, to the word
+  const std::string plain = flat(".png"), rest = plain.substr(kHead);
+  const std::string word = chunk("tEXt", std::string(kWord - kHead - kBefore, '.') + "DTED");
+  const std::string png = plain.substr(0, kHead) + chunk("zTXt", "k") + word + rest;
+  EXPECT_EQ(problem(png), "");
+  write("a.png", png);
+  ImageU8 grey;
+  EXPECT_THAT(ImageReader().grey(folder / "a.png", grey).error().message,
+              AllOf(HasSubstr("a.png"), HasSubstr("not an image that can be read")));
+}
+
 TEST_F(ImageFiles, WebPIsRead) {
   write("a.webp", flat(".webp"));
   ImageU8 grey;

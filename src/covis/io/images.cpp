@@ -73,7 +73,11 @@ Result<cv::Mat> decode_image(const std::string& name, std::string_view bytes, in
   const auto codecs = plugin<CodecPlugin>();
   if (!codecs) return fail(name + ": " + codecs.error().message);
   const std::string plain = without_texts(bytes);
-  if (!plain.empty()) bytes = plain;
+  if (!plain.empty()) {
+    // What stood behind the texts may be taken for another format where it stands now.
+    if (const auto problem = problem_of_image(plain, expected)) return fail(name + ": " + *problem);
+    bytes = plain;
+  }
   const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
   const ReusedMemory memory(std::move(to));
   cv::Mat decoded;
