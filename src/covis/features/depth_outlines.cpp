@@ -11,17 +11,16 @@
 namespace covis {
 namespace {
 
-constexpr int kCells = 80;                                  // side by side
-constexpr size_t kFirst = 50, kEveryFirst = 2, kEvery = 4;  // of the first frames every second is looked at
-constexpr size_t kFrames = 5;                               // looked at for an answer
-constexpr int kHere = 3;                                    // cells that count as no displacement
-constexpr int kLeastX = 8, kLeastY = 6;                     // cells: a displacement is more than either
-constexpr int kMostX = 24, kMostY = 18;                     // cells: those looked at
-constexpr int kOff = 2;                                     // cells by which a mirrored or scaled image may be off
-constexpr int kLanes = 8;                                   // sums of a register
-constexpr int kMargin = kMostX + kLanes;                    // cells around the edges
-constexpr float kLeastStep = 1.13f;                         // factor of depth across two cells that makes an outline
-constexpr int kBeside = 3;  // cells from an outline to where the slant of the surfaces is seen
+constexpr int kCells = 80;                // side by side
+constexpr size_t kFrames = 5;             // looked at for an answer
+constexpr int kHere = 3;                  // cells that count as no displacement
+constexpr int kLeastX = 8, kLeastY = 6;   // cells: a displacement is more than either
+constexpr int kMostX = 24, kMostY = 18;   // cells: those looked at
+constexpr int kOff = 2;                   // cells by which a mirrored or scaled image may be off
+constexpr int kLanes = 8;                 // sums of a register
+constexpr int kMargin = kMostX + kLanes;  // cells around the edges
+constexpr float kLeastStep = 1.13f;       // factor of depth across two cells that makes an outline
+constexpr int kBeside = 3;                // cells from an outline to where the slant of the surfaces is seen
 constexpr float kTimesSlope = 2;
 constexpr size_t kMostOutlines = 256;  // a frame has; sums stay below 2^15
 constexpr int32_t kMostEdge = 127;
@@ -32,7 +31,7 @@ constexpr int kSurroundings = 5;      // cells to each side
 // A depth camera's view may be narrower or wider than the image's. Nearer to 1 the middle of the image fits as it is.
 constexpr std::array kScales{0.5f, 0.56f, 0.63f, 0.71f, 0.79f, 1.26f, 1.41f, 1.59f, 1.78f, 2.0f};
 
-constexpr double kTimesBetter = 2, kTimesBetterAtAPlace = 1.25, kLeastFit = 8, kNoFit = 3;
+constexpr double kTimesBetter = 2, kLeastFit = 8, kNoFit = 3;
 constexpr int kManyOutlines = 300;
 
 // A step of depth from one side of a cell to the other. Surfaces at a slant have such steps everywhere; their inverse
@@ -53,10 +52,6 @@ int32_t logarithm(int32_t value) { return std::bit_cast<int32_t>(static_cast<flo
 
 bool OutlineFit::is_displaced() const { return elsewhere > kLeastFit && ratio() > kTimesBetter; }
 
-bool OutlineFit::is_better_elsewhere() const {
-  return elsewhere > kLeastFit && ratio() > kTimesBetterAtAPlace && !place.has_another_size();
-}
-
 bool OutlineFit::Place::is_at(const Place& other) const {
   return scale_x == other.scale_x && scale_y == other.scale_y && std::abs(x - other.x) <= 1 &&
          std::abs(y - other.y) <= 1;
@@ -64,19 +59,22 @@ bool OutlineFit::Place::is_at(const Place& other) const {
 
 bool OutlineFit::Place::has_another_size() const { return std::abs(scale_x) != 1 || std::abs(scale_y) != 1; }
 
+bool OutlineFit::Place::is_about_as_large(const Place& other) const {
+  constexpr float kStep = 1.3f;  // factor
+  return std::max(scale_x, other.scale_x) <= kStep * std::min(scale_x, other.scale_x);
+}
+
 bool OutlineFit::tells_much() const { return outlines >= kManyOutlines; }
 
 double OutlineFit::ratio() const { return elsewhere / std::max(here, kNoFit); }
 
 std::optional<OutlineFit> DepthOutlines::add(ImageView<const uint8_t> image, ImageView<const float> depth) {
-  const size_t frame = frames_++;
-  if (frame % (frame < kFirst ? kEveryFirst : kEvery) != 0) return std::nullopt;
   if (displacements_.empty()) start(image);
   find_outlines(depth);
   average(image);
   find_edges();
   for (Displacements& all : displacements_) fit(all);
-  if (++looked_at_ % kFrames != 0) return std::nullopt;
+  if (++frames_ % kFrames != 0) return std::nullopt;
   return answer();
 }
 

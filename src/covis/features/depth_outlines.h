@@ -26,6 +26,7 @@ struct OutlineFit {
 
     bool is_at(const Place& other) const;  // the same, to a cell
     bool has_another_size() const;
+    bool is_about_as_large(const Place& other) const;  // to a step of the sizes that are tried
   };
 
   double here = 0;  // the best fit within 4 % of the image's width
@@ -36,8 +37,6 @@ struct OutlineFit {
 
   // True when depth belongs elsewhere: more than twice as good, and more than chance gives in any scene.
   bool is_displaced() const;
-  // True when it is better by a quarter, with the size that it has: more than chance gives twice at one place.
-  bool is_better_elsewhere() const;
   double ratio() const;  // how many times better
   bool tells_much() const;
 };
@@ -45,8 +44,7 @@ struct OutlineFit {
 // Keeps its work space between frames.
 class DepthOutlines {
  public:
-  // Both have the same size. Every second frame is looked at at first, later every fourth, and after every fifth of
-  // these there is an answer.
+  // Both have the same size. After every fifth frame there is an answer.
   std::optional<OutlineFit> add(ImageView<const uint8_t> image, ImageView<const float> depth);
 
  private:
@@ -70,7 +68,7 @@ class DepthOutlines {
 
   int block_ = 0, width_ = 0, height_ = 0;  // pixels of a cell's side; cells
   int stride_ = 0;                          // cells from row to row of edge_
-  size_t frames_ = 0, looked_at_ = 0;
+  size_t frames_ = 0;
   std::vector<float> depth_;       // by cell; 0: none
   std::vector<uint16_t> columns_;  // sums over the rows of one cell
   std::vector<int32_t> grey_;      // by cell, in eighths

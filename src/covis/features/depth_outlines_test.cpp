@@ -61,7 +61,7 @@ OutlineFit fit_of(From from) {
     }
     answer = outlines.add(good.grey.view(), depth.view());
   }
-  EXPECT_EQ(frames, 9) << "the fifth of every second";
+  EXPECT_EQ(frames, 5);
   return answer.value_or(OutlineFit{});
 }
 

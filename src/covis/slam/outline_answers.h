@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The answers of DepthOutlines in a row: one alone may be that of a few things without edges. Right and wrong depth by
-// these figures: docs/notes/043-torn-images.md.
+// Which frames DepthOutlines looks at, and what its answers in a row say: one alone may be that of a few things without
+// edges. Right and wrong depth by these figures: docs/notes/043-torn-images.md.
 #pragma once
 
 #include <array>
@@ -13,20 +13,23 @@ namespace covis {
 
 class OutlineAnswers {
  public:
+  // For each frame: true for one to be looked at. At first, and after an answer that may be of wrong depth, these are
+  // every second one, else every fourth.
+  bool is_next_due();
   void add(const OutlineFit& fit);
 
-  // True while two in a row fit better elsewhere: twice as well, or by a quarter at the same place, where no answer of
-  // right depth stays.
+  // True while two in a row fit better elsewhere: three times as well, or twice as well by another size, or by a
+  // quarter at the same place, where no two answers of right depth are.
   bool are_displaced() const { return displaced_; }
-  // True from two or three in a row that fit badly on, until one fits or three tell little.
+  // True from three in a row that fit badly on, until one fits or three tell little.
   bool fit_nowhere() const { return nowhere_; }
-  // The mean of OutlineFit::here of the last answers that tell much.
+  // The mean of OutlineFit::here of the last three answers that tell much, or of those that there are.
   double fit() const;
 
  private:
-  void judge_place(const OutlineFit& fit);
   void judge_fit(const OutlineFit& fit);
 
+  size_t frames_ = 0, last_look_ = 0;
   std::optional<OutlineFit> last_;
   std::array<double, 3> fits_{};  // of the last answers that tell much, the newest first
   size_t fit_count_ = 0;

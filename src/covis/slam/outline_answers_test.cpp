@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <initializer_list>
+#include <vector>
 
 namespace covis {
 namespace {
@@ -15,44 +16,67 @@ OutlineAnswers after(std::initializer_list<OutlineFit> fits) {
 }
 
 OutlineFit fits(double here) { return {here, 6, 900}; }
+// 26 standard deviations where depth of this size lies by so many cells, 26 / ratio where it should.
+OutlineFit better(double ratio, int x, int y = 0, float scale = 1) {
+  return {26 / ratio, 26, 900, {scale, scale, x, y}};
+}
 
-TEST(OutlineAnswers, TwiceAsGoodElsewhereTwiceIsDisplaced) {
-  const OutlineFit displaced{4, 20}, good{20, 8};
+TEST(OutlineAnswers, ThreeTimesAsGoodElsewhereTwiceIsDisplaced) {
+  const OutlineFit displaced = better(4, 10), good{20, 8, 900};
   EXPECT_FALSE(after({displaced}).are_displaced());
   EXPECT_FALSE(after({displaced, good, displaced}).are_displaced());
   EXPECT_TRUE(after({displaced, displaced}).are_displaced());
+  EXPECT_TRUE(after({displaced, better(4, -20)}).are_displaced());
   EXPECT_FALSE(after({displaced, displaced, good}).are_displaced());
 }
 
 TEST(OutlineAnswers, AQuarterBetterIsDisplacedWhereThePlaceIsTheSame) {
-  const auto at = [](float scale, int x, int y) { return OutlineFit{20, 26, 900, {scale, scale, x, y}}; };
-  EXPECT_TRUE(after({at(1, -10, 0), at(1, -11, 1)}).are_displaced());
-  EXPECT_TRUE(after({at(-1, 0, 0), at(-1, 0, 0)}).are_displaced());
-  EXPECT_FALSE(after({at(1, -10, 0), at(1, 10, 0)}).are_displaced());
-  EXPECT_FALSE(after({at(1, 0, 0), at(-1, 0, 0)}).are_displaced());
-  EXPECT_FALSE(after({at(0.79f, 0, 0), at(0.79f, 0, 0)}).are_displaced())
-      << "as of a camera whose depth is nearly registered";
-  const OutlineFit slightly{20, 24, 900, {1, 1, -10, 0}};
-  EXPECT_FALSE(after({slightly, slightly}).are_displaced());
+  EXPECT_TRUE(after({better(1.3, -10), better(1.3, -11, 1)}).are_displaced());
+  EXPECT_TRUE(after({better(1.3, 0, 0, -1), better(1.3, 0, 0, -1)}).are_displaced()) << "turned round";
+  EXPECT_FALSE(after({better(2.5, -10), better(2.5, 10)}).are_displaced());
+  EXPECT_FALSE(after({better(2.5, 0), better(2.5, 0, 0, -1)}).are_displaced());
+  EXPECT_FALSE(after({better(1.2, -10), better(1.2, -10)}).are_displaced());
 }
 
-TEST(OutlineAnswers, TwoThatFitVeryBadlyOrThreeThatFitBadlyFitNowhere) {
-  EXPECT_FALSE(after({fits(3)}).fit_nowhere());
-  EXPECT_TRUE(after({fits(3), fits(3)}).fit_nowhere());
-  EXPECT_FALSE(after({fits(4.9), fits(4.9)}).fit_nowhere());
+TEST(OutlineAnswers, FarBetterByAnotherSizeIsDisplacedWhereTheSizesAreAlike) {
+  EXPECT_TRUE(after({better(2.5, 0, 0, 0.5f), better(2.5, 2, 2, 0.63f)}).are_displaced());
+  EXPECT_FALSE(after({better(2.5, 0, 0, 0.5f), better(2.5, 0, 0, 0.71f)}).are_displaced());
+  EXPECT_FALSE(after({better(2.3, 0, 0, 0.79f), better(2.3, 0, 0, 0.79f)}).are_displaced())
+      << "as of a camera whose depth is nearly registered";
+}
+
+TEST(OutlineAnswers, ThreeThatFitBadlyFitNowhere) {
+  EXPECT_FALSE(after({fits(3), fits(3)}).fit_nowhere());
   EXPECT_TRUE(after({fits(4.9), fits(4.9), fits(4.9)}).fit_nowhere());
   EXPECT_FALSE(after({fits(9), fits(4.9), fits(4.9)}).fit_nowhere());
-  EXPECT_FALSE(after({fits(3), fits(5.1)}).fit_nowhere()) << "the last one fits";
-  EXPECT_DOUBLE_EQ(after({fits(3), fits(4)}).fit(), 3.5);
+  EXPECT_FALSE(after({fits(3), fits(3), fits(5.1)}).fit_nowhere()) << "the last one fits";
+  EXPECT_DOUBLE_EQ(after({fits(9), fits(3), fits(4), fits(5)}).fit(), 4);
 }
 
 TEST(OutlineAnswers, TheyFitNowhereUntilOneFitsOrThreeTellLittle) {
   const OutlineFit few{1, 5, 50};
-  EXPECT_TRUE(after({fits(3), fits(3), fits(4.9)}).fit_nowhere());
-  EXPECT_FALSE(after({fits(3), fits(3), fits(5.1)}).fit_nowhere());
-  EXPECT_TRUE(after({fits(3), fits(3), few, few}).fit_nowhere());
-  EXPECT_FALSE(after({fits(3), fits(3), few, few, few}).fit_nowhere());
-  EXPECT_FALSE(after({fits(3), few, fits(3)}).fit_nowhere()) << "not in a row";
+  EXPECT_FALSE(after({fits(3), fits(3), fits(3), fits(5.1)}).fit_nowhere());
+  EXPECT_TRUE(after({fits(3), few, few, fits(3), fits(3)}).fit_nowhere()) << "a few that tell little are passed over";
+  EXPECT_TRUE(after({fits(3), fits(3), fits(3), few, few}).fit_nowhere());
+  EXPECT_FALSE(after({fits(3), fits(3), fits(3), few, few, few}).fit_nowhere());
+  EXPECT_FALSE(after({fits(3), fits(3), few, few, few, fits(3)}).fit_nowhere());
+}
+
+TEST(OutlineAnswers, FramesAreLookedAtMoreOftenAtFirstAndInDoubt) {
+  OutlineAnswers answers;
+  const auto looked_at = [&](int frames) {
+    int count = 0;
+    for (int i = 0; i < frames; ++i) count += answers.is_next_due();
+    return count;
+  };
+  EXPECT_EQ(looked_at(50), 25);
+  EXPECT_EQ(looked_at(400), 100);
+  answers.add(fits(3));
+  EXPECT_EQ(looked_at(20), 10);
+  answers.add(fits(12));
+  EXPECT_EQ(looked_at(20), 5);
+  answers.add(better(3, 10));
+  EXPECT_EQ(looked_at(20), 10);
 }
 
 }  // namespace
