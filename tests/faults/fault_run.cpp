@@ -106,7 +106,7 @@ const Moment& RenderedRecording::operator()(int i) {
   return moment;
 }
 
-FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stretch) {
+FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stretch, double usual_error) {
   const GoodFrames good = [&](int i) -> const Moment& { return recording(i); };
   auto slam = Slam::create(options_of(recording));
   if (!slam) {
@@ -148,7 +148,9 @@ FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stre
     if (recording.position(s.frame)) errors.push_back(s.error);
   }
   result.median_error = quantile(errors, 0.5);
-  const double bound = std::min(kMostBound, std::max({0.02, 0.01 * path_length(recording), 5 * result.median_error}));
+  result.greatest_error = errors.empty() ? 0 : *std::max_element(errors.begin(), errors.end());
+  const double bound = std::max(
+      usual_error, std::min(kMostBound, std::max({0.02, 0.01 * path_length(recording), 5 * result.median_error})));
   for (const Sure& s : sure) {
     if (s.error > bound) ++(stretch.has(s.frame) ? result.wrong_within : result.wrong_outside);
   }

@@ -57,8 +57,10 @@ struct FaultResult {
   int recovered_after = -1;                 // the same to a sure one in the first submap
   int warned_after = -1;                    // frames from the start of the stretch to a warning; -1: none
   double median_error = 0;                  // metres, of sure frames
+  double greatest_error = 0;                // metres, of sure frames
 };
 
-FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stretch);
+// `usual_error`: metres by which frames may be off anyway, as without the fault.
+FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stretch, double usual_error = 0);
 
 }  // namespace covis::faults

@@ -8,7 +8,7 @@
 namespace covis {
 namespace {
 
-constexpr int kStep = 8;                    // pixels from one depth looked at to the next
+constexpr int kStep = 16;                   // pixels and rows from one depth looked at to the next
 constexpr int kBlocks = 16;                 // side by side, and as many above each other
 constexpr int kLeastEqual = 10;             // cameras whose depth is slower than their images repeat it a few times
 constexpr int kLeastDepths = 50;            // depths without which a depth image says nothing
@@ -18,14 +18,13 @@ constexpr int32_t kMoved = 2 * kSixteenth;  // mean change of the blocks that no
 }  // namespace
 
 int FrozenDepth::add(ImageView<const uint8_t> image, ImageView<const float> depth) {
-  const bool equal = equals_last(depth);
-  average(image);
-  if (!equal) {
+  if (!equals_last(depth)) {
     equal_ = 1;
-    first_ = grey_;
     return 0;
   }
-  if (++equal_ < kLeastEqual) return 0;
+  average(image);
+  if (++equal_ == 2) first_ = grey_;
+  if (equal_ < kLeastEqual) return 0;
   int64_t change = 0;
   for (size_t k = 0; k < grey_.size(); ++k) change += std::abs(grey_[k] - first_[k]);
   return change > static_cast<int64_t>(grey_.size()) * kMoved ? equal_ : 0;

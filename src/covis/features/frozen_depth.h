@@ -13,15 +13,16 @@ namespace covis {
 class FrozenDepth {
  public:
   // Each frame. Returns the number of depth images in a row, this one and those before it, that are equal where they
-  // were looked at, or 0 while there are few or the image is still the one that the first of them came with.
+  // were looked at, or 0 while there are few or the image is still about the one that they began with.
   int add(ImageView<const uint8_t> image, ImageView<const float> depth);
 
  private:
   bool equals_last(ImageView<const float> depth);
   void average(ImageView<const uint8_t> image);
 
-  std::vector<float> depth_;           // of every eighth pixel of every eighth row
-  std::vector<int32_t> first_, grey_;  // means of blocks of the image: of the first equal frame, of this frame
+  std::vector<float> depth_;  // of some pixels
+  std::vector<int32_t> first_,
+      grey_;  // means of blocks of the image: of the first frame that repeats depth, of this one
   int equal_ = 0;
 };
 

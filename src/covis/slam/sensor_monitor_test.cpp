@@ -248,7 +248,7 @@ TEST(SensorMonitor, OutlinesThatFitNowhereAreDoubtedUntilTheyFit) {
 
 TEST(SensorMonitor, DepthThatNoLongerChangesIsDoubtedUntilItDoes) {
   SensorMonitor monitor(Sensor::rgbd);
-  constexpr int kSide = 64;
+  constexpr int kSide = 128;
   ImageU8 image(kSide, kSide);
   ImageF depth(kSide, kSide);
   const auto add = [&](int i, float distance) {
