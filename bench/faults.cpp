@@ -2,6 +2,7 @@
 // Every fault of tests/faults/faults.h on a recording, rendered or in files, one line each: how many frames were sure
 // of their pose, how many of those were wrong, how soon the camera was found again, how soon a warning came.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -51,7 +52,8 @@ void run_stored(const Choice& choice, Sensor sensor) {
   if (!recording) return (void)std::printf("%s: %s\n", name(sensor).data(), recording.error().message.c_str());
   const int size = recording->size(), start = size / 3;
   // Real recordings drift, and so does their ground truth.
-  const double usual_error = run_fault(*recording, {}, {size, size}).greatest_error;
+  const double greatest = run_fault(*recording, {}, {size, size}).greatest_error;
+  const double usual_error = std::isfinite(greatest) ? greatest : 0;
   run_faults(*recording, {start, start + std::min(kStretchEnd - kStretchStart, start / 2)}, choice.only, usual_error);
 }
 

@@ -87,6 +87,7 @@ int run_corpus(const fs::path& corpus) {
 int run_new_inputs(const std::vector<std::string>& arguments) {
   const double seconds = std::atof(arguments[1].c_str());
   const uint64_t seed = std::strtoull(arguments[2].c_str(), nullptr, 10);
+  if (!(seconds > 0)) return std::cerr << arguments[1] << ": a number of seconds is expected\n", 2;
   std::vector<Target> chosen;
   for (size_t i = 4; i < arguments.size(); ++i) {
     const Target* target = find_target(arguments[i]);

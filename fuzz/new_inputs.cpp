@@ -39,23 +39,35 @@ std::string mutated(std::string bytes, const std::string& other, Random& random)
         break;
       case 2: {
         const uint64_t value = kValues[below(std::size(kValues))];
-        std::memcpy(bytes.data() + at, &value, std::min<size_t>(bytes.size() - at, size_t{1} << random.below(4)));
+        const size_t size = size_t{1} << random.below(4);
+        std::memcpy(bytes.data() + at, &value, std::min(bytes.size() - at, size));
         break;
       }
       case 3:
         bytes.erase(at, length);
         break;
-      case 4:
-        bytes.insert(at, bytes.substr(below(bytes.size() + 1), 1 + below(40)));
+      case 4: {  // numbers are drawn one after the other: the order of a call's arguments is the compiler's
+        const size_t from = below(bytes.size() + 1);
+        bytes.insert(at, bytes.substr(from, 1 + below(40)));
         break;
-      case 5:
-        bytes.insert(at, other.substr(below(other.size() + 1), 1 + below(200)));
+      }
+      case 5: {
+        const size_t from = below(other.size() + 1);
+        bytes.insert(at, other.substr(from, 1 + below(200)));
         break;
+      }
       default: {
-        static const std::vector<std::string> kWords{"nan", "inf",  "-1", "1e300", "1e-300", "99999999999999999999",
-                                                     "\n",  "\0",   ",",  ": [",   "{",      " 0 0 0 ",
-                                                     "/..", "%%\n", "#",  "&a ",   "*a",     "1e308"};
-        bytes.replace(at, random.below(2) == 0 ? length : 0, kWords[below(kWords.size())]);
+        static const std::vector<std::string> kWords{"nan",    "inf",
+                                                     "-1",     "1e300",
+                                                     "1e-300", "99999999999999999999",
+                                                     "\n",     std::string(1, '\0'),
+                                                     ",",      ": [",
+                                                     "{",      " 0 0 0 ",
+                                                     "/..",    "%%\n",
+                                                     "#",      "&a ",
+                                                     "*a",     "1e308"};
+        const size_t replaced = random.below(2) == 0 ? length : 0;
+        bytes.replace(at, replaced, kWords[below(kWords.size())]);
       }
     }
   }
@@ -64,7 +76,8 @@ std::string mutated(std::string bytes, const std::string& other, Random& random)
 
 }  // namespace
 
-NewInputs::NewInputs(uint64_t seed, const std::filesystem::path& corpus, const std::string& target) : seed_(seed) {
+NewInputs::NewInputs(uint64_t seed, const std::filesystem::path& corpus, const std::string& target)
+    : seed_(seed), corpus_(corpus) {
   for (const std::filesystem::path& file : files_in(corpus / target)) kept_.push_back(read_file(file));
   require(!kept_.empty(), "a corpus with kept inputs of the target");
 }
@@ -94,7 +107,7 @@ bool run_for(const NewInputs& inputs, const Target& target, double seconds) {
     std::exit(0);  // leaks are looked for
   }
   int status = 0;
-  ::waitpid(child, &status, 0);
+  require(::waitpid(child, &status, 0) == child, "the end of the process");
   std::error_code none;
   std::filesystem::remove_all(scratch_folder_of(child), none);
   const uint64_t reached = number;
@@ -104,8 +117,8 @@ bool run_for(const NewInputs& inputs, const Target& target, double seconds) {
   std::cerr << target.name << ": "
             << (WIFSIGNALED(status) ? "signal " + std::to_string(WTERMSIG(status))
                                     : "exit code " + std::to_string(WEXITSTATUS(status)))
-            << "; the input is made again by\n  covis_fuzz --input " << inputs.seed() << " " << reached
-            << " fuzz/corpus " << target.name << " > FILE" << std::endl;
+            << "; the input (of a leak, one before it) is made again by\n  covis_fuzz --input " << inputs.seed() << " "
+            << reached << " " << inputs.corpus().string() << " " << target.name << " > FILE" << std::endl;
   return false;
 }
 

@@ -18,9 +18,11 @@ class NewInputs {
   NewInputs(uint64_t seed, const std::filesystem::path& corpus, const std::string& target);
   std::string make(uint64_t number) const;
   uint64_t seed() const { return seed_; }
+  const std::filesystem::path& corpus() const { return corpus_; }
 
  private:
   uint64_t seed_;
+  std::filesystem::path corpus_;
   std::vector<std::string> kept_;
 };
 

@@ -177,8 +177,8 @@ void bind_results(py::module_& m) {
           "The camera's Pose in its submap's world; None without one.")
       .def_readonly("submap", &FrameResult::submap, "Id of the submap whose world the pose is in.")
       .def_readonly("tentative", &FrameResult::tentative,
-                    "The camera was found far from its last place less than a second ago, or depth is not to be "
-                    "believed: the pose may be withdrawn.")
+                    "The camera was found far from its last place, or found again by few matches, less than a second "
+                    "ago, or depth is not to be believed: the pose may be withdrawn.")
       .def_readonly("dead_reckoned", &FrameResult::dead_reckoned,
                     "Localisation only: too few points of the map are seen, and the frame's own depth carried the "
                     "pose on.")

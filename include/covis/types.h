@@ -126,9 +126,9 @@ struct FrameResult {
   NoPoseReason reason = NoPoseReason::none;  // why there is no pose; none when tracking
   Pose pose;                                 // meaningful when tracking
   int submap = 0;                            // id of the submap whose world the pose is in
-  // The camera was found far from its last place, less than a second ago. If the frames of that second do not confirm
-  // the place, they lose their poses (the trajectory leaves them out), and a later frame is lost or found elsewhere.
-  // Also true while images or depth are not to be believed (Event::Kind::sensor_doubted).
+  // The camera was found far from its last place, or found again by few matches, less than a second ago. If the frames
+  // of that second do not confirm the place, they lose their poses (the trajectory leaves them out), and a later frame
+  // is lost or found elsewhere. Also true while images or depth are not to be believed (Event::Kind::sensor_doubted).
   bool tentative = false;
   // In localisation only: the frame shows too few points of the map, and its own depth carried the pose on. It drifts.
   bool dead_reckoned = false;

@@ -70,7 +70,9 @@ void find_errors(std::vector<Sure>& all, const GoodRecording& recording, Stretch
     }
     const auto alignment = align(claimed, truth, scale);
     if (!alignment) {  // nobody can say that these poses are right
-      for (Sure* sure : frames) sure->error = std::numeric_limits<double>::infinity();
+      for (Sure* sure : frames) {
+        if (recording.position(sure->frame)) sure->error = std::numeric_limits<double>::infinity();
+      }
       continue;
     }
     for (Sure* sure : frames) {

@@ -31,7 +31,7 @@ constexpr int kSurroundings = 5;      // cells to each side
 // A depth camera's view may be narrower or wider than the image's. Nearer to 1 the middle of the image fits as it is.
 constexpr std::array kScales{0.5f, 0.56f, 0.63f, 0.71f, 0.79f, 1.26f, 1.41f, 1.59f, 1.78f, 2.0f};
 
-constexpr double kTimesBetter = 2, kLeastFit = 8, kNoFit = 3;
+constexpr double kNoFit = 3;
 constexpr int kManyOutlines = 300;
 
 // A step of depth from one side of a cell to the other. Surfaces at a slant have such steps everywhere; their inverse
@@ -49,8 +49,6 @@ bool is_outline(const float* at, int off) {
 int32_t logarithm(int32_t value) { return std::bit_cast<int32_t>(static_cast<float>(value)) >> 16; }
 
 }  // namespace
-
-bool OutlineFit::is_displaced() const { return elsewhere > kLeastFit && ratio() > kTimesBetter; }
 
 bool OutlineFit::Place::is_at(const Place& other) const {
   return scale_x == other.scale_x && scale_y == other.scale_y && std::abs(x - other.x) <= 1 &&
@@ -212,8 +210,18 @@ void DepthOutlines::fit(Displacements& all) {
   for (size_t k = 0; k < all.sums.size(); ++k) all.total[k] += all.sums[k];
 }
 
+bool DepthOutlines::is_new_view() {
+  constexpr int64_t kMoved = 3 * kUnit;  // mean change of a cell that neither noise nor flicker makes
+  int64_t change = 0;
+  for (size_t k = 0; k < viewed_.size(); ++k) change += std::abs(grey_[k] - viewed_[k]);
+  if (!viewed_.empty() && change < kMoved * static_cast<int64_t>(viewed_.size())) return false;
+  viewed_ = grey_;
+  return true;
+}
+
 OutlineFit DepthOutlines::answer() {
   OutlineFit found;
+  found.new_view = is_new_view();
   const double sigma = std::sqrt(std::max(1.0, variance_));
   for (Displacements& all : displacements_) {
     const bool changed = all.scale_x != 1 || all.scale_y != 1;

@@ -26,17 +26,17 @@ struct OutlineFit {
 
     bool is_at(const Place& other) const;  // the same, to a cell
     bool has_another_size() const;
-    bool is_about_as_large(const Place& other) const;  // to a step of the sizes that are tried
+    bool is_mirrored() const { return scale_x < 0 || scale_y < 0; }
+    bool is_about_as_large(const Place& other) const;  // by a factor of 1.3
   };
 
   double here = 0;  // the best fit within 4 % of the image's width
   // The best fit displaced by more than 10 %, mirrored, upside down, turned round or another size by a quarter or more.
   double elsewhere = 0;
-  int outlines = 0;  // the number in all frames; a few fit nowhere well
-  Place place{};     // of the best fit elsewhere
+  int outlines = 0;      // the number in all frames; a few fit nowhere well
+  Place place{};         // of the best fit elsewhere
+  bool new_view = true;  // false: the camera stands as at the last answer of a new view, and would give it again
 
-  // True when depth belongs elsewhere: more than twice as good, and more than chance gives in any scene.
-  bool is_displaced() const;
   double ratio() const;  // how many times better
   bool tells_much() const;
 };
@@ -64,6 +64,7 @@ class DepthOutlines {
   void average(ImageView<const uint8_t> image);
   void find_edges();
   void fit(Displacements& all);
+  bool is_new_view();
   OutlineFit answer();
 
   int block_ = 0, width_ = 0, height_ = 0;  // pixels of a cell's side; cells
@@ -72,6 +73,7 @@ class DepthOutlines {
   std::vector<float> depth_;       // by cell; 0: none
   std::vector<uint16_t> columns_;  // sums over the rows of one cell
   std::vector<int32_t> grey_;      // by cell, in eighths
+  std::vector<int32_t> viewed_;    // grey_ at the last answer of a new view
   std::vector<int32_t> gradient_, along_rows_, around_;
   std::vector<int16_t> edge_;  // by cell, with a margin without edges
   std::vector<Outline> outlines_;

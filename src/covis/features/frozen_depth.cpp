@@ -8,10 +8,11 @@
 namespace covis {
 namespace {
 
-constexpr int kStep = 16;                   // pixels and rows from one depth looked at to the next
-constexpr int kBlocks = 16;                 // side by side, and as many above each other
-constexpr int kLeastEqual = 10;             // cameras whose depth is slower than their images repeat it a few times
-constexpr int kLeastDepths = 50;            // depths without which a depth image says nothing
+constexpr int kStep = 16;        // pixels and rows from one depth looked at to the next
+constexpr int kBlocks = 16;      // side by side, and as many above each other
+constexpr int kLeastEqual = 15;  // cameras whose depth is slower than their images repeat it a few times
+constexpr int kLeastDepths = 20,
+              kLeastShare = 4;              // depths without which a depth image says nothing; one in four has one
 constexpr int32_t kSixteenth = 16;          // units of a grey level
 constexpr int32_t kMoved = 2 * kSixteenth;  // mean change of the blocks that noise does not make
 
@@ -25,9 +26,11 @@ int FrozenDepth::add(ImageView<const uint8_t> image, ImageView<const float> dept
   average(image);
   if (++equal_ == 2) first_ = grey_;
   if (equal_ < kLeastEqual) return 0;
-  int64_t change = 0;
-  for (size_t k = 0; k < grey_.size(); ++k) change += std::abs(grey_[k] - first_[k]);
-  return change > static_cast<int64_t>(grey_.size()) * kMoved ? equal_ : 0;
+  int32_t brighter = 0, change = 0;
+  for (size_t k = 0; k < grey_.size(); ++k) brighter += grey_[k] - first_[k];
+  brighter /= static_cast<int32_t>(grey_.size());
+  for (size_t k = 0; k < grey_.size(); ++k) change += std::abs(grey_[k] - first_[k] - brighter);
+  return change > static_cast<int32_t>(grey_.size()) * kMoved ? equal_ : 0;
 }
 
 // Keeps the depths that it looked at.
@@ -47,7 +50,7 @@ bool FrozenDepth::equals_last(ImageView<const float> depth) {
       *kept = now;
     }
   }
-  return equal && measured >= kLeastDepths;
+  return equal && measured >= kLeastDepths && kLeastShare * static_cast<size_t>(measured) >= count;
 }
 
 // Every fourth pixel of every fourth row.

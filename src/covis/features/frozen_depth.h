@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Depth images that no longer change while their images do: a driver that repeats the last one. A depth camera's noise
-// makes every depth image another, also of a scene that stands. Measured: docs/notes/043-torn-images.md.
+// makes every depth image another, also of a scene that stands. Measured: docs/notes/044-depth-doubted-sooner.md.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace covis {
 class FrozenDepth {
  public:
   // Each frame. Returns the number of depth images in a row, this one and those before it, that are equal where they
-  // were looked at, or 0 while there are few or the image is still about the one that they began with.
+  // were looked at, or 0 while there are few or the image is still about the one that they began with, brighter or not.
   int add(ImageView<const uint8_t> image, ImageView<const float> depth);
 
  private:

@@ -13,10 +13,7 @@ namespace fs = std::filesystem;
 
 // Returns what is wrong with the frame's files; empty: nothing.
 std::string missing_file(const FrameFiles& frame) {
-  const auto missing = [](const fs::path& file) {
-    std::error_code error;  // of a name that no file can have, too
-    return !file.empty() && !fs::exists(file, error);
-  };
+  const auto missing = [](const fs::path& file) { return !file.empty() && !is_there(file); };
   if (missing(frame.image)) return frame.image + ": the file is listed but missing";
   if (missing(frame.right)) return frame.right + ": the right image of " + frame.image + " is missing";
   if (missing(frame.depth)) return frame.depth + ": the depth image of " + frame.image + " is missing";

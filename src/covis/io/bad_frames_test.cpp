@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/io/bad_frames.h"
 
+#include "covis/io/files.h"
 #include "covis/io/test_recordings.h"
 
 namespace covis::io {
@@ -87,6 +88,9 @@ TEST_F(BadFramesOfKitti, ANameThatNoFileCanHaveIsThatOfAMissingImage) {
   const auto opened = open({.kind = SequenceKind::tum, .sensor = Sensor::monocular});
   ASSERT_TRUE(opened) << opened.error().message;
   EXPECT_EQ((*opened)->size(), kFrames - 1);
+  EXPECT_FALSE(is_there(std::string(300, 'a')));
+  EXPECT_TRUE(is_there(folder / "rgb.txt"));
+  EXPECT_FALSE(is_there(folder / "none.txt"));
 }
 
 }  // namespace

@@ -63,8 +63,8 @@ Result<std::vector<fs::path>> listed_files(const fs::path& folder, const fs::pat
     // Early versions wrote the folder's name before that of the file.
     if (!file.IsScalar()) return fail(yaml_place(metadata, file) + ": the name of a .db3 file is expected");
     const fs::path name = file.Scalar();
-    found.push_back(fs::exists(folder / name) ? folder / name : folder / name.filename());
-    if (!fs::exists(found.back())) return fail(found.back().string() + ": the file is listed but missing");
+    found.push_back(is_there(folder / name) ? folder / name : folder / name.filename());
+    if (!is_there(found.back())) return fail(found.back().string() + ": the file is listed but missing");
   }
   return found;
 }

@@ -100,6 +100,13 @@ bool is_regular(const std::filesystem::path& file) {
   return std::filesystem::is_regular_file(file, none);
 }
 
+bool is_there(const std::filesystem::path& file) {
+  std::error_code error;
+  const bool there = std::filesystem::exists(file, error);
+  if (error && error != std::errc::filename_too_long) throw std::filesystem::filesystem_error("status", file, error);
+  return there;
+}
+
 Result<void> read_bytes(const std::filesystem::path& file, std::string& bytes) {
   const auto opened = RegularFile::open(file);
   if (!opened) return tl::unexpected(opened.error());

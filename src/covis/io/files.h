@@ -21,6 +21,9 @@ inline constexpr size_t kLargestFile = size_t{1} << 30;
 
 // False for what cannot be read like a file: folders, pipes and devices, whose end may never come.
 bool is_regular(const std::filesystem::path& file);
+// True where there is something of this name. False for a name that is too long to be one; throws, as
+// std::filesystem::exists() does, where nobody can say it.
+bool is_there(const std::filesystem::path& file);
 // The name by which places can be compared, also where nothing is there: absolute, and without links as far as these
 // can be followed.
 std::filesystem::path normal_path(const std::filesystem::path& file);

@@ -79,7 +79,7 @@ Result<void> list_frames(const fs::path& base, BadFrames bad_frames, Recording& 
   size_t missing = 0, single = 0;
   for (const auto& [stamp, image] : *left) {
     const auto pair = right.find(stamp);
-    if (!fs::exists(image)) {
+    if (!is_there(image)) {
       ++missing;
     } else if (stereo && pair == right.end()) {
       ++single;

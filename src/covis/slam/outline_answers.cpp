@@ -11,16 +11,21 @@ namespace {
 constexpr double kLeastFit = 5;        // standard deviations; right depth has 5.5 and more in the mean of three answers
 constexpr int kSilent = 3;             // answers that tell little, after which those before count no more
 constexpr double kLeastElsewhere = 8;  // standard deviations that no chance gives
-constexpr double kTimesBetter = 3, kTimesBetterOfAnotherSize = 2.4, kTimesBetterAtAPlace = 1.25;
+// Times better elsewhere than here: anywhere; of another size; mirrored, for which few places are tried; moved alone.
+constexpr double kAnywhere = 3, kOfAnotherSize = 2.4, kMirrored = 1.5, kMoved = 1.25;
 
-// True when both answers say that depth belongs to one other place.
+bool is_better_elsewhere(const OutlineFit& fit) {
+  return fit.tells_much() && fit.elsewhere > kLeastElsewhere && fit.ratio() > kMoved;
+}
+
+// True when both answers say that depth belongs elsewhere, and the less they say so, to the same place.
 bool agree(const OutlineFit& a, const OutlineFit& b) {
-  if (a.elsewhere <= kLeastElsewhere || b.elsewhere <= kLeastElsewhere) return false;
+  if (!is_better_elsewhere(a) || !is_better_elsewhere(b)) return false;
   const double ratio = std::min(a.ratio(), b.ratio());
-  if (ratio > kTimesBetter) return true;
+  if (ratio > kAnywhere) return true;
   const OutlineFit::Place &p = a.place, &q = b.place;
-  if (p.has_another_size() && q.has_another_size()) return ratio > kTimesBetterOfAnotherSize && p.is_about_as_large(q);
-  return ratio > kTimesBetterAtAPlace && p.is_at(q);
+  if (p.has_another_size() && q.has_another_size()) return ratio > kOfAnotherSize && p.is_about_as_large(q);
+  return p.is_at(q) && (!p.is_mirrored() || ratio > kMirrored);
 }
 
 }  // namespace
@@ -28,13 +33,20 @@ bool agree(const OutlineFit& a, const OutlineFit& b) {
 bool OutlineAnswers::is_next_due() {
   constexpr size_t kFirst = 50, kOften = 2, kSeldom = 4;  // frames
   const size_t frame = frames_++;
-  const bool often = frame < kFirst || (last_ && (last_->here < kLeastFit || last_->is_displaced()));
+  const bool may_be_wrong = last_ && ((last_->tells_much() && last_->here < kLeastFit) ||
+                                      (is_better_elsewhere(*last_) && !last_->place.has_another_size()));
+  const bool often = frame < kFirst || may_be_wrong;
   if (frame > 0 && frame - last_look_ < (often ? kOften : kSeldom)) return false;
   last_look_ = frame;
   return true;
 }
 
 void OutlineAnswers::add(const OutlineFit& fit) {
+  if (!fit.new_view) {
+    displaced_ = displaced_ && is_better_elsewhere(fit);
+    nowhere_ = nowhere_ && fit.here < kLeastFit;
+    return;
+  }
   displaced_ = last_ && agree(*last_, fit);
   judge_fit(fit);
   last_ = fit;

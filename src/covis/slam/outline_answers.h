@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which frames DepthOutlines looks at, and what its answers in a row say: one alone may be that of a few things without
-// edges. Right and wrong depth by these figures: docs/notes/043-torn-images.md.
+// edges. Right and wrong depth by these figures: docs/notes/044-depth-doubted-sooner.md.
 #pragma once
 
 #include <array>
@@ -16,12 +16,13 @@ class OutlineAnswers {
   // For each frame: true for one to be looked at. At first, and after an answer that may be of wrong depth, these are
   // every second one, else every fourth.
   bool is_next_due();
+  // An answer of a camera that stands can end a doubt, and says nothing else.
   void add(const OutlineFit& fit);
 
-  // True while two in a row fit better elsewhere: three times as well, or twice as well by another size, or by a
-  // quarter at the same place, where no two answers of right depth are.
+  // True while two in a row fit far better elsewhere, or better at one other place, where no two answers of right depth
+  // are.
   bool are_displaced() const { return displaced_; }
-  // True from three in a row that fit badly on, until one fits or three tell little.
+  // True from three in a row whose mean fits badly on, until one fits or three tell little.
   bool fit_nowhere() const { return nowhere_; }
   // The mean of OutlineFit::here of the last three answers that tell much, or of those that there are.
   double fit() const;

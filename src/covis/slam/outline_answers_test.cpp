@@ -32,7 +32,11 @@ TEST(OutlineAnswers, ThreeTimesAsGoodElsewhereTwiceIsDisplaced) {
 
 TEST(OutlineAnswers, AQuarterBetterIsDisplacedWhereThePlaceIsTheSame) {
   EXPECT_TRUE(after({better(1.3, -10), better(1.3, -11, 1)}).are_displaced());
-  EXPECT_TRUE(after({better(1.3, 0, 0, -1), better(1.3, 0, 0, -1)}).are_displaced()) << "turned round";
+  EXPECT_TRUE(after({better(1.6, 0, 0, -1), better(1.6, 0, 0, -1)}).are_displaced()) << "turned round";
+  EXPECT_FALSE(after({better(1.4, 0, 0, -1), better(1.4, 0, 0, -1)}).are_displaced()) << "few places are tried";
+  OutlineFit few = better(2.5, -10);
+  few.outlines = 100;
+  EXPECT_FALSE(after({few, few}).are_displaced());
   EXPECT_FALSE(after({better(2.5, -10), better(2.5, 10)}).are_displaced());
   EXPECT_FALSE(after({better(2.5, 0), better(2.5, 0, 0, -1)}).are_displaced());
   EXPECT_FALSE(after({better(1.2, -10), better(1.2, -10)}).are_displaced());
@@ -62,6 +66,19 @@ TEST(OutlineAnswers, TheyFitNowhereUntilOneFitsOrThreeTellLittle) {
   EXPECT_FALSE(after({fits(3), fits(3), few, few, few, fits(3)}).fit_nowhere());
 }
 
+TEST(OutlineAnswers, ACameraThatStandsRepeatsItselfAndCanEndADoubt) {
+  const auto again = [](OutlineFit fit) {
+    fit.new_view = false;
+    return fit;
+  };
+  EXPECT_FALSE(after({better(4, -10), again(better(4, -10)), again(better(4, -10))}).are_displaced());
+  EXPECT_TRUE(after({better(4, -10), again(better(4, -10)), better(4, -10)}).are_displaced());
+  EXPECT_TRUE(after({better(4, -10), better(4, -10), again(better(4, -10))}).are_displaced());
+  EXPECT_FALSE(after({better(4, -10), better(4, -10), again(fits(20))}).are_displaced());
+  EXPECT_FALSE(after({fits(3), again(fits(3)), again(fits(3))}).fit_nowhere());
+  EXPECT_FALSE(after({fits(3), fits(3), fits(3), again(fits(6))}).fit_nowhere());
+}
+
 TEST(OutlineAnswers, FramesAreLookedAtMoreOftenAtFirstAndInDoubt) {
   OutlineAnswers answers;
   const auto looked_at = [&](int frames) {
@@ -75,8 +92,10 @@ TEST(OutlineAnswers, FramesAreLookedAtMoreOftenAtFirstAndInDoubt) {
   EXPECT_EQ(looked_at(20), 10);
   answers.add(fits(12));
   EXPECT_EQ(looked_at(20), 5);
-  answers.add(better(3, 10));
+  answers.add(better(1.3, 10));
   EXPECT_EQ(looked_at(20), 10);
+  answers.add({0, 0, 0});
+  EXPECT_EQ(looked_at(20), 5) << "a blank wall";
 }
 
 }  // namespace

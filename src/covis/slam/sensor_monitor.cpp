@@ -106,8 +106,9 @@ std::string describe(const SensorWarning& warning, Sensor sensor) {
           warning.figure);
     case SensorDoubt::depth_displaced:
       return text(
-          "outlines of depth do not lie where the image has edges, and fit them %.1f times better shifted, mirrored, "
-          "turned or scaled: is depth registered to the image, and the same way up?",
+          "outlines of depth fit the edges of the image %.1f times better shifted, mirrored, turned or scaled than "
+          "where "
+          "they are: is depth registered to the image, and the same way up?",
           warning.figure);
     case SensorDoubt::outlines_fit_nowhere:
       return text(
@@ -254,7 +255,7 @@ void SensorMonitor::restart() {
   error_ = {};
   spread_ = {};
   in_a_row_ = {};
-  depth_images_.answers = {};
+  depth_images_ = {};
   wrong_ = {};
 }
 

@@ -253,20 +253,20 @@ TEST(SensorMonitor, DepthThatNoLongerChangesIsDoubtedUntilItDoes) {
   ImageF depth(kSide, kSide);
   const auto add = [&](int i, float distance) {
     for (int y = 0; y < kSide; ++y) {
-      std::fill_n(image.row(y), kSide, static_cast<uint8_t>(10 * i));
+      std::fill_n(image.row(y), kSide, static_cast<uint8_t>((y / 20 + i) % 2 * 100));
       std::fill_n(depth.row(y), kSide, distance);
     }
     monitor.add_images(i, image.view(), depth.view());
   };
-  for (int i = 0; i < 9; ++i) add(i, 2);
+  for (int i = 0; i < 14; ++i) add(i, 2);
   EXPECT_FALSE(monitor.doubts());
-  add(9, 2);
+  add(14, 2);
   EXPECT_TRUE(monitor.doubts());
   const auto warnings = monitor.take_warnings();
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0].doubt, SensorDoubt::depth_frozen);
-  EXPECT_THAT(describe(warnings[0], Sensor::rgbd), HasSubstr("10 depth images in a row are the same"));
-  add(10, 2.1f);
+  EXPECT_THAT(describe(warnings[0], Sensor::rgbd), HasSubstr("15 depth images in a row are the same"));
+  add(15, 2.1f);
   EXPECT_FALSE(monitor.doubts());
 }
 
@@ -285,7 +285,7 @@ TEST(SensorMonitor, TornImagesAreToldAfterTwoInARow) {
 }
 
 TEST(SensorMonitor, DisplacedDepthIsDoubtedAfterTwoAnswersAndUntilOneIsGood) {
-  const OutlineFit good{20, 8}, displaced{4, 20};
+  const OutlineFit good{20, 8, 900}, displaced{4, 20, 900};
   SensorMonitor monitor(Sensor::rgbd);
   for (const OutlineFit& fit : {displaced, good, displaced}) monitor.add_outlines(0, fit);
   EXPECT_FALSE(monitor.doubts());

@@ -36,6 +36,13 @@ TEST(MatchBelief, FewerMatchesThanUsualAreNoticed) {
   EXPECT_TRUE(belief.is_short(seen(0.4, 0.55)));
 }
 
+TEST(MatchBelief, LessThanHalfOfWhatIsUsualIsWeak) {
+  MatchBelief belief;
+  for (int i = 0; i < 100; ++i) belief.accept(seen(0.6, 0.55));
+  EXPECT_FALSE(belief.is_weak(seen(0.35, 0)));
+  EXPECT_TRUE(belief.is_weak(seen(0.25, 0.55)));
+}
+
 TEST(MatchBelief, ABlurredImageIsBelievedWhenTheImagesAgree) {
   MatchBelief belief;
   for (int i = 0; i < 50; ++i) belief.accept(seen(0.43, 0.44));

@@ -27,9 +27,7 @@ bool PlaceCheck::is_right(const Found& found, Arrival arrival) {
   return true;
 }
 
-void PlaceCheck::doubt(const TrackedFrame& frame) {
-  if (!jump_) jump_ = {frame.index, frame.stamp};
-}
+void PlaceCheck::doubt(const TrackedFrame& frame) { jump_ = {jump_ ? jump_->frame : frame.index, frame.stamp}; }
 
 void PlaceCheck::accept(const TrackedFrame& frame, uint32_t submap) {
   if (jump_ && frame.stamp - jump_->stamp >= from_seconds(kTentativeTime)) jump_.reset();

@@ -41,7 +41,7 @@ class PlaceCheck {
   };
   // True when the frame may be where it was found.
   bool is_right(const Found& found, Arrival arrival);
-  // The place of this frame, which is right as far as one can tell, is tentative.
+  // The place of this frame, which is right as far as one can tell, is tentative for a second from now.
   void doubt(const TrackedFrame& frame);
   // The same frame is tracked: its pose holds.
   void accept(const TrackedFrame& frame, uint32_t submap);

@@ -144,6 +144,8 @@ TEST_F(TentativePlaceTest, APlaceThatIsDoubtedIsTentativeWhereverItLies) {
   EXPECT_TRUE(place.tentative());
   find(2, 0.2, 0.2);
   place.doubt(at(2, 0.2, 0.2));
+  find(3, 1.15, 0.3);
+  EXPECT_TRUE(place.tentative()) << "a second counts from the last doubt";
   place.lose();
   EXPECT_EQ(place.take_retraction(), 1) << "from the first doubt on";
 }

@@ -75,7 +75,7 @@ struct TrackFigures {
   int local_in_view = 0;      // points of it predicted in view
   double local_expected = 0;  // how many of those are expected to match
   int inliers = 0;            // map points that agree with the pose
-  bool tentative = false;     // the camera jumped here less than a second ago: the pose may be taken back; or below
+  bool tentative = false;     // the camera came here by a jump or by few matches, less than a second ago; or below
   FrameDoubts doubts;
   bool key_frame = false;  // a key frame was asked for
   TrackTimes ms;
