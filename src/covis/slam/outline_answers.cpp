@@ -15,7 +15,7 @@ constexpr double kLeastElsewhere = 8;  // standard deviations that no chance giv
 constexpr double kAnywhere = 3, kOfAnotherSize = 2.4, kMirrored = 1.5, kMoved = 1.25;
 
 bool is_better_elsewhere(const OutlineFit& fit) {
-  return fit.tells_much() && fit.elsewhere > kLeastElsewhere && fit.ratio() > kMoved;
+  return fit.elsewhere > kLeastElsewhere && fit.ratio() > (fit.tells_much() ? kMoved : kOfAnotherSize);
 }
 
 // True when both answers say that depth belongs elsewhere, and the less they say so, to the same place.
