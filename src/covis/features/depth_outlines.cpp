@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
+#include <numeric>
 #include <utility>
 
 namespace covis {
@@ -210,11 +211,18 @@ void DepthOutlines::fit(Displacements& all) {
   for (size_t k = 0; k < all.sums.size(); ++k) all.total[k] += all.sums[k];
 }
 
+// True when cells have changed by half of what they differ from their mean: another view changes them by 1.4 times
+// that.
 bool DepthOutlines::is_new_view() {
-  constexpr int64_t kMoved = 3 * kUnit;  // mean change of a cell that neither noise nor flicker makes
-  int64_t change = 0;
-  for (size_t k = 0; k < viewed_.size(); ++k) change += std::abs(grey_[k] - viewed_[k]);
-  if (!viewed_.empty() && change < kMoved * static_cast<int64_t>(viewed_.size())) return false;
+  constexpr int kShare = 2;
+  const auto cells = static_cast<int64_t>(grey_.size());
+  const int64_t mean = std::accumulate(grey_.begin(), grey_.end(), int64_t{0}) / std::max<int64_t>(1, cells);
+  int64_t change = 0, contrast = 0;
+  for (size_t k = 0; k < viewed_.size(); ++k) {
+    change += std::abs(grey_[k] - viewed_[k]);
+    contrast += std::abs(grey_[k] - mean);
+  }
+  if (!viewed_.empty() && kShare * change < contrast) return false;
   viewed_ = grey_;
   return true;
 }

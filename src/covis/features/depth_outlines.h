@@ -35,7 +35,7 @@ struct OutlineFit {
   double elsewhere = 0;
   int outlines = 0;      // the number in all frames; a few fit nowhere well
   Place place{};         // of the best fit elsewhere
-  bool new_view = true;  // false: the camera stands as at the last answer of a new view, and would give it again
+  bool new_view = true;  // false: the view is still that of the last answer of a new one, which it repeats
 
   double ratio() const;  // how many times better
   bool tells_much() const;

@@ -11,21 +11,29 @@ namespace {
 constexpr double kLeastFit = 5;        // standard deviations; right depth has 5.5 and more in the mean of three answers
 constexpr int kSilent = 3;             // answers that tell little, after which those before count no more
 constexpr double kLeastElsewhere = 8;  // standard deviations that no chance gives
-// Times better elsewhere than here: anywhere; of another size; mirrored, for which few places are tried; moved alone.
-constexpr double kAnywhere = 3, kOfAnotherSize = 2.4, kMirrored = 1.5, kMoved = 1.25;
+// Times better elsewhere than here: anywhere; of another size; at one place; at one place three times, and mirrored,
+// for which few places are tried.
+constexpr double kAnywhere = 3, kOfAnotherSize = 2.4, kAtAPlace = 2, kThreeTimes = 1.25, kThreeTimesMirrored = 1.5;
 
 bool is_better_elsewhere(const OutlineFit& fit) {
-  return fit.elsewhere > kLeastElsewhere && fit.ratio() > (fit.tells_much() ? kMoved : kOfAnotherSize);
+  return fit.elsewhere > kLeastElsewhere && fit.ratio() > (fit.tells_much() ? kThreeTimes : kOfAnotherSize);
 }
 
-// True when both answers say that depth belongs elsewhere, and the less they say so, to the same place.
+// True when both say that depth of its own size belongs to one other place.
+bool are_at_one_place(const OutlineFit& a, const OutlineFit& b) {
+  const double least = b.place.is_mirrored() ? kThreeTimesMirrored : kThreeTimes;
+  return is_better_elsewhere(a) && is_better_elsewhere(b) && !b.place.has_another_size() && b.place.is_at(a.place) &&
+         std::min(a.ratio(), b.ratio()) > least;
+}
+
+// True when two answers suffice to say that depth belongs elsewhere.
 bool agree(const OutlineFit& a, const OutlineFit& b) {
   if (!is_better_elsewhere(a) || !is_better_elsewhere(b)) return false;
   const double ratio = std::min(a.ratio(), b.ratio());
   if (ratio > kAnywhere) return true;
   const OutlineFit::Place &p = a.place, &q = b.place;
   if (p.has_another_size() && q.has_another_size()) return ratio > kOfAnotherSize && p.is_about_as_large(q);
-  return p.is_at(q) && (!p.is_mirrored() || ratio > kMirrored);
+  return ratio > kAtAPlace && p.is_at(q);
 }
 
 }  // namespace
@@ -47,7 +55,9 @@ void OutlineAnswers::add(const OutlineFit& fit) {
     nowhere_ = nowhere_ && fit.here < kLeastFit;
     return;
   }
-  displaced_ = last_ && agree(*last_, fit);
+  constexpr int kInARow = 3;
+  at_one_place_ = last_ && are_at_one_place(*last_, fit) ? at_one_place_ + 1 : 1;
+  displaced_ = last_ && (at_one_place_ >= kInARow || agree(*last_, fit));
   judge_fit(fit);
   last_ = fit;
 }

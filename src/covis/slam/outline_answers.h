@@ -19,8 +19,8 @@ class OutlineAnswers {
   // An answer of a camera that stands can end a doubt, and says nothing else.
   void add(const OutlineFit& fit);
 
-  // True while two in a row fit far better elsewhere, or better at one other place, where no two answers of right depth
-  // are.
+  // True while two in a row fit far better elsewhere, or three better at one other place, where no three answers of
+  // right depth are.
   bool are_displaced() const { return displaced_; }
   // True from three in a row whose mean fits badly on, until one fits or three tell little.
   bool fit_nowhere() const { return nowhere_; }
@@ -34,7 +34,8 @@ class OutlineAnswers {
   std::optional<OutlineFit> last_;
   std::array<double, 3> fits_{};  // of the last answers that tell much, the newest first
   size_t fit_count_ = 0;
-  int silent_ = 0;  // answers in a row that tell little
+  int silent_ = 0;        // answers in a row that tell little
+  int at_one_place_ = 0;  // answers in a row that fit better at one other place, with the last
   bool displaced_ = false, nowhere_ = false;
 };
 

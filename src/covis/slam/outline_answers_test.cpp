@@ -30,18 +30,26 @@ TEST(OutlineAnswers, ThreeTimesAsGoodElsewhereTwiceIsDisplaced) {
   EXPECT_FALSE(after({displaced, displaced, good}).are_displaced());
 }
 
-TEST(OutlineAnswers, AQuarterBetterIsDisplacedWhereThePlaceIsTheSame) {
-  EXPECT_TRUE(after({better(1.3, -10), better(1.3, -11, 1)}).are_displaced());
-  EXPECT_TRUE(after({better(1.6, 0, 0, -1), better(1.6, 0, 0, -1)}).are_displaced()) << "turned round";
-  EXPECT_FALSE(after({better(1.4, 0, 0, -1), better(1.4, 0, 0, -1)}).are_displaced()) << "few places are tried";
+TEST(OutlineAnswers, TwiceAsGoodAtOnePlaceTwiceIsDisplaced) {
+  EXPECT_TRUE(after({better(2.1, -10), better(2.1, -11, 1)}).are_displaced());
+  EXPECT_FALSE(after({better(2.1, -10), better(2.1, 10)}).are_displaced());
+  EXPECT_FALSE(after({better(1.9, -10), better(1.9, -10)}).are_displaced());
+  EXPECT_FALSE(after({better(2.5, 0), better(2.5, 0, 0, -1)}).are_displaced());
+}
+
+TEST(OutlineAnswers, AQuarterBetterAtOnePlaceThreeTimesIsDisplaced) {
+  const auto three = [](const OutlineFit& fit) { return after({fit, fit, fit}); };
+  EXPECT_TRUE(three(better(1.3, -10)).are_displaced());
+  EXPECT_FALSE(three(better(1.2, -10)).are_displaced());
+  EXPECT_TRUE(three(better(1.6, 0, 0, -1)).are_displaced()) << "turned round";
+  EXPECT_FALSE(three(better(1.4, 0, 0, -1)).are_displaced()) << "few places are tried";
+  EXPECT_FALSE(after({better(1.3, -10), better(1.3, -10)}).are_displaced());
+  EXPECT_FALSE(after({better(1.3, -10), better(1.3, -10), better(1.3, 10), better(1.3, -10)}).are_displaced());
   OutlineFit few = better(2.3, -10);
   few.outlines = 100;
-  EXPECT_FALSE(after({few, few}).are_displaced());
+  EXPECT_FALSE(three(few).are_displaced());
   few.here = few.elsewhere / 2.5;
-  EXPECT_TRUE(after({few, few}).are_displaced());
-  EXPECT_FALSE(after({better(2.5, -10), better(2.5, 10)}).are_displaced());
-  EXPECT_FALSE(after({better(2.5, 0), better(2.5, 0, 0, -1)}).are_displaced());
-  EXPECT_FALSE(after({better(1.2, -10), better(1.2, -10)}).are_displaced());
+  EXPECT_TRUE(three(few).are_displaced());
 }
 
 TEST(OutlineAnswers, FarBetterByAnotherSizeIsDisplacedWhereTheSizesAreAlike) {
