@@ -19,7 +19,7 @@ void run_image(std::string_view bytes) {
   const std::string plain = io::without_texts(image);
   require(plain.size() < image.size(), "a PNG without its texts is shorter");
   require(plain.empty() || io::without_texts(plain).empty(), "a PNG without its texts has none");
-  // What stood behind the texts may be taken for another format where it stands now; decode_image() looks again.
+  // The bytes behind the texts may be taken for another format where they stand now; decode_image() looks again.
   const auto stands = [&](size_t at, std::string_view word) {
     return plain.size() >= at + word.size() && plain.compare(at, word.size(), word) == 0;
   };

@@ -21,8 +21,9 @@
 namespace covis::fuzz {
 namespace {
 
-constexpr unsigned kMostSeconds = 20;  // of one input; libFuzzer's 5 are for a machine that does nothing else
-constexpr uint64_t kStage = 200;       // stage of random numbers, above those of the library
+constexpr unsigned kMostSeconds =
+    20;  // time that one input may take; libFuzzer's 5 are for a machine that does nothing else
+constexpr uint64_t kStage = 200;  // stage of random numbers, above those of the library
 
 // One to eight changes: bytes and numbers of other values, pieces moved, doubled, left out, or of another input.
 std::string mutated(std::string bytes, const std::string& other, Random& random) {

@@ -19,7 +19,8 @@
 namespace covis {
 
 struct OutlineFit {
-  // Where depth would be laid over the image: scaled around its middle, mirrored where a scale is negative, and moved.
+  // A place at which depth is laid over the image: scaled around its middle, mirrored where a scale is negative, and
+  // moved.
   struct Place {
     float scale_x = 1, scale_y = 1;
     int x = 0, y = 0;  // cells
@@ -34,7 +35,7 @@ struct OutlineFit {
   // The best fit displaced by more than 10 %, mirrored, upside down, turned round or another size by a quarter or more.
   double elsewhere = 0;
   int outlines = 0;      // the number in all frames; a few fit nowhere well
-  Place place{};         // of the best fit elsewhere
+  Place place{};         // the place of the best fit elsewhere
   bool new_view = true;  // false: the view is still that of the last answer of a new one, which it repeats
 
   double ratio() const;  // how many times better

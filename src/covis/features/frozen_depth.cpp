@@ -8,11 +8,11 @@
 namespace covis {
 namespace {
 
-constexpr int kStep = 16;        // pixels and rows from one depth looked at to the next
-constexpr int kBlocks = 16;      // side by side, and as many above each other
-constexpr int kLeastEqual = 15;  // cameras whose depth is slower than their images repeat it a few times
-constexpr int kLeastDepths = 20,
-              kLeastShare = 4;              // depths without which a depth image says nothing; one in four has one
+constexpr int kStep = 16;                   // pixels and rows from one depth looked at to the next
+constexpr int kBlocks = 16;                 // side by side, and as many above each other
+constexpr int kLeastEqual = 15;             // cameras whose depth is slower than their images repeat it a few times
+constexpr int kLeastDepths = 20;            // depths without which a depth image says nothing
+constexpr size_t kLeastShare = 4;           // one pixel in so many has a depth
 constexpr int32_t kSixteenth = 16;          // units of a grey level
 constexpr int32_t kMoved = 2 * kSixteenth;  // mean change of the blocks that noise does not make
 

@@ -20,9 +20,9 @@ class FrozenDepth {
   bool equals_last(ImageView<const float> depth);
   void average(ImageView<const uint8_t> image);
 
-  std::vector<float> depth_;  // of some pixels
-  std::vector<int32_t> first_,
-      grey_;  // means of blocks of the image: of the first frame that repeats depth, of this one
+  std::vector<float> depth_;    // depths of some pixels
+  std::vector<int32_t> grey_;   // means of blocks of this frame's image
+  std::vector<int32_t> first_;  // the same when depth was first repeated
   int equal_ = 0;
 };
 

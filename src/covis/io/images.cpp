@@ -74,7 +74,7 @@ Result<cv::Mat> decode_image(const std::string& name, std::string_view bytes, in
   if (!codecs) return fail(name + ": " + codecs.error().message);
   const std::string plain = without_texts(bytes);
   if (!plain.empty()) {
-    // What stood behind the texts may be taken for another format where it stands now.
+    // The bytes behind the texts may be taken for another format where they stand now.
     if (const auto problem = problem_of_image(plain, expected)) return fail(name + ": " + *problem);
     bytes = plain;
   }

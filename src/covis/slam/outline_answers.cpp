@@ -2,7 +2,6 @@
 #include "covis/slam/outline_answers.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace covis {

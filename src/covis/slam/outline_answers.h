@@ -32,7 +32,7 @@ class OutlineAnswers {
 
   size_t frames_ = 0, last_look_ = 0;
   std::optional<OutlineFit> last_;
-  std::array<double, 3> fits_{};  // of the last answers that tell much, the newest first
+  std::array<double, 3> fits_{};  // fits of the last answers that tell much, the newest first
   size_t fit_count_ = 0;
   int silent_ = 0;        // answers in a row that tell little
   int at_one_place_ = 0;  // answers in a row that fit better at one other place, with the last
