@@ -228,8 +228,18 @@ Result<Map> Map::from_state(MapState state) {
   Map map;
   std::vector<KeyFrameId> frames;
   std::vector<MapPointId> points;
+  std::vector<uint32_t> observations(state.points.size());
+  for (const KeyFrameState& s : state.key_frames) {
+    for (const uint32_t point : s.points) {
+      if (point != kNone) ++observations[point];
+    }
+  }
+  frames.reserve(state.key_frames.size());
+  points.reserve(state.points.size());
   for (const MapPointState& p : state.points) {
     MapPoint point;
+    // In the order in which they are read later: what grows a piece at a time is scattered over a large map's memory.
+    point.observations.reserve(observations[points.size()]);
     point.position_w = p.position_w;
     point.normal_w = p.normal_w;
     point.descriptor = p.descriptor;
