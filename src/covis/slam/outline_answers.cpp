@@ -42,8 +42,8 @@ bool OutlineAnswers::is_next_due() {
   const size_t frame = frames_++;
   const bool may_be_wrong = last_ && ((last_->tells_much() && last_->here < kLeastFit) ||
                                       (is_better_elsewhere(*last_) && !last_->place.has_another_size()));
-  const bool often = frame < kFirst || may_be_wrong;
-  if (frame > 0 && frame - last_look_ < (often ? kOften : kSeldom)) return false;
+  const size_t every = displaced_ || nowhere_ ? 1 : frame < kFirst || may_be_wrong ? kOften : kSeldom;
+  if (frame > 0 && frame - last_look_ < every) return false;
   last_look_ = frame;
   return true;
 }

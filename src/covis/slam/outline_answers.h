@@ -14,7 +14,7 @@ namespace covis {
 class OutlineAnswers {
  public:
   // For each frame: true for one to be looked at. At first, and after an answer that may be of wrong depth, these are
-  // every second one, else every fourth.
+  // every second one, in doubt all, else every fourth.
   bool is_next_due();
   // An answer of a camera that stands can end a doubt, and says nothing else.
   void add(const OutlineFit& fit);

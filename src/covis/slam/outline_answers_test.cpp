@@ -105,6 +105,9 @@ TEST(OutlineAnswers, FramesAreLookedAtMoreOftenAtFirstAndInDoubt) {
   EXPECT_EQ(looked_at(20), 10);
   answers.add({0, 0, 0});
   EXPECT_EQ(looked_at(20), 5) << "a blank wall";
+  for (int i = 0; i < 3; ++i) answers.add(fits(3));
+  ASSERT_TRUE(answers.fit_nowhere());
+  EXPECT_EQ(looked_at(20), 20) << "so that a doubt ends soon";
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace covis {
 namespace {
 
-constexpr int kFewestPoints = 15, kFewPoints = 30, kManyPoints = 100, kPointsToAgree = 10;
+constexpr int kFewestPoints = 6, kFewPoints = 30, kManyPoints = 100, kPointsToAgree = 10;
 constexpr double kErrorOfFewest = 0.3;
 constexpr double kErrorOfFew = 0.09, kErrorOfMany = 0.045, kSuspicious = 0.03, kAgreeing = 0.02;
 constexpr double kMostSigmas = 3, kUsualSigmas = 1.5;  // right depth has 0.67
@@ -110,10 +110,21 @@ double DepthBelief::judge(const TrackedFrame& frame, const Pinhole& camera) {
 
 void DepthBelief::begin(Timestamp stamp) {
   const bool contradicted_just_now = contradicts() && stamp - judged_ < from_seconds(kLeast);
-  begun_in_doubt_ = contradicted_just_now || is_on_probation(stamp);
+  if (contradicted_just_now) {
+    doubted_ = stamp;
+  } else if (!is_on_probation(stamp)) {
+    doubted_.reset();
+  }
   begun_ = stamp;
   since_.reset();
   agreeing_ = 0;
+}
+
+void DepthBelief::change_map(const TrackedFrame& frame) {
+  if (frame.features == measured_) since_.reset();  // its depth agrees there
+  begun_.reset();
+  agreeing_ = 0;
+  doubted_.reset();
 }
 
 void DepthBelief::judge(const DepthAgainstMap& found, Timestamp stamp) {
@@ -128,9 +139,7 @@ void DepthBelief::judge(const DepthAgainstMap& found, Timestamp stamp) {
   judged_ = stamp;
 }
 
-bool DepthBelief::is_on_probation(Timestamp now) const {
-  return begun_in_doubt_ && now - *begun_ < from_seconds(kBelieved);
-}
+bool DepthBelief::is_on_probation(Timestamp now) const { return doubted_ && now - *doubted_ < from_seconds(kBelieved); }
 
 bool DepthBelief::blames_map(Timestamp now) const {
   if (!since_ || !last_.contradicts() || last_.points < kFewPoints) return false;

@@ -62,6 +62,8 @@ class DepthBelief {
   // A submap begins with the depth of this moment. Where that contradicted the map just before, nobody knows yet which
   // which was wrong; not so where the camera was lost meanwhile.
   void begin(Timestamp stamp);
+  // The frame is found in another map, which is older.
+  void change_map(const TrackedFrame& frame);
   // The frame has its pose. Returns FrameDoubts::depth_contradiction. A contradiction lasts until the depth of some
   // frames in a row agrees.
   double judge(const TrackedFrame& frame, const Pinhole& camera);
@@ -80,9 +82,9 @@ class DepthBelief {
   DepthRemover remover_;
   std::optional<Timestamp> begun_, since_;  // without begun_ the map is older than the recording
   Timestamp judged_ = 0;
-  DepthAgainstMap last_;  // while frames are tracked by their image alone
-  int agreeing_ = 0;      // frames in a row
-  bool begun_in_doubt_ = false;
+  DepthAgainstMap last_;              // while frames are tracked by their image alone
+  int agreeing_ = 0;                  // frames in a row
+  std::optional<Timestamp> doubted_;  // the moment in which a map was begun, not known yet to be right
 };
 
 }  // namespace covis

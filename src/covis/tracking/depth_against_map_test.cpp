@@ -94,8 +94,8 @@ TEST_F(DepthAgainstMapTest, AFewWrongDepthsAreNoContradiction) {
 
 TEST_F(DepthAgainstMapTest, FewDepthsSayNothing) {
   int n = 0;
-  const DepthAgainstMap found = with([&](float z) { return n++ < 14 ? 2 * z : 0; });
-  EXPECT_EQ(found.points, 14);
+  const DepthAgainstMap found = with([&](float z) { return n++ < 5 ? 2 * z : 0; });
+  EXPECT_EQ(found.points, 5);
   EXPECT_FALSE(found.contradicts());
   EXPECT_FALSE(found.agrees());
 }
@@ -112,6 +112,7 @@ TEST_F(DepthAgainstMapTest, FewerDepthsHaveToContradictMore) {
   EXPECT_TRUE(of_fifty(1.12f).contradicts());
   EXPECT_FALSE(of(20, 1.12f).contradicts());
   EXPECT_TRUE(of(20, 1.5f).contradicts());
+  EXPECT_TRUE(of(6, 1.5f).contradicts());
 }
 
 // Half a pixel of disparity is 5 % of the depth at 1 m here.
@@ -194,11 +195,31 @@ TEST(DepthBelief, AMapBegunUponAContradictionIsOnProbation) {
   belief.begin(from_seconds(3));
   EXPECT_TRUE(belief.is_on_probation(from_seconds(4)));
   belief.begin(from_seconds(4));  // the camera was lost
-  EXPECT_TRUE(belief.is_on_probation(from_seconds(5.9)));
-  EXPECT_FALSE(belief.is_on_probation(from_seconds(6)));
+  EXPECT_TRUE(belief.is_on_probation(from_seconds(4.9)));
+  EXPECT_FALSE(belief.is_on_probation(from_seconds(5))) << "two seconds from the doubt, however often it is lost";
   belief.judge(kContradicts, from_seconds(7));
   belief.begin(from_seconds(8));
   EXPECT_FALSE(belief.is_on_probation(from_seconds(8.1))) << "the camera was lost long before";
+}
+
+TEST(DepthBelief, AnOlderMapIsNotOnProbation) {
+  DepthBelief belief;
+  belief.begin(0);
+  const auto features = std::make_shared<const Features>();
+  TrackedFrame frame;
+  frame.features = belief.receive(features);
+  belief.judge(kContradicts, from_seconds(2.9));
+  belief.begin(from_seconds(3));
+  ASSERT_TRUE(belief.is_on_probation(from_seconds(4)));
+  belief.judge(kContradicts, from_seconds(3.9));
+  belief.change_map(frame);
+  EXPECT_FALSE(belief.is_on_probation(from_seconds(4)));
+  EXPECT_FALSE(belief.contradicts()) << "found by its depth as well";
+
+  belief.judge(kContradicts, from_seconds(5));
+  frame.features = belief.receive(features);
+  belief.change_map(frame);
+  EXPECT_TRUE(belief.contradicts()) << "found by its image alone";
 }
 
 }  // namespace

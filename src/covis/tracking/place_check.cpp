@@ -37,6 +37,17 @@ void PlaceCheck::accept(const TrackedFrame& frame, uint32_t submap) {
     place.velocity = frame.T_cw.R() * (frame.T_cw.centre() - last_->T_cw.centre()) / to_seconds(place.interval);
   }
   last_ = place;
+  if (!tentative()) settle(place);
+}
+
+void PlaceCheck::settle(const Place& place) {
+  const auto same = [&](const Place& other) { return other.submap == place.submap; };
+  const auto settled = std::find_if(settled_.begin(), settled_.end(), same);
+  if (settled != settled_.end()) {
+    *settled = place;
+  } else {
+    settled_.push_back(place);
+  }
 }
 
 void PlaceCheck::lose() {
@@ -46,6 +57,7 @@ void PlaceCheck::lose() {
 
 void PlaceCheck::restart() {
   last_.reset();
+  settled_.clear();
   jump_.reset();
 }
 
@@ -64,6 +76,16 @@ void PlaceCheck::take_back_jump() {
   jump_.reset();
 }
 
+// A camera that was at a wrong place, or in a map begun in between, comes back to where it was before.
+const PlaceCheck::Place* PlaceCheck::came_from(uint32_t submap, Timestamp now) const {
+  constexpr double kComesBack = 5;  // seconds
+  if (last_ && last_->submap == submap) return &*last_;
+  for (const Place& place : settled_) {
+    if (place.submap == submap && now - place.stamp <= from_seconds(kComesBack)) return &place;
+  }
+  return nullptr;
+}
+
 // True when the camera is too far from its last place to have just moved there. One that was lost for a moment moved on
 // meanwhile: about as fast as before, and it may have turned with every frame. Things that the last frame saw too show
 // how far it turned in one.
@@ -72,13 +94,14 @@ bool PlaceCheck::jumped(const Found& found, Arrival arrival) const {
   constexpr double kWay = 0.2;     // share of the mean depth of what it sees
   constexpr double kSlack = 0.5;   // share of the way gone while lost
   constexpr double kMoment = 0.5;  // seconds; where a camera lost for longer is found says nothing of how it went there
-  if (!last_ || found.local_map.reference.submap != last_->submap) return true;
-  const SE3 T_cl = found.frame.T_cw * last_->T_cw.inverse();
-  double lost = last_->interval > 0 ? to_seconds(found.frame.stamp - last_->stamp - last_->interval) : 0;  // seconds
+  const Place* from = came_from(found.local_map.reference.submap, found.frame.stamp);
+  if (!from) return true;
+  const SE3 T_cl = found.frame.T_cw * from->T_cw.inverse();
+  double lost = from->interval > 0 ? to_seconds(found.frame.stamp - from->stamp - from->interval) : 0;  // seconds
   if (lost < 0 || lost > kMoment) lost = 0;
-  const Eigen::Vector3d on_the_way = lost * (last_->T_cw.R().transpose() * last_->velocity);
-  const Eigen::Vector3d off = found.frame.T_cw.centre() - last_->T_cw.centre() - on_the_way;
-  const double frames = lost > 0 ? 1 + lost / to_seconds(last_->interval) : 1;
+  const Eigen::Vector3d on_the_way = lost * (from->T_cw.R().transpose() * from->velocity);
+  const Eigen::Vector3d off = found.frame.T_cw.centre() - from->T_cw.centre() - on_the_way;
+  const double frames = lost > 0 ? 1 + lost / to_seconds(from->interval) : 1;
   const double turn = arrival == Arrival::recognised ? kMostTurn : std::min(kTurn * frames, kMostTurn);
   return off.norm() > kWay * found.frame.mean_depth() + kSlack * on_the_way.norm() ||
          (T_cl.R().trace() - 1) / 2 < std::cos(turn);

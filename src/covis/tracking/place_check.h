@@ -72,7 +72,11 @@ class PlaceCheck {
     int64_t frame = 0;
     Timestamp stamp = 0;
   };
+  // The place to hold one in this submap against; null if there is none.
+  const Place* came_from(uint32_t submap, Timestamp now) const;
   bool jumped(const Found& found, Arrival arrival) const;
+  // The camera is at this place without doubt.
+  void settle(const Place& place);
   enum class Demand { usual, strict };  // strict: after a jump, and while the place is tentative
   bool looks_as_expected(const Found& found, const Map& map, Demand demand);
   void take_back_jump();
@@ -81,6 +85,7 @@ class PlaceCheck {
   const Subject subject_;
   std::vector<MapPointId> matched_;  // map points of the frame being judged, sorted
   std::optional<Place> last_;        // place of the last frame with a pose, unless that was taken back
+  std::vector<Place> settled_;       // for each submap the last place there that was not tentative
   std::optional<Jump> jump_;         // the frame with which the camera jumped to a place that is tentative still
   std::optional<int64_t> retract_from_;
 };

@@ -25,13 +25,16 @@ std::optional<Relocaliser::Located> Relocaliser::locate(FeaturesPtr features, in
   return Located{image.T_cw, search.local_map.reference.submap, figures.inliers, image.information};
 }
 
-bool Relocaliser::find(TrackedFrame& frame, PoseSearch& search, const SharedMap* live, KeyFrameId near,
+bool Relocaliser::find(TrackedFrame& frame, PoseSearch& search, const SharedMap* live, const Where& where,
                        TrackFigures& figures) {
   LocalMap& local_map = search.local_map;
-  if (!live) return local_map.reference.features && find_at(local_map.reference, frame, search, live, figures);
+  if (!live) {
+    const KeyFrameView& reference = local_map.reference;
+    return reference.features && reference.submap != where.but && find_at(reference, frame, search, live, figures);
+  }
   std::optional<Words> words;  // before the guard: it takes long
   if (vocabulary_) words = vocabulary_->transform(frame.features->descriptor);
-  const std::vector<KeyFrameId> places = candidates(*live->read(), words ? &*words : nullptr, near);
+  const std::vector<KeyFrameId> places = candidates(*live->read(), words ? &*words : nullptr, where);
   KeyFrameView view;
   for (const KeyFrameId& place : places) {
     {
@@ -42,24 +45,25 @@ bool Relocaliser::find(TrackedFrame& frame, PoseSearch& search, const SharedMap*
     if (find_at(view, frame, search, live, figures)) return true;
   }
   // The candidates leave no reference behind; the rest of the local map is made anew for each frame.
-  if (const auto map = live->read(); map->find(near)) local_map.reference.copy(*map, near);
+  if (const auto map = live->read(); map->find(where.near)) local_map.reference.copy(*map, where.near);
   return false;
 }
 
-std::vector<KeyFrameId> Relocaliser::candidates(const Map& map, const Words* words, KeyFrameId near) {
+std::vector<KeyFrameId> Relocaliser::candidates(const Map& map, const Words* words, const Where& where) {
   constexpr size_t kAlike = 8;                         // most key frames found by words
   constexpr int kNeighbours = 3;                       // neighbours of the last reference
   constexpr int kInTurn = 2, kInTurnWithoutWords = 5;  // key frames tried in turn
   std::vector<KeyFrameId> places;
   const auto add = [&](KeyFrameId id) {
-    if (std::find(places.begin(), places.end(), id) == places.end()) places.push_back(id);
+    if (map.at(id).submap != where.but && std::find(places.begin(), places.end(), id) == places.end())
+      places.push_back(id);
   };
   if (words) {
     for (const auto& candidate : map.database().query(map, *words, {}, 0)) {
       if (places.size() < kAlike) add(candidate.key_frame);
     }
   }
-  if (const auto resolved = map.resolve(near)) {
+  if (const auto resolved = map.resolve(where.near)) {
     add(resolved->key_frame);
     for (const Neighbour& n : map.best_neighbours(resolved->key_frame, kNeighbours)) add(n.key_frame);
   }

@@ -21,10 +21,13 @@ class Relocaliser {
   Relocaliser(const SharedMap& map, const TrackerOptions& options, int seed,
               std::shared_ptr<const Vocabulary> vocabulary);
 
-  // Looks for the frame's pose; `near` is the key frame the camera was at last, if any. `live` is null while the map
-  // may not be read: the reference key frame in the local map is all there is then. True: the frame has its pose and
-  // matches, and the local map is that around it.
-  bool find(TrackedFrame& frame, PoseSearch& search, const SharedMap* live, KeyFrameId near, TrackFigures& figures);
+  struct Where {
+    KeyFrameId near;              // the key frame that the camera was at last, if any
+    std::optional<uint32_t> but;  // a submap that it is not looked for in
+  };
+  // Looks for the frame's pose. `live` is null while the map may not be read: the reference key frame in the local map
+  // is all there is then. True: the frame has its pose and matches, and the local map is that around it.
+  bool find(TrackedFrame& frame, PoseSearch& search, const SharedMap* live, const Where& where, TrackFigures& figures);
 
   // Returns the pose of one image in the map, from the image alone; no pose when its place is not recognised.
   struct Located {
@@ -37,7 +40,7 @@ class Relocaliser {
 
  private:
   // `words`: those of the image; null without a vocabulary.
-  std::vector<KeyFrameId> candidates(const Map& map, const Words* words, KeyFrameId near);
+  std::vector<KeyFrameId> candidates(const Map& map, const Words* words, const Where& where);
   bool find_at(const KeyFrameView& view, TrackedFrame& frame, PoseSearch& search, const SharedMap* live,
                TrackFigures& figures) const;
   bool find_first_pose(const KeyFrameView& view, TrackedFrame& frame, PoseSearch& search) const;

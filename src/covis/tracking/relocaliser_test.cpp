@@ -54,11 +54,12 @@ class RelocaliserTest : public testing::Test {
     return Relocaliser(world.shared, options, seed, std::move(words));
   }
   // Looks for a frame; its pose must be right when it has one.
-  bool finds(Relocaliser& by, const SE3& T_cw, KeyFrameId near = {}, int64_t index = 0) {
+  bool finds(Relocaliser& by, const SE3& T_cw, KeyFrameId near = {}, int64_t index = 0,
+             std::optional<uint32_t> but = {}) {
     TrackedFrame frame = frame_of(scene.view(T_cw), SE3(), index);
     search.refresh_camera(*world.shared.read());
     TrackFigures figures;
-    if (!by.find(frame, search, &world.shared, near, figures)) return false;
+    if (!by.find(frame, search, &world.shared, {near, but}, figures)) return false;
     EXPECT_LT(distance(frame.T_cw, T_cw), 1e-3);
     EXPECT_EQ(figures.inliers, frame.matches());
     EXPECT_GE(figures.inliers, options.recovery.min_inliers_recovered);
@@ -114,9 +115,18 @@ TEST_F(RelocaliserTest, NothingIsFoundWhereNothingIsAlike) {
   search.refresh_camera(*world.shared.read());
   TrackFigures figures;
   Relocaliser by_words = relocaliser(vocabulary);
-  for (int i = 0; i < 12; ++i) EXPECT_FALSE(by_words.find(frame, search, &world.shared, world.frames[7], figures));
+  for (int i = 0; i < 12; ++i)
+    EXPECT_FALSE(by_words.find(frame, search, &world.shared, {world.frames[7], {}}, figures));
   EXPECT_EQ(search.local_map.reference.id, world.frames[7]) << "candidates leave no reference behind";
   EXPECT_FALSE(search.place.tentative());
+}
+
+TEST_F(RelocaliserTest, ASubmapMayBeLeftOut) {
+  const uint32_t submap = world.shared.read()->at(world.frames[7]).submap;
+  Relocaliser by_words = relocaliser(vocabulary), near_by = relocaliser(nullptr);
+  EXPECT_FALSE(finds(by_words, near_key_frame(7), world.frames[7], 0, submap));
+  EXPECT_FALSE(finds(near_by, near_key_frame(7), world.frames[7], 0, submap));
+  EXPECT_TRUE(finds(by_words, near_key_frame(7), world.frames[7], 0, submap + 1));
 }
 
 TEST_F(RelocaliserTest, TooFewInliersAreNoPlace) {
@@ -161,13 +171,13 @@ TEST_F(RelocaliserTest, WhileTheMapIsHiddenItsCopiesServe) {
   TrackedFrame frame = frame_of(scene.view(T_cw), SE3());
   TrackFigures figures;
   Relocaliser by_copies = relocaliser(vocabulary);
-  ASSERT_TRUE(by_copies.find(frame, search, nullptr, world.frames[5], figures));
+  ASSERT_TRUE(by_copies.find(frame, search, nullptr, {world.frames[5], {}}, figures));
   EXPECT_LT(distance(frame.T_cw, T_cw), 1e-3);
   EXPECT_TRUE(search.place.tentative()) << "nobody could be asked what is seen from there";
   TrackedFrame far = frame_of(scene.view(near_key_frame(15)), SE3());
-  EXPECT_FALSE(by_copies.find(far, search, nullptr, world.frames[5], figures));
+  EXPECT_FALSE(by_copies.find(far, search, nullptr, {world.frames[5], {}}, figures));
   search.local_map.clear();
-  EXPECT_FALSE(by_copies.find(frame, search, nullptr, world.frames[5], figures)) << "there is no copy";
+  EXPECT_FALSE(by_copies.find(frame, search, nullptr, {world.frames[5], {}}, figures)) << "there is no copy";
 }
 
 // ---- Single images ----

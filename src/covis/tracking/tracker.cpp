@@ -38,6 +38,8 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
   const SharedMap* live = mapping.map == MappingStatus::Map::live ? &map_ : nullptr;
   const bool realtime = settings_.schedule == Schedule::realtime;
   current_.start(depth_.receive(std::move(features)), frame, stamp);
+  health_.leaves_map = state_ == TrackingState::tracking && settings_.mode == TrackingMode::mapping &&
+                       starter_.may_begin_beside() && depth_.blames_map(stamp);
   Outcome outcome;
   TrackResult& result = outcome.result;
   result.features = current_.features->size();
@@ -59,9 +61,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
     outcome.retract_from = search_.place.take_retraction();
     if (found) {
       result.doubts.depth_contradiction = depth_.judge(current_, search_.camera);
-      if (depth_.blames_map(stamp) && !result.doubts.torn && starter_.may_begin_beside() &&
-          settings_.mode == TrackingMode::mapping)
-        begin_submap(outcome);
+      if (health_.leaves_map && depth_.blames_map(stamp) && !result.doubts.torn) begin_submap(outcome);
     }
     if (found && result.method != TrackMethod::initialised) {
       if (outcome.retract_from) backlog_.lost();
@@ -97,6 +97,7 @@ bool Tracker::find_pose(TrackResult& result, const SharedMap* live) {
   // Dead reckoning drifts: the camera is to be found in the map before it is mapped from there.
   const bool carried = settings_.mode == TrackingMode::mapping && health_.dead_reckoned_frames > 0;
   if (state_ == TrackingState::tracking && !carried) {
+    if (health_.leaves_map && relocalise(result, live)) return true;
     const int reckoned = health_.dead_reckoned_frames;
     if (reckoned > 0 && reckoned % kRelocaliseEvery == 0 && relocalise(result, live)) return true;
     if (find_first_pose(result) && (track_local_map(result, live) || dead_reckon(result))) return true;
@@ -165,7 +166,12 @@ bool Tracker::dead_reckon(TrackResult& result) {
 bool Tracker::relocalise(TrackResult& result, const SharedMap* live) {
   const Stopwatch watch;
   result.doubts.torn = false;  // it was judged at a pose that was refused
-  const bool found = relocaliser_.find(current_, search_, live, last_.pose.key_frame, result);
+  FeaturesPtr tracked_by = current_.features;
+  if (health_.leaves_map) current_.features = depth_.measured();
+  const auto but = health_.leaves_map ? std::optional(last_.submap) : std::nullopt;
+  const bool found = relocaliser_.find(current_, search_, live, {last_.pose.key_frame, but}, result);
+  if (found && search_.local_map.reference.submap != last_.submap) depth_.change_map(current_);
+  if (!found) current_.features = std::move(tracked_by);
   result.ms.motion += watch.ms();
   if (found) {
     health_.last_recovery = current_.stamp;

@@ -131,6 +131,7 @@ class Tracker {
     int dead_reckoned_frames = 0;  // number in a row
     bool weak = false;             // few inliers lately
     bool near_loss = false;        // few with the last frame
+    bool leaves_map = false;  // depth says that the map is wrong: the camera is to be found in another, or begins one
 
     static constexpr double kLately = 1.0;  // seconds
     bool recovered_lately(Timestamp now) const { return now - last_recovery < from_seconds(kLately); }
