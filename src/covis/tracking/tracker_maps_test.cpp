@@ -109,6 +109,28 @@ TEST_F(SeveralMapsTest, DepthThatContradictsTheMapForLongBeginsAnother) {
   EXPECT_EQ(shared.read()->submaps().size(), 2u);
 }
 
+// A map made of wrong depth is left for the older one when depth is right again.
+TEST_F(SeveralMapsTest, WhereDepthBlamesTheMapTheCameraComesBackToAnOlderOne) {
+  int back = -1;
+  for (int i = 0; i < frames.count(); ++i) {
+    auto features = std::make_shared<Features>(*frames.features(i));
+    for (float& depth : features->depth) depth *= i >= 4 && i < 12 ? 1.5f : 1;
+    const TrackResult result = track(features, i);
+    ASSERT_EQ(result.state, TrackingState::tracking) << "frame " << i << ": " << describe(result.reason);
+    if (back < 0 && i >= 12 && result.submap == 0) {
+      back = i;
+      EXPECT_EQ(result.method, TrackMethod::recovered);
+    }
+    if (back < 0) continue;
+    EXPECT_EQ(result.submap, 0u) << "frame " << i;
+    EXPECT_FALSE(result.tentative) << "frame " << i
+                                   << ": it is near where it was in that map, which is on no probation";
+    EXPECT_LT(distance(result, frames.T_cw(i)), 0.03) << "frame " << i;
+  }
+  EXPECT_NEAR(back, 16, 2) << "half a second later";
+  EXPECT_EQ(shared.read()->submaps().size(), 2u);
+}
+
 TEST_F(SeveralMapsTest, ANewMapThatDoesNotHoldLeavesTheOldOneInUse) {
   for (int i = 0; i < 4; ++i) track(i);
   int i = lose_for_long(4);
