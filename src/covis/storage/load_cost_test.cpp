@@ -126,8 +126,8 @@ MapState walk(uint32_t key_frames, int features) {
   return state;
 }
 
-// Loads the file in a process of its own, whose memory is as new as that of a program which has just begun. The time of
-// the processor with the system's, in milliseconds; below 0 if the file could not be loaded.
+// Loads the file in a process of its own, which keeps nothing of the loads before. The time of the processor with the
+// system's, in milliseconds; below 0 if the file could not be loaded.
 double time_of_load(const fs::path& file) {
   std::array<int, 2> ends{};
   if (pipe(ends.data()) != 0) return -1;
@@ -138,10 +138,11 @@ double time_of_load(const fs::path& file) {
     const double ms = map ? 1e3 * static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC : -1;
     _exit(write(ends[1], &ms, sizeof ms) == sizeof ms ? 0 : 1);
   }
+  close(ends[1]);  // so that reading ends with the process
   double ms = -1;
-  if (read(ends[0], &ms, sizeof ms) != sizeof ms) ms = -1;
-  waitpid(child, nullptr, 0);
-  for (const int end : ends) close(end);
+  if (child < 0 || read(ends[0], &ms, sizeof ms) != sizeof ms) ms = -1;
+  if (child > 0) waitpid(child, nullptr, 0);
+  close(ends[0]);
   return ms;
 }
 

@@ -11,7 +11,7 @@
 namespace covis {
 namespace {
 
-constexpr int kFewestPoints = 6, kFewPoints = 30, kManyPoints = 100, kPointsToAgree = 10;
+constexpr int kFewestPoints = 6, kFewPoints = 30, kManyPoints = 100, kPointsToAgree = 6;
 constexpr double kErrorOfFewest = 0.3;
 constexpr double kErrorOfFew = 0.09, kErrorOfMany = 0.045, kSuspicious = 0.03, kAgreeing = 0.02;
 constexpr double kMostSigmas = 3, kUsualSigmas = 1.5;  // right depth has 0.67
@@ -110,18 +110,18 @@ double DepthBelief::judge(const TrackedFrame& frame, const Pinhole& camera) {
 
 void DepthBelief::begin(Timestamp stamp) {
   const bool contradicted_just_now = contradicts() && stamp - judged_ < from_seconds(kLeast);
-  if (contradicted_just_now) {
-    doubted_ = stamp;
-  } else if (!is_on_probation(stamp)) {
-    doubted_.reset();
-  }
+  if (contradicted_just_now) doubted_ = stamp;
   begun_ = stamp;
   since_.reset();
   agreeing_ = 0;
 }
 
 void DepthBelief::change_map(const TrackedFrame& frame) {
-  if (frame.features == measured_) since_.reset();  // its depth agrees there
+  if (frame.features == measured_) {
+    since_.reset();  // its depth agrees there
+  } else if (since_) {
+    since_ = frame.stamp;
+  }
   begun_.reset();
   agreeing_ = 0;
   doubted_.reset();

@@ -220,6 +220,10 @@ TEST(DepthBelief, AnOlderMapIsNotOnProbation) {
   frame.features = belief.receive(features);
   belief.change_map(frame);
   EXPECT_TRUE(belief.contradicts()) << "found by its image alone";
+  frame.stamp = from_seconds(8);
+  belief.change_map(frame);
+  belief.judge(kContradicts, from_seconds(8.1));
+  EXPECT_FALSE(belief.blames_map(from_seconds(8.1))) << "what contradicted another map says nothing of this one";
 }
 
 }  // namespace

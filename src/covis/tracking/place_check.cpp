@@ -20,6 +20,8 @@ bool PlaceCheck::is_right(const Found& found, Arrival arrival) {
   const bool jump = jumped(found, arrival);
   const Demand demand = jump || tentative() ? Demand::strict : Demand::usual;
   if (found.live && !looks_as_expected(found, *found.live->read(), demand)) return false;
+  // Back where it was: the tentative place in another submap was a wrong one.
+  if (!jump && last_ && last_->submap != found.local_map.reference.submap) take_back_jump();
   if (jump && (arrival != Arrival::tracked || tentative() || !found.live)) {
     take_back_jump();
     jump_ = {found.frame.index, found.frame.stamp};
@@ -41,13 +43,14 @@ void PlaceCheck::accept(const TrackedFrame& frame, uint32_t submap) {
 }
 
 void PlaceCheck::settle(const Place& place) {
-  const auto same = [&](const Place& other) { return other.submap == place.submap; };
-  const auto settled = std::find_if(settled_.begin(), settled_.end(), same);
-  if (settled != settled_.end()) {
-    *settled = place;
-  } else {
-    settled_.push_back(place);
-  }
+  std::erase_if(settled_,
+                [&](const Place& other) { return other.submap == place.submap || is_long_ago(other, place.stamp); });
+  settled_.push_back(place);
+}
+
+bool PlaceCheck::is_long_ago(const Place& place, Timestamp now) {
+  constexpr double kComesBack = 5;  // seconds
+  return now - place.stamp > from_seconds(kComesBack);
 }
 
 void PlaceCheck::lose() {
@@ -78,10 +81,9 @@ void PlaceCheck::take_back_jump() {
 
 // A camera that was at a wrong place, or in a map begun in between, comes back to where it was before.
 const PlaceCheck::Place* PlaceCheck::came_from(uint32_t submap, Timestamp now) const {
-  constexpr double kComesBack = 5;  // seconds
   if (last_ && last_->submap == submap) return &*last_;
   for (const Place& place : settled_) {
-    if (place.submap == submap && now - place.stamp <= from_seconds(kComesBack)) return &place;
+    if (place.submap == submap && !is_long_ago(place, now)) return &place;
   }
   return nullptr;
 }

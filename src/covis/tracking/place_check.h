@@ -53,6 +53,8 @@ class PlaceCheck {
   void restart();
   // The map moved, and the last place with it; lengths there grew by the factor `growth`.
   void follow(const SE3& T_cw, uint32_t submap, double growth);
+  // A loop was closed, or submaps were joined: where the camera was before the last frame is not known any more.
+  void forget_settled() { settled_.clear(); }
 
   bool tentative() const { return jump_.has_value(); }
   // The stamp of the frame with which the camera came to its tentative place.
@@ -75,6 +77,7 @@ class PlaceCheck {
   // The place to hold one in this submap against; null if there is none.
   const Place* came_from(uint32_t submap, Timestamp now) const;
   bool jumped(const Found& found, Arrival arrival) const;
+  static bool is_long_ago(const Place& place, Timestamp now);
   // The camera is at this place without doubt.
   void settle(const Place& place);
   enum class Demand { usual, strict };  // strict: after a jump, and while the place is tentative

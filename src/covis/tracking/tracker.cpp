@@ -51,15 +51,18 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       follow_map(*map_.read());
       last_.map_changed = false;
     }
+    const FeaturesPtr received = current_.features;
     bool found = find_pose(result, live);
     // In real time a loop may have been closed meanwhile: what was read before does not fit what was read after.
     for (int again = 0; found && realtime && map_.read()->moves() != last_.moves; ++again) {
       follow_map(*map_.read());
+      current_.features = received;
       found = again < 2 && find_pose(result, live);
     }
     if (!found) lose(outcome, live);
     outcome.retract_from = search_.place.take_retraction();
     if (found) {
+      if (search_.local_map.reference.submap < last_.submap) depth_.change_map(current_);
       result.doubts.depth_contradiction = depth_.judge(current_, search_.camera);
       if (health_.leaves_map && depth_.blames_map(stamp) && !result.doubts.torn) begin_submap(outcome);
     }
@@ -97,7 +100,8 @@ bool Tracker::find_pose(TrackResult& result, const SharedMap* live) {
   // Dead reckoning drifts: the camera is to be found in the map before it is mapped from there.
   const bool carried = settings_.mode == TrackingMode::mapping && health_.dead_reckoned_frames > 0;
   if (state_ == TrackingState::tracking && !carried) {
-    if (health_.leaves_map && relocalise(result, live)) return true;
+    const bool has_others = health_.leaves_map && live && live->read()->submaps().size() > 1;
+    if (has_others && relocalise(result, live, last_.submap)) return true;
     const int reckoned = health_.dead_reckoned_frames;
     if (reckoned > 0 && reckoned % kRelocaliseEvery == 0 && relocalise(result, live)) return true;
     if (find_first_pose(result) && (track_local_map(result, live) || dead_reckon(result))) return true;
@@ -163,14 +167,13 @@ bool Tracker::dead_reckon(TrackResult& result) {
   return true;
 }
 
-bool Tracker::relocalise(TrackResult& result, const SharedMap* live) {
+// `but`: a submap that its depth blames, so that the camera is looked for in the others, by its depth as well.
+bool Tracker::relocalise(TrackResult& result, const SharedMap* live, std::optional<uint32_t> but) {
   const Stopwatch watch;
   result.doubts.torn = false;  // it was judged at a pose that was refused
   FeaturesPtr tracked_by = current_.features;
-  if (health_.leaves_map) current_.features = depth_.measured();
-  const auto but = health_.leaves_map ? std::optional(last_.submap) : std::nullopt;
+  if (but) current_.features = depth_.measured();
   const bool found = relocaliser_.find(current_, search_, live, {last_.pose.key_frame, but}, result);
-  if (found && search_.local_map.reference.submap != last_.submap) depth_.change_map(current_);
   if (!found) current_.features = std::move(tracked_by);
   result.ms.motion += watch.ms();
   if (found) {
@@ -294,6 +297,7 @@ void Tracker::key_frame_made(const KeyFrameMade& made) {
 }
 
 void Tracker::follow_map(const Map& map) {
+  if (last_.moves != map.moves()) search_.place.forget_settled();
   last_.moves = map.moves();
   search_.refresh_camera(map);
   if (const auto resolved = last_.pose.resolved(map)) {

@@ -104,7 +104,7 @@ class Tracker {
   bool find_first_pose(TrackResult& result);
   bool track_local_map(TrackResult& result, const SharedMap* live);
   bool dead_reckon(TrackResult& result);
-  bool relocalise(TrackResult& result, const SharedMap* live);
+  bool relocalise(TrackResult& result, const SharedMap* live, std::optional<uint32_t> but = {});
   void accept(TrackResult& result);
   void lose(Outcome& outcome, const SharedMap* live);
   void begin_submap(Outcome& outcome);
