@@ -40,6 +40,13 @@ class TornImage {
     torn_at_.reset();
     torn_since_.reset();
   }
+  // A frame shows far less than usual of what it should. True when that is so because it is torn, as one was just
+  // before: so long after torn frames too few known points are in view to see them displaced.
+  bool goes_on(Timestamp now) {
+    if (!may_go_on(now)) return false;
+    torn_at_ = now;
+    return true;
+  }
   // True for a second after a torn frame, or until a whole one: no map is to begin with what may be torn too.
   bool may_go_on(Timestamp now) const { return is_believed(now) && torn_lately(now, 1.0); }
 

@@ -140,7 +140,8 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
   const bool is_short = belief_.is_short(result);
   if (!is_short) search_.torn.whole();
   result.doubts.torn =
-      is_short && search_.torn.judge(search_.local_map, search_.view.points(), current_, search_.camera);
+      is_short && (search_.torn.judge(search_.local_map, search_.view.points(), current_, search_.camera) ||
+                   (belief_.is_weak(result) && search_.torn.goes_on(current_.stamp)));
   const bool tentative = search_.place.tentative();
   if (tentative && !well_determined(current_.information, current_.mean_depth(), search_.camera)) {
     result.reason = NoPoseReason::pose_uncertain;
