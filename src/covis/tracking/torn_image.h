@@ -47,6 +47,8 @@ class TornImage {
     torn_at_ = now;
     return true;
   }
+  // True when the frame of this stamp counted as torn.
+  bool was_torn(Timestamp stamp) const { return is_believed(stamp) && torn_lately(stamp, kGap); }
   // True for a second after a torn frame, or until a whole one: no map is to begin with what may be torn too.
   bool may_go_on(Timestamp now) const { return is_believed(now) && torn_lately(now, 1.0); }
 

@@ -117,7 +117,9 @@ TEST_F(TornImageTest, ItIsBelievedForThreeSeconds) {
 TEST_F(TornImageTest, ItGoesOnForAMomentAndEndsWithAWholeFrame) {
   EXPECT_TRUE(judge(torn(150, 0)));
   EXPECT_TRUE(judge(torn(0, kStep))) << "the next one may show too little to tell";
+  EXPECT_TRUE(image.was_torn(kStep));
   EXPECT_FALSE(judge(torn(0, 4 * kStep)));
+  EXPECT_FALSE(image.was_torn(4 * kStep));
   EXPECT_TRUE(image.may_go_on(4 * kStep)) << "a map that begins now may begin with a torn frame";
   EXPECT_FALSE(image.may_go_on(20 * kStep));
   EXPECT_TRUE(judge(torn(150, 20 * kStep)));

@@ -111,7 +111,8 @@ bool Tracker::find_pose(TrackResult& result, const SharedMap* live) {
 
 bool Tracker::find_first_pose(TrackResult& result) {
   const Stopwatch watch;
-  if (settings_.sensor != Sensor::monocular)
+  // The depth of torn rows would carry the pose away from the map.
+  if (settings_.sensor != Sensor::monocular && !search_.torn.was_torn(last_.frame.stamp))
     last_.add_depth_points(key_frames_.near_features(*last_.frame.features, search_.camera), search_.camera);
   const std::optional<SE3> T_cl = motion_.predict(current_.stamp - last_.frame.stamp);
   const bool ok = first_pose_.find(last_.frame, T_cl, current_, search_, result);
