@@ -21,8 +21,8 @@
 namespace covis::fuzz {
 namespace {
 
-constexpr unsigned kMostSeconds =
-    20;  // time that one input may take; libFuzzer's 5 are for a machine that does nothing else
+// Time that one input may take. libFuzzer's 5 are for a machine that does nothing else.
+constexpr unsigned kMostSeconds = 20;
 constexpr uint64_t kStage = 200;  // stage of random numbers, above those of the library
 
 // One to eight changes: bytes and numbers of other values, pieces moved, doubled, left out, or of another input.

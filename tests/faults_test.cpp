@@ -13,16 +13,18 @@ namespace {
 constexpr int kFrames = 60, kRate = 10;
 constexpr double kMostError = 0.05;  // metres, median of the sure frames
 
+SynthOptions options_of(Sensor sensor, double rate) {
+  SynthOptions options;
+  options.sensor = name(sensor);
+  options.width = 320;
+  options.height = 240;
+  options.fps = rate;
+  options.noise = 2;
+  return options;
+}
+
 GoodRecording& recording(Sensor sensor) {
-  const auto make = [](Sensor of) {
-    SynthOptions options;
-    options.sensor = name(of);
-    options.width = 320;
-    options.height = 240;
-    options.fps = kRate;
-    options.noise = 2;
-    return RenderedRecording(options, kFrames);
-  };
+  const auto make = [](Sensor of) { return RenderedRecording(options_of(of, kRate), kFrames); };
   static RenderedRecording stereo = make(Sensor::stereo), rgbd = make(Sensor::rgbd);
   return sensor == Sensor::stereo ? stereo : rgbd;
 }
@@ -92,6 +94,16 @@ TEST(Faults, AStreamRecovers) {
 // Their rows bent the map: all frames after them were wrong.
 TEST(FaultsLong, NothingIsMappedFromTornImages) {
   for (const Sensor sensor : {Sensor::stereo, Sensor::rgbd}) EXPECT_LE(expect_recovery("torn", sensor).sure_within, 2);
+}
+
+// The camera leaves behind what it knows, so that nothing known is seen displaced any more.
+TEST(FaultsLong, NothingIsMappedFromImagesThatAreTornForLong) {
+  RenderedRecording longer(options_of(Sensor::stereo, 15), 110);
+  const FaultResult r = run_fault(longer, named(stream_faults(Sensor::stereo), "torn"), {60, 84});
+  EXPECT_EQ(r.wrong_outside, 0);
+  EXPECT_GE(r.sure_after, 0);
+  EXPECT_LE(r.sure_after, 15);
+  EXPECT_EQ(r.sure_within, 0);
 }
 
 TEST(FaultsLong, AStreamRecoversFromMore) {

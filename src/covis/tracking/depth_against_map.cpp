@@ -11,7 +11,7 @@
 namespace covis {
 namespace {
 
-constexpr int kFewestPoints = 6, kFewPoints = 30, kManyPoints = 100, kPointsToAgree = 6;
+constexpr int kFewestPoints = 6, kFewPoints = 30, kManyPoints = 100;
 constexpr double kErrorOfFewest = 0.3;
 constexpr double kErrorOfFew = 0.09, kErrorOfMany = 0.045, kSuspicious = 0.03, kAgreeing = 0.02;
 constexpr double kMostSigmas = 3, kUsualSigmas = 1.5;  // right depth has 0.67
@@ -45,7 +45,7 @@ bool DepthAgainstMap::contradicts() const {
 }
 
 bool DepthAgainstMap::agrees() const {
-  return points >= kPointsToAgree && (error <= kAgreeing || sigmas <= kUsualSigmas);
+  return points >= kFewestPoints && (error <= kAgreeing || sigmas <= kUsualSigmas);
 }
 
 bool DepthAgainstMap::is_suspicious() const { return points > 0 && error > kSuspicious && sigmas > kUsualSigmas; }

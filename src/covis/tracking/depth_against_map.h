@@ -60,9 +60,9 @@ class DepthBelief {
   // The features as they came.
   const FeaturesPtr& measured() const { return measured_; }
   // A submap begins with the depth of this moment. Where that contradicted the map just before, nobody knows yet which
-  // which was wrong; not so where the camera was lost meanwhile.
+  // was wrong; not so where the camera was lost for long meanwhile.
   void begin(Timestamp stamp);
-  // The frame is found in another map, which is older.
+  // The frame is found in another map, which is older: what depth and the map before said of one another is past.
   void change_map(const TrackedFrame& frame);
   // The frame has its pose. Returns FrameDoubts::depth_contradiction. A contradiction lasts until the depth of some
   // frames in a row agrees.

@@ -115,6 +115,7 @@ FeaturesPtr torn(const Features& features) {
 }
 
 TEST_F(TrackerTest, TornImagesAreTrackedAndNotMapped) {
+  ptrdiff_t before = 0;  // points that the last frame had by the depth of frames, not of the map
   for (int i = 0; i < frames.count(); ++i) {
     const bool is_torn = i >= 8 && i < 14;
     const TrackResult result = track(is_torn ? torn(*frames.features(i)) : frames.features(i), i);
@@ -123,6 +124,12 @@ TEST_F(TrackerTest, TornImagesAreTrackedAndNotMapped) {
     const bool may_go_on = i == 14 || i == 15;  // for all that is known
     EXPECT_TRUE(result.doubts.torn == is_torn || may_go_on) << "frame " << i;
     EXPECT_FALSE(is_torn && result.key_frame) << "frame " << i;
+    const auto& source = tracker.last_frame().source;
+    const auto from_depth = std::count(source.begin(), source.end(), PointSource::depth);
+    if (i > 8 && i <= 14) {
+      EXPECT_LE(from_depth, before) << "frame " << i << ": the depth of a torn frame makes no points";
+    }
+    before = from_depth;
     EXPECT_LT((result.T_cw.inverse().t() - frames.T_cw(i).inverse().t()).norm(), 0.02) << "frame " << i;
   }
 }
