@@ -115,7 +115,7 @@ TEST_F(FocalLength, IsRefinedInRealTime) {
 }
 
 TEST(FocalLengthWithDepth, IsRefinedForRgbdNotForStereoLong) {
-  constexpr int kShort = 180;
+  constexpr int kShort = 200;
   for (const Sensor sensor : {Sensor::rgbd, Sensor::stereo}) {
     SCOPED_TRACE(sensor_name(sensor));
     Recording recording(sensor, kShort, 10, "posters");

@@ -27,7 +27,7 @@ SIZE = ['--width', '320', '--height', '240', '--fps', '8']
 
 # name: arguments of `covis synth`
 RECORDINGS = {
-    'room_rgbd': ['room', '--sensor', 'rgbd', '--noise', '2'],
+    'room_rgbd': ['room', '--sensor', 'rgbd', '--seed', '2', '--noise', '2'],
     'room_stereo': ['room', '--sensor', 'stereo', '--noise', '2'],
     'room_mono': ['room', '--sensor', 'mono', '--noise', '2'],
     'desk_rgbd': ['desk', '--sensor', 'rgbd', '--frames', '60', '--noise', '3', '--depth-noise', '1', '--exposure', '0.2',

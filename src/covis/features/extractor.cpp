@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "covis/features/gradients.h"
 #include "covis/features/orb.h"
@@ -12,9 +13,29 @@ namespace {
 
 constexpr int kCellSize = 30;
 
-// Feature budget of the levels: proportional to factor^-l, and the remainder for the last level. The budget that a
-// level cannot fill is given to the others in proportion, finest first.
-void share_out(int total, double factor, const std::vector<int>& available, std::vector<int>& share) {
+// A level has room for one keypoint in so many of its own pixels: more of them would show much the same patches. Where
+// a greater budget than usual is wanted, there is as much more room.
+constexpr double kPixelsOfKeypoint = 144;
+
+// Gives `more` keypoints to levels that have fewer than `most`, in proportion to what they lack, finest first.
+void add_shares(int more, const std::vector<int>& most, std::vector<int>& share) {
+  int room = 0;
+  for (size_t l = 0; l < share.size(); ++l) room += std::max(0, most[l] - share[l]);
+  if (room == 0) return;
+  const int all = std::min(more, room);
+  int left = all;
+  for (size_t l = 0; l < share.size(); ++l) {
+    const int spare = std::max(0, most[l] - share[l]);
+    const int part = std::min({spare, left, static_cast<int>(std::ceil(static_cast<double>(all) * spare / room))});
+    share[l] += part;
+    left -= part;
+  }
+}
+
+// Feature budget of the levels: proportional to factor^-l, and the remainder for the last level. What is more than a
+// level has room for is given to others that have; what none has room for, to those that have corners (`available`).
+void share_out(int total, double factor, const std::vector<int>& with_room, const std::vector<int>& available,
+               std::vector<int>& share) {
   const size_t levels = available.size();
   share.assign(levels, 0);
   double weight = 0;
@@ -25,25 +46,9 @@ void share_out(int total, double factor, const std::vector<int>& available, std:
     given += share[l];
   }
   share[levels - 1] = std::max(0, total - given);
-  for (int round = 0; round < 4; ++round) {
-    int missing = 0, room = 0;
-    for (size_t l = 0; l < levels; ++l) {
-      if (share[l] > available[l]) {
-        missing += share[l] - available[l];
-        share[l] = available[l];
-      } else {
-        room += available[l] - share[l];
-      }
-    }
-    if (missing == 0 || room == 0) break;
-    int left = std::min(missing, room);
-    for (size_t l = 0; l < levels && left > 0; ++l) {
-      const int spare = available[l] - share[l];
-      const int more =
-          std::min({spare, left, static_cast<int>(std::ceil(static_cast<double>(missing) * spare / room))});
-      share[l] += more;
-      left -= more;
-    }
+  for (size_t l = 0; l < levels; ++l) share[l] = std::min(share[l], with_room[l]);
+  for (const auto* most : {&with_room, &available}) {
+    add_shares(total - std::accumulate(share.begin(), share.end(), 0), *most, share);
   }
 }
 
@@ -72,10 +77,12 @@ void KeyPoints::append(const KeyPoints& more) {
 
 OrbExtractor::OrbExtractor(const OrbOptions& options, double edge_ratio)
     : options_(options),
+      budget_(options.features),
       edge_ratio_(edge_ratio),
       pyramid_(std::make_shared<ScalePyramid>(options.levels, static_cast<float>(options.scale_factor))),
       levels_(static_cast<size_t>(options.levels)),
-      available_(levels_.size()) {}
+      available_(levels_.size()),
+      with_room_(levels_.size()) {}
 
 const KeyPoints& OrbExtractor::extract(ImageView<const uint8_t> image) {
   start(image);
@@ -109,8 +116,14 @@ void OrbExtractor::detect(int l) {
 }
 
 void OrbExtractor::share_budget() {
-  for (size_t l = 0; l < levels_.size(); ++l) available_[l] = static_cast<int>(levels_[l].corners.size());
-  share_out(options_.features, options_.scale_factor, available_, share_);
+  const double density = budget_ / (kPixelsOfKeypoint * options_.features);
+  for (size_t l = 0; l < levels_.size(); ++l) {
+    available_[l] = static_cast<int>(levels_[l].corners.size());
+    const auto inside = [](int side) { return std::max(0, side - 2 * kEdgeBorder); };
+    const ImageView<const uint8_t> view = levels_[l].view;
+    with_room_[l] = std::min(available_[l], static_cast<int>(density * inside(view.width) * inside(view.height)));
+  }
+  share_out(budget_, options_.scale_factor, with_room_, available_, share_);
 }
 
 void OrbExtractor::describe(int l) {
@@ -118,7 +131,7 @@ void OrbExtractor::describe(int l) {
   const ImageView<const uint8_t> from = level.view;
   KeyPoints& points = level.keypoints;
   points.clear();
-  points.reserve(static_cast<size_t>(options_.features) + 3);  // memory pages are used only when filled
+  points.reserve(static_cast<size_t>(budget_) + 3);  // memory pages are used only when filled
   level.quadtree.distribute(level.corners, kEdgeBorder, kEdgeBorder, from.width - kEdgeBorder,
                             from.height - kEdgeBorder, share_[static_cast<size_t>(l)], level.kept);
   if (level.kept.empty()) return;

@@ -29,8 +29,9 @@ class OrbExtractor {
   explicit OrbExtractor(const OrbOptions& options, double edge_ratio = 0);
 
   // Upper bound on the keypoints of an image: each level may exceed its share by three.
-  size_t most_keypoints() const { return static_cast<size_t>(options_.features + 3 * options_.levels); }
-  void set_budget(int features) { options_.features = features; }
+  size_t most_keypoints() const { return static_cast<size_t>(budget_ + 3 * options_.levels); }
+  // Wants so many keypoints from now on, instead of OrbOptions::features.
+  void set_budget(int features) { budget_ = features; }
   // Keypoints are sorted by level, then row, then column.
   const KeyPoints& extract(ImageView<const uint8_t> image);
 
@@ -75,10 +76,12 @@ class OrbExtractor {
   };
 
   OrbOptions options_;
+  int budget_;
   const double edge_ratio_;
   std::shared_ptr<const ScalePyramid> pyramid_;
   std::vector<Level> levels_;
-  std::vector<int> available_, share_;  // numbers of corners found and wanted, per level
+  // Numbers per level: of corners found, of those that have room beside one another, of keypoints wanted.
+  std::vector<int> available_, with_room_, share_;
   KeyPoints keypoints_;
 };
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -38,6 +39,30 @@ TEST(Extractor, TheWantedNumberIsReached) {
   }
 }
 
+std::vector<int> points_of_levels(int width, int height, int budget) {
+  OrbExtractor extractor{OrbOptions{}};
+  extractor.set_budget(budget);
+  std::vector<int> points(8);
+  for (const uint8_t level : extractor.extract(texture(width, height, 7).view()).level) ++points[level];
+  return points;
+}
+
+TEST(Extractor, CoarseLevelsOfSmallImagesAreNotCrowded) {
+  constexpr double kScale = 1.2, kMore = 3;  // a level may exceed its share by three
+  const std::vector<int> small = points_of_levels(320, 240, 1000);
+  for (int l = 3; l < 8; ++l) {
+    const double scale = std::pow(kScale, l), inside = (320 / scale - 37) * (240 / scale - 37);
+    EXPECT_LE(small[static_cast<size_t>(l)], inside / 144 + kMore) << "level " << l;
+  }
+  for (const int budget : {1000, 2000}) {  // there is room for all
+    const std::vector<int> large = points_of_levels(640, 480, budget);
+    for (int l = 0; l < 8; ++l) {
+      const double share = budget * (1 - 1 / kScale) / (1 - std::pow(kScale, -8)) * std::pow(kScale, -l);
+      EXPECT_NEAR(large[static_cast<size_t>(l)], share, 1 + kMore) << budget << ", level " << l;
+    }
+  }
+}
+
 // Whole numbers and IEEE arithmetic alone lead to the places, so their hash is the same everywhere; angles and
 // descriptors follow from them by the mathematics library's arc tangent, sine and cosine. A change of this value
 // changes every trajectory.
@@ -63,7 +88,7 @@ TEST(Extractor, PlacesAreThoseOfEver) {
     }
     add(k.size());
   }
-  EXPECT_EQ(hash, 13400720980037767191u);
+  EXPECT_EQ(hash, 2335275994541423846u);
 }
 
 }  // namespace

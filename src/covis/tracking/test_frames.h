@@ -62,7 +62,7 @@ class TestFrames {
     SynthOptions options;
     options.world = "desk";
     options.sensor = sensor == Sensor::rgbd ? "rgbd" : "mono";
-    options.frames = 24;
+    options.frames = 30;
     options.fps = 8;
     options.width = 320;
     options.height = 240;

@@ -316,14 +316,16 @@ TEST_F(MonocularTrackerTest, AllBeginsAnewWhereWhatReplacesAYoungMapDoesNotHold)
   int begun = 0;
   while (begun < frames.count() / 2 && track(begun).state != TrackingState::tracking) ++begun;
   ASSERT_EQ(tracker.state(), TrackingState::tracking);
-  for (int i = 0; i <= begun; ++i) {
-    const Tracker::Outcome outcome = track_alone(frames.elsewhere(i), begun + 1 + i);
+  int next = 0;  // the first frame after the replacement
+  for (bool replaced = false; !replaced && next < frames.count(); ++next) {
+    const Tracker::Outcome outcome = track_alone(frames.elsewhere(next), begun + 1 + next);
     if (!outcome.discard_submap) continue;
     shared.write()->erase_submap(*outcome.discard_submap);
-    tracker.key_frame_made({.frame = begun + 1 + i});
+    tracker.key_frame_made({.frame = begun + 1 + next});
+    replaced = true;
   }
   EXPECT_EQ(tracker.state(), TrackingState::not_initialised);
-  EXPECT_EQ(track(frames.elsewhere(begun + 1), 2 * begun + 2).reason, NoPoseReason::waiting_for_parallax);
+  EXPECT_EQ(track(frames.elsewhere(next), begun + 1 + next).reason, NoPoseReason::waiting_for_parallax);
 }
 
 }  // namespace
