@@ -13,8 +13,8 @@ namespace {
 
 constexpr int kCellSize = 30;
 
-// A level has room for one keypoint in so many of its own pixels: more of them would show much the same patches. Where
-// a greater budget than usual is wanted, there is as much more room.
+// A level has room for one keypoint in so many of its own pixels inside the border: more of them would show much the
+// same patches. While a greater budget than OrbOptions::features is wanted, there is as much more room.
 constexpr double kPixelsOfKeypoint = 144;
 
 // Gives `more` keypoints to levels that have fewer than `most`, in proportion to what they lack, finest first.
@@ -48,7 +48,7 @@ void share_out(int total, double factor, const std::vector<int>& with_room, cons
   share[levels - 1] = std::max(0, total - given);
   for (size_t l = 0; l < levels; ++l) share[l] = std::min(share[l], with_room[l]);
   for (const auto* most : {&with_room, &available}) {
-    add_shares(total - std::accumulate(share.begin(), share.end(), 0), *most, share);
+    add_shares(std::max(0, total - std::accumulate(share.begin(), share.end(), 0)), *most, share);
   }
 }
 

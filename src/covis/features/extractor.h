@@ -75,12 +75,12 @@ class OrbExtractor {
     KeyPoints keypoints;
   };
 
-  OrbOptions options_;
+  const OrbOptions options_;
   int budget_;
   const double edge_ratio_;
   std::shared_ptr<const ScalePyramid> pyramid_;
   std::vector<Level> levels_;
-  // Numbers per level: of corners found, of those that have room beside one another, of keypoints wanted.
+  // Numbers per level: corners found, the least of them and of what the level has room for, keypoints wanted.
   std::vector<int> available_, with_room_, share_;
   KeyPoints keypoints_;
 };

@@ -317,13 +317,16 @@ TEST_F(MonocularTrackerTest, AllBeginsAnewWhereWhatReplacesAYoungMapDoesNotHold)
   while (begun < frames.count() / 2 && track(begun).state != TrackingState::tracking) ++begun;
   ASSERT_EQ(tracker.state(), TrackingState::tracking);
   int next = 0;  // the first frame after the replacement
-  for (bool replaced = false; !replaced && next < frames.count(); ++next) {
+  bool replaced = false;
+  for (; !replaced && next < frames.count(); ++next) {
     const Tracker::Outcome outcome = track_alone(frames.elsewhere(next), begun + 1 + next);
     if (!outcome.discard_submap) continue;
+    ASSERT_EQ(outcome.result.method, TrackMethod::initialised) << "it is given up, not replaced";
     shared.write()->erase_submap(*outcome.discard_submap);
     tracker.key_frame_made({.frame = begun + 1 + next});
     replaced = true;
   }
+  ASSERT_TRUE(replaced);
   EXPECT_EQ(tracker.state(), TrackingState::not_initialised);
   EXPECT_EQ(track(frames.elsewhere(next), begun + 1 + next).reason, NoPoseReason::waiting_for_parallax);
 }
