@@ -195,17 +195,30 @@ void SensorMonitor::add_depths(int64_t frame) {
 // has to be a small error: of few points chance explains much.
 void SensorMonitor::add_comparison(int64_t frame, const DepthAgainstMotion& comparison) {
   const bool doubted = holds(SensorDoubt::depth_against_motion);
-  error_.add(doubted || comparison.explained < kMostExplained ? comparison.error() : 0);
-  spread_.add(comparison.spread);
+  auto& [errors, spreads, of_frames] = comparisons_;
+  errors.add(doubted || comparison.explained < kMostExplained ? comparison.error() : 0);
+  spreads.add(comparison.spread);
   const auto exceeds = [&](size_t last, double most) {
-    return error_.median(last) > most && spread_.median(last) > kLeastSpread;
+    return errors.median(last) > most && spreads.median(last) > kLeastSpread;
   };
-  const size_t count = std::min(error_.count, kComparisons);
-  const bool are_few = error_.count < kComparisons;
+  const size_t count = std::min(errors.count, kComparisons);
+  const bool are_few = errors.count < kComparisons;
   const bool exceeded = are_few ? count >= kFew && exceeds(kFew, kMostErrorOfFew) : exceeds(kComparisons, kMostError);
-  const bool goes_on = doubted && error_.median(count) > kEndsBelow;
-  judge(SensorDoubt::depth_against_motion, exceeded || goes_on, error_.median(are_few ? std::min(count, kFew) : count),
+  const bool goes_on = doubted && errors.median(count) > kEndsBelow;
+  judge(SensorDoubt::depth_against_motion, exceeded || goes_on, errors.median(are_few ? std::min(count, kFew) : count),
         frame);
+}
+
+void SensorMonitor::add_view(int64_t frame, FeaturesPtr features, const Pinhole& camera) {
+  constexpr int kEvery = 3;  // frames: the next one hardly shows another view
+  MotionDepthCheck& check = comparisons_.of_frames;
+  if (!holds(SensorDoubt::depth_against_motion)) {
+    check = {};
+  } else if (frame % kEvery == 0) {
+    for (const DepthAgainstMotion& comparison :
+         check.add(std::move(features), camera, MotionDepthCheck::Pace::every_view))
+      add_comparison(frame, comparison);
+  }
 }
 
 void SensorMonitor::add_images(int64_t frame, ImageView<const uint8_t> image, ImageView<const float> depth) {
@@ -252,8 +265,7 @@ bool SensorMonitor::suspects_depth() const {
 void SensorMonitor::restart() {
   forget_share();
   forget_depths();
-  error_ = {};
-  spread_ = {};
+  comparisons_ = {};
   in_a_row_ = {};
   depth_images_ = {};
   wrong_ = {};

@@ -56,6 +56,9 @@ class SensorMonitor {
   // `row_error`: Frontend::row_error() of a stereo pair.
   void add_frame(int64_t frame, const Features& features, double row_error, Budget budget = Budget::usual);
   void add_comparison(int64_t frame, const DepthAgainstMotion& comparison);
+  // Each frame, with the pinhole camera of its features. While depth against motion is in doubt frames are compared as
+  // well, because where all is known no key frame is made whose comparison could end the doubt.
+  void add_view(int64_t frame, FeaturesPtr features, const Pinhole& camera);
   // Each frame of a depth camera.
   void add_images(int64_t frame, ImageView<const uint8_t> image, ImageView<const float> depth);
   void add_outlines(int64_t frame, const OutlineFit& fit);
@@ -114,7 +117,11 @@ class SensorMonitor {
     Window<kFrames> zero, rows, near, relief;
   };
   DepthFigures depth_figures_;
-  Window<kComparisons> error_, spread_;
+  struct Comparisons {
+    Window<kComparisons> error, spread;
+    MotionDepthCheck of_frames;
+  };
+  Comparisons comparisons_;
   struct Silence {
     size_t share = 0, depths = 0;
   };

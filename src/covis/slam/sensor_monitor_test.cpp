@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 
 #include "covis/features/test_features.h"
+#include "covis/tracking/test_frames.h"
 
 namespace covis {
 namespace {
@@ -155,6 +157,27 @@ TEST(SensorMonitor, ContradictionsAreDoubtedUntilTheyEnd) {
   for (int k = 0; k < 5; ++k) monitor.add_comparison(8 + k, wrong);
   EXPECT_TRUE(monitor.doubts());
   EXPECT_TRUE(monitor.take_warnings().empty()) << "reported once";
+}
+
+// Where all is known no key frame is made, so that no comparison of key frames ends a doubt.
+TEST(SensorMonitor, FramesEndADoubtOfDepthThatIsRightAgain) {
+  TestFrames& frames = TestFrames::of(Sensor::rgbd);
+  const auto doubted_after = [&](auto depth_of) {
+    SensorMonitor monitor(Sensor::rgbd);
+    for (int k = 0; k < 3; ++k) monitor.add_comparison(k, {100, 0.4, 0.3});
+    EXPECT_TRUE(monitor.doubts());
+    int doubted = 0;
+    for (; doubted < frames.count() && monitor.doubts(); ++doubted) {
+      auto seen = std::make_shared<Features>(*frames.features(doubted));
+      for (float& depth : seen->depth) depth = depth_of(depth);
+      monitor.add_view(doubted, seen, frames.camera());
+    }
+    return doubted;
+  };
+  const int until_right = doubted_after([](float depth) { return depth; });
+  EXPECT_GT(until_right, 3);
+  EXPECT_LT(until_right, 20);
+  EXPECT_EQ(doubted_after([](float depth) { return depth > 0 ? 1 / depth : depth; }), frames.count());
 }
 
 // Two motions in a row that are wrong, in a long recording whose depth is right.

@@ -87,6 +87,7 @@ FrameReport System::process(const Input& input) {
 
   using Budget = SensorMonitor::Budget;
   monitor_.add_frame(input.frame, *features, frontend_.row_error(), more_features ? Budget::doubled : Budget::usual);
+  monitor_.add_view(input.frame, features, tracker_.search().camera);
   if (options_.sensor == Sensor::rgbd && !input.depth.empty())
     monitor_.add_images(input.frame, input.image, input.depth);
   ++frames_.processed;
