@@ -61,7 +61,7 @@ void write_error(std::string_view reason) {
 
 void set_activity(int argc, const char* const* argv) {
   std::string words = "covis";
-  for (int i = 1; i < argc && argv[i][0] != '-'; ++i) words += " " + std::string(argv[i]);
+  for (int i = 1; i < argc && argv[i][0] != '-'; ++i) words.append(" ").append(argv[i]);
   std::snprintf(command_words, sizeof command_words, "%s", shown(words).c_str());
 }
 
