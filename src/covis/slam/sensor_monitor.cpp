@@ -262,15 +262,6 @@ bool SensorMonitor::suspects_depth() const {
          was_told(SensorDoubt::depth_frozen);
 }
 
-void SensorMonitor::restart() {
-  forget_share();
-  forget_depths();
-  comparisons_ = {};
-  in_a_row_ = {};
-  depth_images_ = {};
-  wrong_ = {};
-}
-
 void SensorMonitor::forget_share() {
   share_ = {};
   wrong_[static_cast<size_t>(SensorDoubt::few_depths)] = false;

@@ -77,8 +77,6 @@ class SensorMonitor {
   }
   // True once depth has contradicted the images or the map. It stays so: every key frame is compared from then on.
   bool suspects_depth() const;
-  // Ends all doubts; what was seen counts no more. Warnings are not repeated.
-  void restart();
   // The warnings since the last call: one of each kind, the first time.
   std::vector<SensorWarning> take_warnings() { return std::exchange(fresh_, {}); }
 

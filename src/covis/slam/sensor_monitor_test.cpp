@@ -127,20 +127,6 @@ TEST(SensorMonitor, DoubtsOfFramesEndWhereFramesSayNothing) {
   }
 }
 
-TEST(SensorMonitor, ARestartEndsAllDoubts) {
-  SensorMonitor monitor(Sensor::stereo);
-  for (int i = 0; i < 20; ++i) monitor.add_frame(i, features(0.1, 10), 1.0);
-  for (int k = 0; k < 5; ++k) monitor.add_comparison(k, {100, 0.4, 0.3});
-  EXPECT_TRUE(monitor.doubts_depth());
-  EXPECT_EQ(monitor.take_warnings().size(), 3u);
-  monitor.restart();
-  EXPECT_FALSE(monitor.doubts());
-  EXPECT_FALSE(monitor.doubts_depth());
-  monitor.add_comparison(5, {100, 0.4, 0.3});
-  EXPECT_FALSE(monitor.doubts_depth()) << "what was seen counts no more";
-  EXPECT_TRUE(monitor.suspects_depth()) << "it may be wrong again";
-}
-
 TEST(SensorMonitor, ContradictionsAreDoubtedUntilTheyEnd) {
   const DepthAgainstMotion wrong{100, 0.4, 0.3}, right{100, 0.03, 0.3};
   SensorMonitor monitor(Sensor::rgbd);

@@ -143,8 +143,6 @@ Result<std::vector<MappingReport>> System::set_mode(TrackingMode mode) {
       return tl::unexpected(continued.error());
   }
   std::vector<MappingReport> reports = finish();
-  // Without key frames no comparison would end a doubt.
-  monitor_.restart();
   options_.localize = mode == TrackingMode::localisation;
   tracker_.set_mode(mode);
   return reports;
