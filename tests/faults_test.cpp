@@ -106,6 +106,18 @@ TEST(FaultsLong, NothingIsMappedFromImagesThatAreTornForLong) {
   EXPECT_EQ(r.sure_within, 0);
 }
 
+// Back in what it knows the camera makes no key frame that could show depth to be right again.
+TEST(FaultsLong, DepthThatIsRightAgainIsSoonBelieved) {
+  SynthOptions options = options_of(Sensor::rgbd, 15);
+  options.world = "desk";
+  options.depth_noise = 1;
+  RenderedRecording desk(options, 150);
+  const FaultResult r = run_fault(desk, named(stream_faults(Sensor::rgbd), "turned_round"), {60, 84});
+  EXPECT_EQ(r.wrong_outside, 0);
+  EXPECT_GE(r.sure_after, 0);
+  EXPECT_LE(r.sure_after, 20);
+}
+
 TEST(FaultsLong, AStreamRecoversFromMore) {
   for (const char* fault : {"dropped", "stamps_back", "other_size"}) expect_recovery(fault);
 }

@@ -209,12 +209,13 @@ void SensorMonitor::add_comparison(int64_t frame, const DepthAgainstMotion& comp
         frame);
 }
 
-void SensorMonitor::add_view(int64_t frame, FeaturesPtr features, const Pinhole& camera) {
-  constexpr int kEvery = 3;  // frames: the next one hardly shows another view
-  MotionDepthCheck& check = comparisons_.of_frames;
+void SensorMonitor::add_view(int64_t frame, Timestamp stamp, FeaturesPtr features, const Pinhole& camera) {
+  constexpr double kEvery = 0.19;  // seconds, three frames at 15 Hz: sooner another view is hardly seen
+  auto& [check, last] = comparisons_.of_frames;
   if (!holds(SensorDoubt::depth_against_motion)) {
-    check = {};
-  } else if (frame % kEvery == 0) {
+    comparisons_.of_frames = {};
+  } else if (!last || to_seconds(stamp) - to_seconds(*last) > kEvery) {
+    last = stamp;
     for (const DepthAgainstMotion& comparison :
          check.add(std::move(features), camera, MotionDepthCheck::Pace::every_view))
       add_comparison(frame, comparison);

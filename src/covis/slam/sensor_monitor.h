@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Watches whether images, and the depth of a stereo pair or a depth camera, can be believed, by figures that are at
-// hand: what the features of each frame have, and what comparisons with the motion of the images say
-// (mapping/depth_against_motion.h). It changes nothing. While doubts() holds, poses count as tentative; while
+// Watches whether images, and the depth of a stereo pair or a depth camera, can be believed: by what the features of
+// each frame have, and by what comparisons with the motion of the images say (mapping/depth_against_motion.h). It
+// changes nothing. While doubts() holds, poses count as tentative; while
 // doubts_depth() holds, neither the noise of depth nor the focal length is estimated.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "covis/core/sensor.h"
+#include "covis/core/time.h"
 #include "covis/features/depth_outlines.h"
 #include "covis/features/features.h"
 #include "covis/features/frozen_depth.h"
@@ -56,9 +58,10 @@ class SensorMonitor {
   // `row_error`: Frontend::row_error() of a stereo pair.
   void add_frame(int64_t frame, const Features& features, double row_error, Budget budget = Budget::usual);
   void add_comparison(int64_t frame, const DepthAgainstMotion& comparison);
-  // Each frame, with the pinhole camera of its features. While depth against motion is in doubt frames are compared as
-  // well, because where all is known no key frame is made whose comparison could end the doubt.
-  void add_view(int64_t frame, FeaturesPtr features, const Pinhole& camera);
+  // Each frame of a recording whose key frames are compared, with the pinhole camera of its features and the noise of
+  // depth that was given. While motion contradicts depth frames are compared as well, five in a second, each in 5 to 30
+  // ms, because where all is known no key frame is made whose comparison could end the doubt.
+  void add_view(int64_t frame, Timestamp stamp, FeaturesPtr features, const Pinhole& camera);
   // Each frame of a depth camera.
   void add_images(int64_t frame, ImageView<const uint8_t> image, ImageView<const float> depth);
   void add_outlines(int64_t frame, const OutlineFit& fit);
@@ -115,9 +118,13 @@ class SensorMonitor {
     Window<kFrames> zero, rows, near, relief;
   };
   DepthFigures depth_figures_;
+  struct ComparedFrames {
+    MotionDepthCheck check;
+    std::optional<Timestamp> last;
+  };
   struct Comparisons {
     Window<kComparisons> error, spread;
-    MotionDepthCheck of_frames;
+    ComparedFrames of_frames;
   };
   Comparisons comparisons_;
   struct Silence {

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "covis/features/test_features.h"
+#include "covis/slam/map_camera.h"
 #include "covis/tracking/test_frames.h"
 
 namespace covis {
@@ -143,27 +144,50 @@ TEST(SensorMonitor, ContradictionsAreDoubtedUntilTheyEnd) {
   for (int k = 0; k < 5; ++k) monitor.add_comparison(8 + k, wrong);
   EXPECT_TRUE(monitor.doubts());
   EXPECT_TRUE(monitor.take_warnings().empty()) << "reported once";
+  for (int k = 0; k < 5; ++k) monitor.add_comparison(13 + k, right);
+  EXPECT_FALSE(monitor.doubts());
+  EXPECT_TRUE(monitor.suspects_depth()) << "what was wrong once is looked at more often for good";
 }
 
 // Where all is known no key frame is made, so that no comparison of key frames ends a doubt.
-TEST(SensorMonitor, FramesEndADoubtOfDepthThatIsRightAgain) {
-  TestFrames& frames = TestFrames::of(Sensor::rgbd);
-  const auto doubted_after = [&](auto depth_of) {
+class DoubtedFrames : public testing::Test {
+ protected:
+  static FeaturesPtr with_depth(int k, float (*depth_of)(float)) {
+    auto seen = std::make_shared<Features>(*frames().features(k));
+    for (float& depth : seen->depth) depth = depth_of(depth);
+    return seen;
+  }
+  static float right(float depth) { return depth; }
+  static float inverse(float depth) { return depth > 0 ? 1 / depth : depth; }
+  // The number of frames, each seen `repeats` times in its time, after which the doubt ends.
+  static int doubted_for(float (*depth_of)(float), int repeats) {
     SensorMonitor monitor(Sensor::rgbd);
     for (int k = 0; k < 3; ++k) monitor.add_comparison(k, {100, 0.4, 0.3});
     EXPECT_TRUE(monitor.doubts());
-    int doubted = 0;
-    for (; doubted < frames.count() && monitor.doubts(); ++doubted) {
-      auto seen = std::make_shared<Features>(*frames.features(doubted));
-      for (float& depth : seen->depth) depth = depth_of(depth);
-      monitor.add_view(doubted, seen, frames.camera());
+    for (int k = 0; k < frames().count(); ++k) {
+      const Timestamp step = (frames().stamp(1) - frames().stamp(0)) / repeats;
+      for (int i = 0; i < repeats; ++i) {
+        monitor.add_view(1 + 3 * (k * repeats + i), frames().stamp(k) + i * step, with_depth(k, depth_of), camera());
+        if (!monitor.doubts()) return k;
+      }
     }
-    return doubted;
-  };
-  const int until_right = doubted_after([](float depth) { return depth; });
-  EXPECT_GT(until_right, 3);
-  EXPECT_LT(until_right, 20);
-  EXPECT_EQ(doubted_after([](float depth) { return depth > 0 ? 1 / depth : depth; }), frames.count());
+    return frames().count();
+  }
+  static TestFrames& frames() { return TestFrames::of(Sensor::rgbd); }
+  static Pinhole camera() { return with_depth_noise(frames().camera(), Sensor::rgbd); }
+};
+
+TEST_F(DoubtedFrames, EndTheDoubtWhereDepthIsRightAgain) { EXPECT_LT(doubted_for(right, 1), 20); }
+
+TEST_F(DoubtedFrames, EndItAlikeAtAnyRate) {
+  EXPECT_NEAR(doubted_for(right, 8), doubted_for(right, 1), 4) << "64 frames a second and 8";
+}
+
+TEST_F(DoubtedFrames, KeepItWhereDepthIsWrong) {
+  EXPECT_EQ(doubted_for(inverse, 1), frames().count());
+  const auto compared = compare_depth_with_motion(*with_depth(0, inverse), *with_depth(8, inverse), camera(), 0);
+  ASSERT_TRUE(compared) << "no comparison could have ended the doubt";
+  EXPECT_GT(compared->error(), 0.6);
 }
 
 // Two motions in a row that are wrong, in a long recording whose depth is right.

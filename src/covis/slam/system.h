@@ -34,7 +34,7 @@ namespace covis {
 // Stages of one frame, milliseconds.
 struct FrameTiming {
   double extract_ms = 0;  // features
-  double depth_ms = 0;    // stereo matching or depth look-up
+  double depth_ms = 0;    // stereo matching or depth look-up; comparison with motion while that is in doubt
   double wait_ms = 0;     // for mapping (deterministic mode)
   double track_ms = 0;    // from features to pose, and asking for a key frame
   double total_ms = 0;
@@ -139,6 +139,7 @@ class System {
   void anchor_in(const Map& map, const KeyFrameMade& made);
   void record(const Input& input, const Tracker::Outcome& outcome, FrameReport& report);
   void discard(uint32_t submap);
+  void compare_depth(const Input& input, const FeaturesPtr& features, FrameReport& report);
   void watch_sensor(int64_t frame, FrameReport& report);
   void report_begun_map(FrameReport& report) const;
   void explain_missing_map(TrackResult& result) const;
