@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "covis/core/time.h"
@@ -25,6 +26,7 @@ struct PoseSearch {
   PlaceCheck place;
   TornImage torn;
   std::vector<MapPointId> matched;  // work space of update_local_map()
+  TrackedFrame unfitted;            // work space: the frame before fit_local_map()
 
   PoseSearch(const RecoveryOptions& options, Subject subject) : place(options, subject) {}
 
@@ -38,6 +40,35 @@ struct PoseSearch {
   // Searches the local map from the frame's pose so far, in windows wider by `factor`, and fits the pose to all
   // matches.
   void fit_local_map(const LocalMapOptions& o, double factor, TrackedFrame& frame, TrackFigures& figures) {
+    unfitted.keep(frame);
+    fit(o, factor, frame, figures);
+  }
+  // After fit_local_map() with the same arguments: does it once more, from the predicted pose and without the matches
+  // of the first pose, at first in windows twice as wide. A first pose fitted to a few points side by side may be off
+  // by degrees, so that all others are missed (docs/notes/047-a-second-start.md). The frame and its figures stay as
+  // they were unless clearly more points agree, at a pose that is nearer to the predicted one.
+  void fit_local_map_from(const SE3& predicted_cw, const LocalMapOptions& o, double factor, TrackedFrame& frame,
+                          TrackFigures& figures) {
+    constexpr double kWider = 2, kBetter = 1.2;
+    const SE3 first_cw = frame.T_cw;
+    const int inliers = figures.inliers;
+    frame.clear_matches();
+    frame.T_cw = predicted_cw;
+    fit(o, kWider * factor, frame, figures);
+    fit(o, factor, frame, figures);
+    const auto off = [&](const SE3& T_cw) {  // radians, about
+      const Vector6d step = (T_cw * predicted_cw.inverse()).log();
+      return step.tail<3>().norm() + step.head<3>().norm() / frame.mean_depth();
+    };
+    if (figures.inliers > kBetter * inliers && off(frame.T_cw) < off(first_cw)) return;
+    unfitted.features = std::move(frame.features);
+    std::swap(frame, unfitted);
+    fit(o, factor, frame, figures);
+  }
+  PlaceCheck::Found found(const TrackedFrame& frame, const SharedMap* live) const {
+    return {frame, local_map, view.points(), live};
+  }
+  void fit(const LocalMapOptions& o, double factor, TrackedFrame& frame, TrackFigures& figures) {
     Stopwatch watch;
     const MatchGate gate =
         MatchGate::local_map(o.local_window * factor, o.local_window_frontal * factor, o.local_ratio);
@@ -47,9 +78,6 @@ struct PoseSearch {
     figures.inliers = matcher.fit_pose(frame, camera);
     figures.ms.pose += watch.ms();
     figures.local_expected = look(frame);
-  }
-  PlaceCheck::Found found(const TrackedFrame& frame, const SharedMap* live) const {
-    return {frame, local_map, view.points(), live};
   }
   // Sees which points of the local map the frame should show at its pose, and returns how many usually match.
   double look(const TrackedFrame& frame) { return view.look(local_map, matcher.in_view(), frame, camera); }

@@ -42,5 +42,75 @@ TEST_F(PoseSearchTest, WithoutMatchesOfTheMapItLiesAroundTheFallback) {
   EXPECT_EQ(search.local_map.reference.id, world.frames[0]);
 }
 
+// A frame that shows all it should, at a first pose that is off by four degrees: further than any window reaches.
+class SecondStart : public PoseSearchTest {
+ protected:
+  SecondStart() {
+    search.refresh_camera(*world.shared.read());
+    TrackedFrame right = frame_of(view, truth);
+    match_points(right, view, world);
+    search.update_local_map(world.shared, right, {}, 80);
+  }
+  // The true pose turned by an angle, radians.
+  SE3 turned(double angle) const { return SE3(so3_exp(Eigen::Vector3d(0, angle, 0)), Eigen::Vector3d::Zero()) * truth; }
+  int fit(TrackedFrame& frame) {
+    search.fit_local_map(options, 1, frame, figures);
+    return figures.inliers;
+  }
+
+  const PointScene::View view = world.views[5];
+  const SE3 truth = scene.T_cw(20);
+  const SE3 astray = turned(0.07);
+  const LocalMapOptions options;
+  TrackFigures figures;
+};
+
+TEST_F(SecondStart, FindsWhatAFirstPoseThatIsAstrayMisses) {
+  TrackedFrame frame = frame_of(view, astray);
+  const int missed = fit(frame);
+  search.fit_local_map_from(truth, options, 1, frame, figures);
+  EXPECT_GT(figures.inliers, 100);
+  EXPECT_GT(figures.inliers, 2 * missed);
+  EXPECT_EQ(figures.inliers, frame.matches());
+  EXPECT_LT(distance(frame.T_cw, truth), 0.01);
+}
+
+// Elsewhere the map may repeat what it knows, off by its drift: a jump there is a loop's to make.
+TEST_F(SecondStart, TakesNoPoseThatIsFartherFromThePrediction) {
+  const SE3 predicted = turned(0.013);
+  TrackedFrame frame = frame_of(view, predicted);
+  const int near = fit(frame);
+  const SE3 pose = frame.T_cw;
+  TrackedFrame wider = frame_of(view, predicted);
+  search.fit_local_map(options, 2, wider, figures);
+  ASSERT_GT(figures.inliers, 1.2 * near) << "there would be more";
+  fit(frame = frame_of(view, predicted));
+  search.fit_local_map_from(predicted, options, 1, frame, figures);
+  EXPECT_EQ(figures.inliers, near);
+  EXPECT_EQ(frame.T_cw.t(), pose.t());
+}
+
+TEST_F(SecondStart, LeavesAllAsItWasWhereItFindsNoMore) {
+  TrackedFrame frame = frame_of(view, truth);
+  ASSERT_GT(fit(frame), 100);
+  const TrackedFrame before = frame;
+  const TrackFigures figures_before = figures;
+  const std::vector<uint8_t> in_view = search.matcher.in_view(), expected = search.view.points();
+  for (const SE3& start : {astray, truth}) {
+    search.fit_local_map_from(start, options, 1, frame, figures);
+    EXPECT_EQ(frame.T_cw.t(), before.T_cw.t());
+    EXPECT_EQ(frame.T_cw.R(), before.T_cw.R());
+    EXPECT_EQ(frame.features, before.features);
+    EXPECT_EQ(frame.points, before.points);
+    EXPECT_EQ(frame.information, before.information);
+    EXPECT_EQ(figures.inliers, figures_before.inliers);
+    EXPECT_EQ(figures.local_in_view, figures_before.local_in_view);
+    EXPECT_EQ(figures.local_expected, figures_before.local_expected);
+    EXPECT_EQ(search.matcher.in_view(), in_view);
+    EXPECT_EQ(search.view.points(), expected);
+    ASSERT_GT(fit(frame = frame_of(view, truth)), 100);
+  }
+}
+
 }  // namespace
 }  // namespace covis

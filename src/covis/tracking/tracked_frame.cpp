@@ -30,6 +30,12 @@ void TrackedFrame::start(FeaturesPtr f, int64_t frame, Timestamp t) {
   source.assign(n, PointSource::none);
 }
 
+void TrackedFrame::keep(const TrackedFrame& other) {
+  start(other.features, other.index, other.stamp);
+  *this = other;
+  features.reset();
+}
+
 void TrackedFrame::clear_matches() {
   std::fill(points.begin(), points.end(), MapPointId{});
   std::fill(source.begin(), source.end(), PointSource::none);
