@@ -58,9 +58,9 @@ class SensorMonitor {
   // `row_error`: Frontend::row_error() of a stereo pair.
   void add_frame(int64_t frame, const Features& features, double row_error, Budget budget = Budget::usual);
   void add_comparison(int64_t frame, const DepthAgainstMotion& comparison);
-  // Each frame of a recording whose key frames are compared, with the pinhole camera of its features and the noise of
-  // depth that was given. While motion contradicts depth frames are compared as well, five in a second, each in 5 to 30
-  // ms, because where all is known no key frame is made whose comparison could end the doubt.
+  // Each frame, with the pinhole camera of its features and the noise of depth that was given; it does something only
+  // while motion contradicts depth. Then frames are compared as well, at most five in a second, each in 5 to 30 ms,
+  // because where all is known no key frame is made whose comparison could end the doubt.
   void add_view(int64_t frame, Timestamp stamp, FeaturesPtr features, const Pinhole& camera);
   // Each frame of a depth camera.
   void add_images(int64_t frame, ImageView<const uint8_t> image, ImageView<const float> depth);

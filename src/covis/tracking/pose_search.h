@@ -12,6 +12,7 @@
 #include "covis/tracking/expected_view.h"
 #include "covis/tracking/frame_matcher.h"
 #include "covis/tracking/local_map.h"
+#include "covis/tracking/match_belief.h"
 #include "covis/tracking/place_check.h"
 #include "covis/tracking/torn_image.h"
 #include "covis/tracking/track_result.h"
@@ -43,15 +44,17 @@ struct PoseSearch {
     unfitted.keep(frame);
     fit(o, factor, frame, figures);
   }
-  // After fit_local_map() with the same arguments: does it once more, from the predicted pose and without the matches
-  // of the first pose, at first in windows twice as wide. A first pose fitted to a few points side by side may be off
-  // by degrees, so that all others are missed (docs/notes/047-a-second-start.md). The frame and its figures stay as
-  // they were unless clearly more points agree, at a pose that is nearer to the predicted one.
-  void fit_local_map_from(const SE3& predicted_cw, const LocalMapOptions& o, double factor, TrackedFrame& frame,
-                          TrackFigures& figures) {
+  // After fit_local_map() of the same frame with the same arguments: does it once more, from the predicted pose and
+  // without the matches of the first pose, at first in windows twice as wide. A first pose fitted to a few points side
+  // by side may be off by degrees, so that all others are missed (docs/notes/047-a-second-start.md). The frame and its
+  // figures stay as they were unless clearly more points agree, enough to be believed by themselves, at a pose that is
+  // nearer to the predicted one.
+  void fit_local_map_from(const SE3& predicted_cw, const LocalMapOptions& o, double factor, const MatchBelief& belief,
+                          TrackedFrame& frame, TrackFigures& figures) {
     constexpr double kWider = 2, kBetter = 1.2;
     const SE3 first_cw = frame.T_cw;
     const int inliers = figures.inliers;
+    const double first_share = std::exchange(figures.first_share, 0);  // it speaks for the first pose
     frame.clear_matches();
     frame.T_cw = predicted_cw;
     fit(o, kWider * factor, frame, figures);
@@ -60,9 +63,11 @@ struct PoseSearch {
       const Vector6d step = (T_cw * predicted_cw.inverse()).log();
       return step.tail<3>().norm() + step.head<3>().norm() / frame.mean_depth();
     };
-    if (figures.inliers > kBetter * inliers && off(frame.T_cw) < off(first_cw)) return;
+    const bool believed = figures.inliers >= o.min_inliers && belief.explains_view(figures, false);
+    if (believed && figures.inliers > kBetter * inliers && off(frame.T_cw) < off(first_cw)) return;
     unfitted.features = std::move(frame.features);
     std::swap(frame, unfitted);
+    figures.first_share = first_share;
     fit(o, factor, frame, figures);
   }
   PlaceCheck::Found found(const TrackedFrame& frame, const SharedMap* live) const {

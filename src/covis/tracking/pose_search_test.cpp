@@ -62,13 +62,14 @@ class SecondStart : public PoseSearchTest {
   const SE3 truth = scene.T_cw(20);
   const SE3 astray = turned(0.07);
   const LocalMapOptions options;
+  const MatchBelief belief;
   TrackFigures figures;
 };
 
 TEST_F(SecondStart, FindsWhatAFirstPoseThatIsAstrayMisses) {
   TrackedFrame frame = frame_of(view, astray);
   const int missed = fit(frame);
-  search.fit_local_map_from(truth, options, 1, frame, figures);
+  search.fit_local_map_from(truth, options, 1, belief, frame, figures);
   EXPECT_GT(figures.inliers, 100);
   EXPECT_GT(figures.inliers, 2 * missed);
   EXPECT_EQ(figures.inliers, frame.matches());
@@ -85,31 +86,66 @@ TEST_F(SecondStart, TakesNoPoseThatIsFartherFromThePrediction) {
   search.fit_local_map(options, 2, wider, figures);
   ASSERT_GT(figures.inliers, 1.2 * near) << "there would be more";
   fit(frame = frame_of(view, predicted));
-  search.fit_local_map_from(predicted, options, 1, frame, figures);
+  search.fit_local_map_from(predicted, options, 1, belief, frame, figures);
   EXPECT_EQ(figures.inliers, near);
   EXPECT_EQ(frame.T_cw.t(), pose.t());
 }
 
 TEST_F(SecondStart, LeavesAllAsItWasWhereItFindsNoMore) {
-  TrackedFrame frame = frame_of(view, truth);
+  const PointScene::View strange = edited(view, [](Features& f) {  // every third feature is like none of the map
+    for (size_t i = 1; i < f.descriptor.size(); i += 3)
+      f.descriptor[i].bits[0] ^= ~uint64_t{0}, f.descriptor[i].bits[1] ^= ~uint64_t{0};
+  });
+  const auto started = [&] {
+    TrackedFrame frame = frame_of(strange, truth);
+    match_points(frame, view, world, 3);
+    for (size_t f = 1; f < view.point.size(); f += 3)
+      frame.set_match(f, {}, scene.points[view.point[f]].position_w, PointSource::depth);
+    return frame;
+  };
+  TrackedFrame frame = started();
+  figures.first_share = 0.4;
   ASSERT_GT(fit(frame), 100);
+  ASSERT_GT(frame.matches(), figures.inliers) << "points of depth";
   const TrackedFrame before = frame;
   const TrackFigures figures_before = figures;
   const std::vector<uint8_t> in_view = search.matcher.in_view(), expected = search.view.points();
   for (const SE3& start : {astray, truth}) {
-    search.fit_local_map_from(start, options, 1, frame, figures);
+    search.fit_local_map_from(start, options, 1, belief, frame, figures);
     EXPECT_EQ(frame.T_cw.t(), before.T_cw.t());
     EXPECT_EQ(frame.T_cw.R(), before.T_cw.R());
     EXPECT_EQ(frame.features, before.features);
     EXPECT_EQ(frame.points, before.points);
+    EXPECT_EQ(frame.source, before.source);
+    EXPECT_EQ(frame.positions, before.positions);
     EXPECT_EQ(frame.information, before.information);
     EXPECT_EQ(figures.inliers, figures_before.inliers);
+    EXPECT_EQ(figures.first_share, figures_before.first_share);
     EXPECT_EQ(figures.local_in_view, figures_before.local_in_view);
     EXPECT_EQ(figures.local_expected, figures_before.local_expected);
     EXPECT_EQ(search.matcher.in_view(), in_view);
     EXPECT_EQ(search.view.points(), expected);
-    ASSERT_GT(fit(frame = frame_of(view, truth)), 100);
+    ASSERT_GT(fit(frame = started()), 100);
   }
+}
+
+// Points of depth carry such a frame, and few agree by chance anywhere.
+TEST_F(SecondStart, TakesNoPoseOfTooFewPoints) {
+  LocalMapOptions many = options;
+  many.min_inliers = 10000;
+  TrackedFrame frame = frame_of(view, astray);
+  search.fit_local_map(many, 1, frame, figures);
+  const SE3 first = frame.T_cw;
+  search.fit_local_map_from(truth, many, 1, belief, frame, figures);
+  EXPECT_EQ(frame.T_cw.t(), first.t());
+}
+
+TEST_F(SecondStart, TheShareOfTheFirstPoseDoesNotSpeakForAnother) {
+  TrackedFrame frame = frame_of(view, astray);
+  figures.first_share = 0.4;
+  fit(frame);
+  search.fit_local_map_from(truth, options, 1, belief, frame, figures);
+  EXPECT_EQ(figures.first_share, 0);
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
   search_.fit_local_map(o, factor, current_, result);
   if (result.method == TrackMethod::motion_model && belief_.is_short(result)) {
     const SE3 predicted = (*motion_.predict(current_.stamp - last_.frame.stamp) * last_.frame.T_cw).normalized();
-    search_.fit_local_map_from(predicted, o, factor, current_, result);
+    search_.fit_local_map_from(predicted, o, factor, belief_, current_, result);
   }
   if (result.inliers < (recovered_lately ? settings_.options.recovery.min_inliers_recovered : o.min_inliers)) {
     result.reason = NoPoseReason::few_map_points_agree;
