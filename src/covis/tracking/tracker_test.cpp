@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 
+#include "covis/features/test_features.h"
 #include "covis/tracking/test_tracker.h"
 
 namespace covis {
@@ -269,6 +270,37 @@ TEST_F(MonocularTrackerTest, FramesBeforeTheMapWaitUntilItWillStay) {
     return;
   }
   FAIL() << "no key frame was asked for";
+}
+
+// The last frame shows a patch alone, and that has moved aside: the first pose follows it, away from all else that is
+// known.
+TEST_F(MonocularTrackerTest, AFirstPoseThatIsAstrayIsSoughtAgainFromThePrediction) {
+  constexpr int kPatchAlone = 14;
+  constexpr float kAside = 14, kHalfPatch = 50;  // pixels
+  for (int i = 0; i < kPatchAlone; ++i) track(i);
+  const SE3 before = tracker.last_frame().T_cw;
+  const auto in_patch = [&](const Features& f, size_t i) {
+    const auto off_centre = [](float at, double centre) { return std::abs(at - static_cast<float>(centre)); };
+    return std::max(off_centre(f.x[i], frames.camera().cx), off_centre(f.y[i], frames.camera().cy)) < kHalfPatch;
+  };
+  Features patch = *frames.features(kPatchAlone);
+  for (size_t i = 0; i < patch.x.size(); ++i) {
+    if (!in_patch(patch, i)) patch.descriptor[i] = frames.elsewhere(kPatchAlone)->descriptor[i];
+  }
+  ASSERT_EQ(track_alone(std::make_shared<Features>(patch), kPatchAlone).result.state, TrackingState::tracking);
+  const int of_patch = tracker.last_frame().matches();
+  Features aside = *frames.features(kPatchAlone + 1);
+  for (size_t i = 0; i < aside.x.size(); ++i) {
+    if (in_patch(aside, i)) aside.x[i] += kAside;
+  }
+  finish(aside);
+  const TrackResult result = track_alone(std::make_shared<Features>(aside), kPatchAlone + 1).result;
+  ASSERT_EQ(result.state, TrackingState::tracking);
+  EXPECT_EQ(result.method, TrackMethod::motion_model);
+  EXPECT_GT(result.inliers, of_patch);
+  const Eigen::Matrix3d turn = (result.T_cw * before.inverse()).R();
+  const Eigen::Matrix3d truth = (frames.T_cw(kPatchAlone + 1) * frames.T_cw(kPatchAlone - 1).inverse()).R();
+  EXPECT_LT(Eigen::AngleAxisd(turn * truth.transpose()).angle(), 0.01);
 }
 
 TEST_F(MonocularTrackerTest, AYoungMapThatIsLostIsGivenUp) {
