@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Watches whether images, and the depth of a stereo pair or a depth camera, can be believed: by what the features of
 // each frame have, and by what comparisons with the motion of the images say (mapping/depth_against_motion.h). It
-// changes nothing. While doubts() holds, poses count as tentative; while
-// doubts_depth() holds, neither the noise of depth nor the focal length is estimated.
+// changes nothing. While doubts() holds, poses count as tentative; while doubts_depth() holds, neither the noise of
+// depth nor the focal length is estimated.
 #pragma once
 
 #include <algorithm>

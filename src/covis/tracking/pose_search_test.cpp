@@ -54,6 +54,7 @@ class SecondStart : public PoseSearchTest {
   // The true pose turned by an angle, radians.
   SE3 turned(double angle) const { return SE3(so3_exp(Eigen::Vector3d(0, angle, 0)), Eigen::Vector3d::Zero()) * truth; }
   int fit(TrackedFrame& frame) {
+    search.unfitted.keep(frame);
     search.fit_local_map(options, 1, frame, figures);
     return figures.inliers;
   }
@@ -134,7 +135,7 @@ TEST_F(SecondStart, TakesNoPoseOfTooFewPoints) {
   LocalMapOptions many = options;
   many.min_inliers = 10000;
   TrackedFrame frame = frame_of(view, astray);
-  search.fit_local_map(many, 1, frame, figures);
+  fit(frame);
   const SE3 first = frame.T_cw;
   search.fit_local_map_from(truth, many, 1, belief, frame, figures);
   EXPECT_EQ(frame.T_cw.t(), first.t());

@@ -22,18 +22,22 @@ void TrackedFrame::start(FeaturesPtr f, int64_t frame, Timestamp t) {
   index = frame;
   stamp = t;
   const auto n = static_cast<size_t>(features->size());
-  reserve_ahead(points, n);
-  reserve_ahead(positions, n);
-  reserve_ahead(source, n);
+  reserve(n);
   points.assign(n, {});
   positions.resize(n);
   source.assign(n, PointSource::none);
 }
 
 void TrackedFrame::keep(const TrackedFrame& other) {
-  start(other.features, other.index, other.stamp);
+  reserve(other.source.size());
   *this = other;
   features.reset();
+}
+
+void TrackedFrame::reserve(size_t n) {
+  reserve_ahead(points, n);
+  reserve_ahead(positions, n);
+  reserve_ahead(source, n);
 }
 
 void TrackedFrame::clear_matches() {

@@ -128,11 +128,11 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
   result.ms.local_update += watch.ms();
   const bool recovered_lately = health_.recovered_lately(current_.stamp);
   const double factor = recovered_lately ? kFactorRecovered : o.window_factor(settings_.sensor);
+  search_.unfitted.keep(current_);
   search_.fit_local_map(o, factor, current_, result);
-  if (result.method == TrackMethod::motion_model && belief_.is_short(result)) {
-    const SE3 predicted = (*motion_.predict(current_.stamp - last_.frame.stamp) * last_.frame.T_cw).normalized();
-    search_.fit_local_map_from(predicted, o, factor, belief_, current_, result);
-  }
+  if (result.method == TrackMethod::motion_model && belief_.is_short(result))
+    search_.fit_local_map_from(*motion_.predict(current_.stamp - last_.frame.stamp) * last_.frame.T_cw, o, factor,
+                               belief_, current_, result);
   if (result.inliers < (recovered_lately ? settings_.options.recovery.min_inliers_recovered : o.min_inliers)) {
     result.reason = NoPoseReason::few_map_points_agree;
     return false;
