@@ -39,45 +39,48 @@ Frame frame_of(const Moment& m) {
   return frame;
 }
 
-// A frame that claims to know where it is.
-struct Sure {
+enum class Certainty { sure, tentative };
+
+// A frame that claims to be somewhere.
+struct Claim {
   int frame = 0;
+  Timestamp stamp = 0;
+  Certainty certainty = Certainty::sure;
   int submap = 0;
   Eigen::Vector3d position;
   double error = 0;  // metres
 };
 
-// Each submap is aligned by what it claims outside the stretch. A frame without a true position has no error.
-void find_errors(std::vector<Sure>& all, const GoodRecording& recording, Stretch stretch) {
+// Each submap is aligned by what it is sure of outside the stretch, or in all, or else by what it claims. A frame
+// without a true position has no error.
+void find_errors(std::vector<Claim>& all, const GoodRecording& recording, Stretch stretch) {
   const Scale scale = recording.sensor() == Sensor::monocular ? Scale::free : Scale::fixed;
-  std::map<int, std::vector<Sure*>> submaps;
-  for (Sure& sure : all) submaps[sure.submap].push_back(&sure);
+  std::map<int, std::vector<Claim*>> submaps;
+  for (Claim& claim : all) submaps[claim.submap].push_back(&claim);
   for (auto& [submap, frames] : submaps) {
     std::vector<Eigen::Vector3d> claimed, truth;
-    const auto collect = [&](bool outside_only) {
-      for (const Sure* sure : frames) {
-        const auto position = recording.position(sure->frame);
-        if (!position || (outside_only && stretch.has(sure->frame))) continue;
-        claimed.push_back(sure->position);
+    const auto collect = [&](auto which) {
+      claimed.clear();
+      truth.clear();
+      for (const Claim* claim : frames) {
+        const auto position = recording.position(claim->frame);
+        if (!position || !which(*claim)) continue;
+        claimed.push_back(claim->position);
         truth.push_back(*position);
       }
     };
-    collect(true);
-    if (claimed.size() < 10) {
-      claimed.clear();
-      truth.clear();
-      collect(false);
-    }
+    const auto is_sure = [](const Claim& claim) { return claim.certainty == Certainty::sure; };
+    constexpr size_t kEnough = 10, kFew = 3;
+    collect([&](const Claim& claim) { return is_sure(claim) && !stretch.has(claim.frame); });
+    if (claimed.size() < kEnough) collect(is_sure);
+    if (claimed.size() < kFew) collect([](const Claim&) { return true; });
     const auto alignment = align(claimed, truth, scale);
-    if (!alignment) {  // nobody can say that these poses are right
-      for (Sure* sure : frames) {
-        if (recording.position(sure->frame)) sure->error = std::numeric_limits<double>::infinity();
-      }
-      continue;
-    }
-    for (Sure* sure : frames) {
-      if (const auto position = recording.position(sure->frame))
-        sure->error = (*alignment * sure->position - *position).norm();
+    for (Claim* claim : frames) {
+      const auto position = recording.position(claim->frame);
+      if (!position) continue;
+      // Without an alignment nobody can say that these poses are right.
+      claim->error = alignment ? (*alignment * claim->position - *position).norm()
+                               : std::numeric_limits<double>::infinity();
     }
   }
 }
@@ -116,7 +119,8 @@ FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stre
     std::abort();
   }
   FaultResult result;
-  std::vector<Sure> sure;
+  std::vector<Claim> claims;
+  std::optional<int> first_submap;
   int now = 0;
   (*slam)->on_event([&](const Event& event) {
     if (event.kind == Event::Kind::sensor_doubted && result.warned_after < 0) result.warned_after = now - stretch.first;
@@ -130,31 +134,41 @@ FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stre
       if (!faulty) continue;
     }
     ++(within ? result.within : result.outside);
-    const auto tracked = (*slam)->track(frame_of(faulty ? *faulty : good(now)));
+    const Moment& moment = faulty ? *faulty : good(now);
+    const auto tracked = (*slam)->track(frame_of(moment));
     if (!tracked) {
       ++result.refused;
       continue;
     }
-    if (!tracked->tracked() || tracked->tentative) continue;
+    if (const auto from = tracked->retracted_from)
+      std::erase_if(claims, [&](const Claim& claim) { return claim.stamp >= *from; });
+    if (!tracked->tracked()) continue;
+    const Certainty certainty = tracked->tentative ? Certainty::tentative : Certainty::sure;
+    claims.push_back({now, moment.stamp, certainty, tracked->submap,
+                      {tracked->pose.x, tracked->pose.y, tracked->pose.z}});
+    if (certainty == Certainty::tentative) continue;
     ++(within ? result.sure_within : result.sure_outside);
-    sure.push_back({now, tracked->submap, {tracked->pose.x, tracked->pose.y, tracked->pose.z}});
+    if (!first_submap) first_submap = tracked->submap;
     if (now < stretch.end) continue;
     if (result.sure_after < 0) result.sure_after = now - stretch.end;
-    if (result.recovered_after < 0 && tracked->submap == sure.front().submap)
-      result.recovered_after = now - stretch.end;
+    if (result.recovered_after < 0 && tracked->submap == *first_submap) result.recovered_after = now - stretch.end;
   }
   (*slam)->finish();
-  find_errors(sure, recording, stretch);
+  find_errors(claims, recording, stretch);
   std::vector<double> errors;
-  for (const Sure& s : sure) {
-    if (recording.position(s.frame)) errors.push_back(s.error);
+  for (const Claim& claim : claims) {
+    if (claim.certainty == Certainty::sure && recording.position(claim.frame)) errors.push_back(claim.error);
   }
   result.median_error = quantile(errors, 0.5);
   result.greatest_error = errors.empty() ? 0 : *std::max_element(errors.begin(), errors.end());
   const double bound = std::max(
       usual_error, std::min(kMostBound, std::max({0.02, 0.01 * path_length(recording), 5 * result.median_error})));
-  for (const Sure& s : sure) {
-    if (s.error > bound) ++(stretch.has(s.frame) ? result.wrong_within : result.wrong_outside);
+  for (const Claim& claim : claims) {
+    const bool is_wrong = claim.error > bound;
+    if (claim.certainty == Certainty::sure && is_wrong)
+      ++(stretch.has(claim.frame) ? result.wrong_within : result.wrong_outside);
+    if (result.found_after < 0 && claim.frame >= stretch.end && !is_wrong)
+      result.found_after = claim.frame - stretch.end;
   }
   return result;
 }

@@ -209,17 +209,23 @@ void SensorMonitor::add_comparison(int64_t frame, const DepthAgainstMotion& comp
         frame);
 }
 
-void SensorMonitor::add_view(int64_t frame, Timestamp stamp, FeaturesPtr features, const Pinhole& camera) {
+// What a map on probation is asked makes no doubt: a camera that goes straight ahead gives no answer that could end it.
+bool SensorMonitor::add_view(int64_t frame, Timestamp stamp, FeaturesPtr features, const Pinhole& camera,
+                             MapTrust trust) {
   constexpr double kEvery = 0.19;  // seconds, three frames at 15 Hz: sooner another view is hardly seen
-  auto& [check, last] = comparisons_.of_frames;
-  if (!holds(SensorDoubt::depth_against_motion)) {
+  constexpr int kConfirmed = 3;    // answers in a row
+  auto& [check, last, agreeing] = comparisons_.of_frames;
+  if (!holds(SensorDoubt::depth_against_motion) && trust == MapTrust::usual) {
     comparisons_.of_frames = {};
   } else if (!last || to_seconds(stamp) - to_seconds(*last) > kEvery) {
     last = stamp;
     for (const DepthAgainstMotion& comparison :
-         check.add(std::move(features), camera, MotionDepthCheck::Pace::every_view))
-      add_comparison(frame, comparison);
+         check.add(std::move(features), camera, MotionDepthCheck::Pace::every_view)) {
+      if (holds(SensorDoubt::depth_against_motion)) add_comparison(frame, comparison);
+      agreeing = comparison.error() < kEndsBelow && comparison.explained > kMostExplained ? agreeing + 1 : 0;
+    }
   }
+  return agreeing >= kConfirmed;
 }
 
 void SensorMonitor::add_images(int64_t frame, ImageView<const uint8_t> image, ImageView<const float> depth) {

@@ -167,9 +167,21 @@ class DoubtedFrames : public testing::Test {
     for (int k = 0; k < frames().count(); ++k) {
       const Timestamp step = (frames().stamp(1) - frames().stamp(0)) / repeats;
       for (int i = 0; i < repeats; ++i) {
-        monitor.add_view(1 + 3 * (k * repeats + i), frames().stamp(k) + i * step, with_depth(k, depth_of), camera());
+        monitor.add_view(1 + 3 * (k * repeats + i), frames().stamp(k) + i * step, with_depth(k, depth_of), camera(),
+                         SensorMonitor::MapTrust::usual);
         if (!monitor.doubts()) return k;
       }
+    }
+    return frames().count();
+  }
+  // The number of frames after which depth is said to be right of a map on probation.
+  static int probation_for(float (*depth_of)(float)) {
+    SensorMonitor monitor(Sensor::rgbd);
+    for (int k = 0; k < frames().count(); ++k) {
+      const bool is_right = monitor.add_view(k, frames().stamp(k), with_depth(k, depth_of), camera(),
+                                             SensorMonitor::MapTrust::on_probation);
+      EXPECT_FALSE(monitor.doubts()) << "what is asked of a map makes no doubt";
+      if (is_right) return k;
     }
     return frames().count();
   }
@@ -188,6 +200,17 @@ TEST_F(DoubtedFrames, KeepItWhereDepthIsWrong) {
   const auto compared = compare_depth_with_motion(*with_depth(0, inverse), *with_depth(8, inverse), camera(), 0);
   ASSERT_TRUE(compared) << "no comparison could have ended the doubt";
   EXPECT_GT(compared->error(), 0.6);
+}
+
+TEST_F(DoubtedFrames, TellThatDepthOfAMapOnProbationIsRight) {
+  EXPECT_LT(probation_for(right), 12) << "before two seconds are over";
+  EXPECT_EQ(probation_for(inverse), frames().count());
+}
+
+TEST_F(DoubtedFrames, SayNothingOfAMapThatIsOnNoProbation) {
+  SensorMonitor monitor(Sensor::rgbd);
+  for (int k = 0; k < frames().count(); ++k)
+    EXPECT_FALSE(monitor.add_view(k, frames().stamp(k), with_depth(k, right), camera(), SensorMonitor::MapTrust::usual));
 }
 
 // Two motions in a row that are wrong, in a long recording whose depth is right.

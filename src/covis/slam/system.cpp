@@ -309,7 +309,9 @@ void System::compare_depth(const Input& input, const FeaturesPtr& features, Fram
   const Stopwatch watch;
   Pinhole camera = tracker_.search().camera;
   camera.depth_noise = with_depth_noise(given_.pinhole, options_.sensor).depth_noise;
-  monitor_.add_view(input.frame, input.stamp, features, camera);
+  using MapTrust = SensorMonitor::MapTrust;
+  const MapTrust trust = tracker_.is_map_on_probation() ? MapTrust::on_probation : MapTrust::usual;
+  if (monitor_.add_view(input.frame, input.stamp, features, camera, trust)) tracker_.end_probation();
   report.timing.depth_ms += watch.ms();
 }
 

@@ -202,6 +202,16 @@ TEST(DepthBelief, AMapBegunUponAContradictionIsOnProbation) {
   EXPECT_FALSE(belief.is_on_probation(from_seconds(8.1))) << "the camera was lost long before";
 }
 
+TEST(DepthBelief, ProbationEndsWhereDepthProvesRight) {
+  DepthBelief belief;
+  belief.begin(0);
+  belief.judge(kContradicts, from_seconds(2.9));
+  belief.begin(from_seconds(3));
+  EXPECT_EQ(belief.probation_since(from_seconds(4)), from_seconds(3));
+  belief.end_probation();
+  EXPECT_FALSE(belief.is_on_probation(from_seconds(4)));
+}
+
 TEST(DepthBelief, AnOlderMapIsNotOnProbation) {
   DepthBelief belief;
   belief.begin(0);

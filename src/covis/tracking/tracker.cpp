@@ -228,8 +228,9 @@ void Tracker::lose(Outcome& outcome, const SharedMap* live) {
   state_ = TrackingState::lost;
   health_.weak = settings_.options.local_map.weak_inliers > 0;
   health_.dead_reckoned_frames = 0;
-  // The place since a jump proves wrong, and in a pause nothing was seen.
+  // The place since a jump proves wrong, as does a map on probation, and in a pause nothing was seen.
   if (const auto jumped = search_.place.tentative_since()) starter_.lost_since(*jumped);
+  if (const auto begun = depth_.probation_since(current_.stamp)) starter_.lost_since(*begun);
   if (motion_.is_pause(current_.stamp - last_.frame.stamp)) starter_.lost_since(last_.frame.stamp);
   motion_.reset();
   search_.place.lose();

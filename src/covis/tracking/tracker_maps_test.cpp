@@ -131,6 +131,27 @@ TEST_F(SeveralMapsTest, WhereDepthBlamesTheMapTheCameraComesBackToAnOlderOne) {
   EXPECT_EQ(shared.read()->submaps().size(), 2u);
 }
 
+// Nothing has shown that a map on probation was ever right: the camera has been lost since it was begun.
+TEST_F(SeveralMapsTest, AMapThatIsLostOnProbationIsFollowedByAnotherSoon) {
+  int begun = -1, lost = 0;
+  for (int i = 0; i < frames.count(); ++i) {
+    const bool elsewhere = begun >= 0 && i >= begun + 6;
+    auto features = std::make_shared<Features>(elsewhere ? *frames.elsewhere(0) : *frames.features(i));
+    for (float& depth : features->depth) depth *= i < 4 || elsewhere ? 1 : 1.5f;
+    const TrackResult result = track(features, i);
+    if (begun < 0) {
+      if (i > 0 && result.method == TrackMethod::initialised) begun = i;
+      EXPECT_EQ(tracker.is_map_on_probation(), begun >= 0) << "frame " << i;
+    } else if (result.state == TrackingState::lost) {
+      ++lost;
+    } else if (elsewhere) {
+      ASSERT_EQ(result.method, TrackMethod::initialised);
+      break;
+    }
+  }
+  EXPECT_EQ(lost, 2) << "it is looked for in three frames, and not for half a second";
+}
+
 TEST_F(SeveralMapsTest, ANewMapThatDoesNotHoldLeavesTheOldOneInUse) {
   for (int i = 0; i < 4; ++i) track(i);
   int i = lose_for_long(4);
