@@ -79,8 +79,8 @@ void find_errors(std::vector<Claim>& all, const GoodRecording& recording, Stretc
       const auto position = recording.position(claim->frame);
       if (!position) continue;
       // Without an alignment nobody can say that these poses are right.
-      claim->error = alignment ? (*alignment * claim->position - *position).norm()
-                               : std::numeric_limits<double>::infinity();
+      claim->error =
+          alignment ? (*alignment * claim->position - *position).norm() : std::numeric_limits<double>::infinity();
     }
   }
 }
@@ -144,8 +144,8 @@ FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stre
       std::erase_if(claims, [&](const Claim& claim) { return claim.stamp >= *from; });
     if (!tracked->tracked()) continue;
     const Certainty certainty = tracked->tentative ? Certainty::tentative : Certainty::sure;
-    claims.push_back({now, moment.stamp, certainty, tracked->submap,
-                      {tracked->pose.x, tracked->pose.y, tracked->pose.z}});
+    claims.push_back(
+        {now, moment.stamp, certainty, tracked->submap, {tracked->pose.x, tracked->pose.y, tracked->pose.z}});
     if (certainty == Certainty::tentative) continue;
     ++(within ? result.sure_within : result.sure_outside);
     if (!first_submap) first_submap = tracked->submap;

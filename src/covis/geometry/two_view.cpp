@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "covis/core/random.h"
 #include "covis/geometry/triangulation.h"
@@ -168,51 +169,88 @@ std::vector<SE3> motions_of_fundamental(const Eigen::Matrix3d& F, const Eigen::M
   return {SE3(Ra, t), SE3(Rb, t), SE3(Ra, Eigen::Vector3d(-t)), SE3(Rb, Eigen::Vector3d(-t))};
 }
 
-struct Trial {
-  SE3 T_21;
-  std::vector<Eigen::Vector3d> points;
-  std::vector<uint8_t> triangulated;
-  int good = 0;
-  double parallax_deg = 0;
+constexpr double kParallaxOfAPlane = 2;   // times the least: a plane tells the motion less precisely
+constexpr double kMostExplainedChi2 = 4;  // of a match that a motion explains, in either image
+
+// The point that a motion makes of a match, and how far it is off in the image where it is farther off.
+struct MatchedPoint {
+  Eigen::Vector3d p_1;
+  double chi2 = 0;
 };
 
+// nullopt where the point is not in front of both cameras.
+std::optional<MatchedPoint> point_of(const SE3& T_21, const TwoViewMatches& m, size_t i, const Pinhole& camera) {
+  const auto p =
+      triangulate(SE3(), camera.unproject(m.a[i].x(), m.a[i].y()), T_21, camera.unproject(m.b[i].x(), m.b[i].y()));
+  if (!p || !p->allFinite()) return std::nullopt;
+  const Eigen::Vector3d in_2 = T_21 * *p;
+  if (p->z() <= 0 || in_2.z() <= 0) return std::nullopt;
+  const double off_1 = (camera.project(*p) - m.a[i]).squaredNorm(),
+               off_2 = (camera.project(in_2) - m.b[i]).squaredNorm();
+  return MatchedPoint{*p, std::max(off_1, off_2) / sigma2_of(m, i)};
+}
+
 // Counts the inliers that a motion explains: in front of both cameras and with small residuals in both images.
-Trial try_motion(const SE3& T_21, const TwoViewMatches& m, const std::vector<uint8_t>& inlier, const Pinhole& camera) {
+TwoViewMotion try_motion(const SE3& T_21, const TwoViewMatches& m, const std::vector<uint8_t>& inlier,
+                         const Pinhole& camera) {
   // Points farther away may lie behind a camera without harm, but give no parallax.
   constexpr double kMinParallaxCos = 0.99998;
-  constexpr double kMaxChi2 = 4;
-  Trial trial;
-  trial.T_21 = T_21;
-  trial.points.resize(m.a.size());
-  trial.triangulated.assign(m.a.size(), 0);
+  TwoViewMotion motion;
+  motion.T_21 = T_21;
+  motion.points_1.resize(m.a.size());
+  motion.triangulated.assign(m.a.size(), 0);
   const Eigen::Vector3d centre_2 = T_21.centre();
   std::vector<double> cosines;
   for (size_t i = 0; i < m.a.size(); ++i) {
     if (!inlier[i]) continue;
-    const double bound = kMaxChi2 * sigma2_of(m, i);
-    const auto p =
-        triangulate(SE3(), camera.unproject(m.a[i].x(), m.a[i].y()), T_21, camera.unproject(m.b[i].x(), m.b[i].y()));
-    if (!p || !p->allFinite()) continue;
-    const Eigen::Vector3d in_2 = T_21 * *p;
-    const double cosine = p->dot(*p - centre_2) / (p->norm() * (*p - centre_2).norm());
-    if ((p->z() <= 0 || in_2.z() <= 0)) continue;
-    if ((camera.project(*p) - m.a[i]).squaredNorm() > bound || (camera.project(in_2) - m.b[i]).squaredNorm() > bound)
-      continue;
-    ++trial.good;
+    const auto point = point_of(T_21, m, i, camera);
+    if (!point || point->chi2 > kMostExplainedChi2) continue;
+    const Eigen::Vector3d& p = point->p_1;
+    const double cosine = p.dot(p - centre_2) / (p.norm() * (p - centre_2).norm());
+    ++motion.explained;
     cosines.push_back(cosine);
     if (cosine < kMinParallaxCos) {
-      trial.points[i] = *p;
-      trial.triangulated[i] = 1;
+      motion.points_1[i] = p;
+      motion.triangulated[i] = 1;
     }
   }
-  if (cosines.empty()) return trial;
+  if (cosines.empty()) return motion;
   std::sort(cosines.begin(), cosines.end());
   const size_t at = std::min(std::max<size_t>(50, cosines.size() / 4), cosines.size() - 1);
-  trial.parallax_deg = std::acos(std::clamp(cosines[at], -1.0, 1.0)) * 180 / std::numbers::pi;
-  return trial;
+  motion.parallax_deg = std::acos(std::clamp(cosines[at], -1.0, 1.0)) * 180 / std::numbers::pi;
+  return motion;
+}
+
+// The motion, of those of a plane, that explains what is not on the plane clearly better than the others do; null if
+// there is none.
+const TwoViewMotion* told_off_the_plane(const std::vector<TwoViewMotion>& motions, const TwoViewMatches& m,
+                                        const std::vector<uint8_t>& on_plane, const Pinhole& camera) {
+  constexpr double kClearly = 2, kLeastMore = 60;  // times as great, and greater by so many squared sigmas in all
+  std::vector<double> misfits(motions.size()), chi2(motions.size());
+  for (size_t i = 0; i < m.a.size(); ++i) {
+    if (on_plane[i]) continue;
+    for (size_t k = 0; k < motions.size(); ++k) {
+      const auto point = point_of(motions[k].T_21, m, i, camera);
+      chi2[k] = point ? std::min(point->chi2, kMostExplainedChi2) : kMostExplainedChi2;
+    }
+    if (*std::min_element(chi2.begin(), chi2.end()) == kMostExplainedChi2) continue;  // a wrong match
+    for (size_t k = 0; k < motions.size(); ++k) misfits[k] += chi2[k];
+  }
+  const auto best = std::min_element(misfits.begin(), misfits.end());
+  for (auto other = misfits.begin(); other != misfits.end(); ++other) {
+    if (other != best && (*other < kClearly * *best || *other < *best + kLeastMore)) return nullptr;
+  }
+  return &motions[static_cast<size_t>(best - misfits.begin())];
 }
 
 }  // namespace
+
+TwoViewStatus TwoViewMotion::status(const TwoViewOptions& options) const {
+  if (parallax_deg < options.min_parallax_deg) return TwoViewStatus::low_parallax;
+  if (share < options.min_good_share) return TwoViewStatus::no_clear_winner;
+  const auto points = std::count(triangulated.begin(), triangulated.end(), 1);
+  return points < options.min_points ? TwoViewStatus::too_few_points : TwoViewStatus::ok;
+}
 
 TwoViewResult reconstruct_two_views(const TwoViewMatches& m, const Pinhole& camera, const TwoViewOptions& options) {
   TwoViewResult result;
@@ -277,31 +315,25 @@ TwoViewResult reconstruct_two_views(const TwoViewMatches& m, const Pinhole& came
 
   Eigen::Matrix3d K;
   K << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
-  Trial best;
-  int second = 0;
-  for (const SE3& motion : result.homography ? motions_of_homography(H, K) : motions_of_fundamental(F, K)) {
-    Trial trial = try_motion(motion, m, score.inlier, camera);
-    if (trial.good > best.good) {
-      second = best.good;
-      best = std::move(trial);
-    } else {
-      second = std::max(second, trial.good);
-    }
+  std::vector<TwoViewMotion>& motions = result.motions;
+  for (const SE3& motion : result.homography ? motions_of_homography(H, K) : motions_of_fundamental(F, K))
+    motions.push_back(try_motion(motion, m, score.inlier, camera));
+  std::stable_sort(motions.begin(), motions.end(),
+                   [](const TwoViewMotion& x, const TwoViewMotion& y) { return x.explained > y.explained; });
+  const double rivals = options.clear_winner * (motions.empty() ? 0 : motions.front().explained);
+  std::erase_if(motions, [&](const TwoViewMotion& motion) { return motion.explained <= rivals; });
+  if (result.homography && motions.size() > 1) {
+    const TwoViewMotion* told = told_off_the_plane(motions, m, score.inlier, camera);
+    if (told && told->parallax_deg > kParallaxOfAPlane * options.min_parallax_deg) motions = {*told};
   }
-  result.parallax_deg = best.parallax_deg;
-  const auto points = static_cast<int>(std::count(best.triangulated.begin(), best.triangulated.end(), 1));
-  if (best.parallax_deg < options.min_parallax_deg) {
-    result.status = TwoViewStatus::low_parallax;
-  } else if (second > options.clear_winner * best.good || best.good < options.min_good_share * score.count) {
-    result.status = TwoViewStatus::no_clear_winner;
-  } else if (points < options.min_points) {
-    result.status = TwoViewStatus::too_few_points;
-  } else {
-    result.status = TwoViewStatus::ok;
-    result.T_21 = best.T_21;
-    result.points_1 = std::move(best.points);
-    result.triangulated = std::move(best.triangulated);
-  }
+  for (TwoViewMotion& motion : motions) motion.share = motion.explained / static_cast<double>(score.count);
+  const bool parallax = std::any_of(motions.begin(), motions.end(), [&](const TwoViewMotion& motion) {
+    return motion.parallax_deg >= options.min_parallax_deg;
+  });
+  result.status = !parallax            ? TwoViewStatus::low_parallax
+                  : motions.size() > 1 ? TwoViewStatus::no_clear_winner
+                                       : motions.front().status(options);
+  if (result.status != TwoViewStatus::ok && result.status != TwoViewStatus::no_clear_winner) motions.clear();
   return result;
 }
 

@@ -24,7 +24,7 @@ struct TwoViewOptions {
   double homography_ratio = 0.45;  // S_H / (S_H + S_F) above which the homography is used
   double min_parallax_deg = 1.0;
   int min_points = 50;          // least number of triangulated points of an accepted motion
-  double min_good_share = 0.9;  // least share of the model's inliers that the best motion must triangulate
+  double min_good_share = 0.9;  // least share of the model's inliers that an accepted motion must explain
   // Largest allowed number of points of the second-best motion, relative to that of the best.
   double clear_winner = 0.75;
   uint64_t seed = 0;
@@ -32,14 +32,24 @@ struct TwoViewOptions {
 
 enum class TwoViewStatus { ok, too_few_matches, no_model, no_clear_winner, too_few_points, low_parallax };
 
-struct TwoViewResult {
-  TwoViewStatus status = TwoViewStatus::too_few_matches;
+struct TwoViewMotion {
   SE3 T_21;                               // maps camera 1 to camera 2 coordinates, |t| = 1
   std::vector<Eigen::Vector3d> points_1;  // one per match, in the first camera's coordinates
   std::vector<uint8_t> triangulated;      // one per match: 1 when points_1 is valid
-  bool homography = false;                // true: motion from the homography; false: from the fundamental matrix
-  double score_h = 0, score_f = 0;
+  int explained = 0;                      // matches that it explains, triangulated or too far away
+  double share = 0;                       // the same as a share of the model's inliers
   double parallax_deg = 0;  // n-th largest parallax of a point, degrees; n: a quarter of the points, at least 50
+
+  // ok, or the reason why it is none to begin a map with.
+  TwoViewStatus status(const TwoViewOptions& options) const;
+};
+
+struct TwoViewResult {
+  TwoViewStatus status = TwoViewStatus::too_few_matches;
+  // ok: the motion. no_clear_winner: those between which the two views do not decide, best first. Otherwise none.
+  std::vector<TwoViewMotion> motions;
+  bool homography = false;  // true: motion from the homography; false: from the fundamental matrix
+  double score_h = 0, score_f = 0;
 };
 
 TwoViewResult reconstruct_two_views(const TwoViewMatches& matches, const Pinhole& camera,

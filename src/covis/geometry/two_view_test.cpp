@@ -49,9 +49,9 @@ TEST(TwoView, RecoversMotionOrRefuses) {
       const TwoViewResult result = reconstruct_two_views(views.matches, camera, {.seed = seed});
       EXPECT_EQ(result.homography, scene == Scene::planar);
       if (result.status != TwoViewStatus::ok) continue;
-      const double rotation = so3_log(result.T_21.R() * T_21.R().transpose()).norm();
-      const double direction =
-          std::acos(std::clamp(result.T_21.t().normalized().dot(T_21.t().normalized()), -1.0, 1.0));
+      const SE3& found = result.motions.at(0).T_21;
+      const double rotation = so3_log(found.R() * T_21.R().transpose()).norm();
+      const double direction = std::acos(std::clamp(found.t().normalized().dot(T_21.t().normalized()), -1.0, 1.0));
       ++(rotation < 0.02 && direction < 0.1 ? good : wrong);
     }
     EXPECT_EQ(wrong, 0);
@@ -70,11 +70,39 @@ TEST(TwoView, RecoversMotionTowardsAPlane) {
     const Views views = make_views(seed, Scene::planar, T_21, 0.1, camera);
     const TwoViewResult result = reconstruct_two_views(views.matches, camera, {.seed = seed});
     if (result.status != TwoViewStatus::ok) continue;
-    const double direction = std::acos(std::clamp(result.T_21.t().normalized().dot(T_21.t().normalized()), -1.0, 1.0));
+    const SE3& found = result.motions.at(0).T_21;
+    const double direction = std::acos(std::clamp(found.t().normalized().dot(T_21.t().normalized()), -1.0, 1.0));
     good += direction < 0.1;
     EXPECT_LT(direction, 0.1);
   }
   EXPECT_GE(good, 1);
+}
+
+// Two motions explain a plane seen sideways; what stands before it tells them apart.
+TEST(TwoView, OffThePlaneTheRightMotionIsTold) {
+  const Pinhole camera{500, 500, 320, 240, 0};
+  const SE3 T_21(so3_exp({0.02, -0.08, 0.03}), Vector3d(-0.6, 0.05, 0.1));
+  int open = 0, told = 0;
+  for (uint64_t seed = 1; seed <= 10; ++seed) {
+    Views views = make_views(seed, Scene::planar, T_21, 0.1, camera);
+    const TwoViewResult plane = reconstruct_two_views(views.matches, camera, {.seed = seed});
+    open += plane.status == TwoViewStatus::no_clear_winner && plane.motions.size() > 1;
+    Random random(seed);
+    for (int i = 0; i < 20; ++i) {
+      const Vector3d p(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(2.5, 3.5));
+      views.matches.a.push_back(camera.project(p));
+      views.matches.b.push_back(camera.project(T_21 * p));
+    }
+    const TwoViewResult result = reconstruct_two_views(views.matches, camera, {.seed = seed});
+    if (result.status != TwoViewStatus::ok) continue;
+    ++told;
+    EXPECT_TRUE(result.homography);
+    const SE3& found = result.motions.at(0).T_21;
+    EXPECT_LT(so3_log(found.R() * T_21.R().transpose()).norm(), 0.03);
+    EXPECT_GT(found.t().normalized().dot(T_21.t().normalized()), std::cos(0.15));
+  }
+  EXPECT_GE(open, 8);
+  EXPECT_GE(told, 8);
 }
 
 TEST(TwoView, RefusesWhatTellsNoDepth) {

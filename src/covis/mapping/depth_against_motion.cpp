@@ -57,8 +57,9 @@ std::optional<DepthAgainstMotion> compare_depth_with_motion(const Features& a, c
   // The demands of a monocular map's start: a motion that is wrong would make right depth look wrong.
   TwoViewOptions options;
   options.seed = seed;
-  const TwoViewResult motion = reconstruct_two_views(pairs, camera, options);
-  if (motion.status != TwoViewStatus::ok) return std::nullopt;
+  const TwoViewResult views = reconstruct_two_views(pairs, camera, options);
+  if (views.status != TwoViewStatus::ok) return std::nullopt;
+  const TwoViewMotion& motion = views.motions.front();
   std::vector<double> ratios, depths;  // logarithms
   PnpProblem problem;
   const auto compare = [&](float measured, double triangulated) {

@@ -195,7 +195,7 @@ void SensorMonitor::add_depths(int64_t frame) {
 // has to be a small error: of few points chance explains much.
 void SensorMonitor::add_comparison(int64_t frame, const DepthAgainstMotion& comparison) {
   const bool doubted = holds(SensorDoubt::depth_against_motion);
-  auto& [errors, spreads, of_frames] = comparisons_;
+  auto &errors = comparisons_.error, &spreads = comparisons_.spread;
   errors.add(doubted || comparison.explained < kMostExplained ? comparison.error() : 0);
   spreads.add(comparison.spread);
   const auto exceeds = [&](size_t last, double most) {
@@ -210,12 +210,11 @@ void SensorMonitor::add_comparison(int64_t frame, const DepthAgainstMotion& comp
 }
 
 // What a map on probation is asked makes no doubt: a camera that goes straight ahead gives no answer that could end it.
-bool SensorMonitor::add_view(int64_t frame, Timestamp stamp, FeaturesPtr features, const Pinhole& camera,
-                             MapTrust trust) {
+bool SensorMonitor::add_view(int64_t frame, Timestamp stamp, FeaturesPtr features, const Pinhole& camera) {
   constexpr double kEvery = 0.19;  // seconds, three frames at 15 Hz: sooner another view is hardly seen
   constexpr int kConfirmed = 3;    // answers in a row
   auto& [check, last, agreeing] = comparisons_.of_frames;
-  if (!holds(SensorDoubt::depth_against_motion) && trust == MapTrust::usual) {
+  if (!holds(SensorDoubt::depth_against_motion) && comparisons_.trust == MapTrust::usual) {
     comparisons_.of_frames = {};
   } else if (!last || to_seconds(stamp) - to_seconds(*last) > kEvery) {
     last = stamp;

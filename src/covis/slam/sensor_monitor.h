@@ -58,18 +58,19 @@ class SensorMonitor {
   // `row_error`: Frontend::row_error() of a stereo pair.
   void add_frame(int64_t frame, const Features& features, double row_error, Budget budget = Budget::usual);
   void add_comparison(int64_t frame, const DepthAgainstMotion& comparison);
-  // The map that the camera is in: one on probation was begun because depth contradicted the map before.
-  enum class MapTrust { usual, on_probation };
   // Each frame, with the pinhole camera of its features and the noise of depth that was given; it does something only
   // while motion contradicts depth, or the map is on probation. Then frames are compared as well, at most five in a
   // second, each in 5 to 30 ms, because where all is known no key frame is made whose comparison could end the doubt.
   // Returns true while the last three answers say that depth is right up to its scale.
-  bool add_view(int64_t frame, Timestamp stamp, FeaturesPtr features, const Pinhole& camera, MapTrust trust);
+  bool add_view(int64_t frame, Timestamp stamp, FeaturesPtr features, const Pinhole& camera);
   // Each frame of a depth camera.
   void add_images(int64_t frame, ImageView<const uint8_t> image, ImageView<const float> depth);
   void add_outlines(int64_t frame, const OutlineFit& fit);
   // For each frame FrameDoubts::depth_contradiction.
   void add_map_comparison(int64_t frame, double contradiction);
+  // For each frame FrameDoubts::map_on_probation.
+  enum class MapTrust { usual, on_probation };
+  void add_map_trust(MapTrust trust) { comparisons_.trust = trust; }
   // For each frame FrameDoubts::torn.
   enum class Rows { in_place, displaced };
   void add_rows(int64_t frame, Rows rows);
@@ -129,6 +130,7 @@ class SensorMonitor {
   struct Comparisons {
     Window<kComparisons> error, spread;
     ComparedFrames of_frames;
+    MapTrust trust = MapTrust::usual;
   };
   Comparisons comparisons_;
   struct Silence {

@@ -167,8 +167,7 @@ class DoubtedFrames : public testing::Test {
     for (int k = 0; k < frames().count(); ++k) {
       const Timestamp step = (frames().stamp(1) - frames().stamp(0)) / repeats;
       for (int i = 0; i < repeats; ++i) {
-        monitor.add_view(1 + 3 * (k * repeats + i), frames().stamp(k) + i * step, with_depth(k, depth_of), camera(),
-                         SensorMonitor::MapTrust::usual);
+        monitor.add_view(1 + 3 * (k * repeats + i), frames().stamp(k) + i * step, with_depth(k, depth_of), camera());
         if (!monitor.doubts()) return k;
       }
     }
@@ -178,8 +177,8 @@ class DoubtedFrames : public testing::Test {
   static int probation_for(float (*depth_of)(float)) {
     SensorMonitor monitor(Sensor::rgbd);
     for (int k = 0; k < frames().count(); ++k) {
-      const bool is_right = monitor.add_view(k, frames().stamp(k), with_depth(k, depth_of), camera(),
-                                             SensorMonitor::MapTrust::on_probation);
+      monitor.add_map_trust(SensorMonitor::MapTrust::on_probation);
+      const bool is_right = monitor.add_view(k, frames().stamp(k), with_depth(k, depth_of), camera());
       EXPECT_FALSE(monitor.doubts()) << "what is asked of a map makes no doubt";
       if (is_right) return k;
     }
@@ -210,7 +209,7 @@ TEST_F(DoubtedFrames, TellThatDepthOfAMapOnProbationIsRight) {
 TEST_F(DoubtedFrames, SayNothingOfAMapThatIsOnNoProbation) {
   SensorMonitor monitor(Sensor::rgbd);
   for (int k = 0; k < frames().count(); ++k)
-    EXPECT_FALSE(monitor.add_view(k, frames().stamp(k), with_depth(k, right), camera(), SensorMonitor::MapTrust::usual));
+    EXPECT_FALSE(monitor.add_view(k, frames().stamp(k), with_depth(k, right), camera()));
 }
 
 // Two motions in a row that are wrong, in a long recording whose depth is right.

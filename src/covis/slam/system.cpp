@@ -87,7 +87,7 @@ FrameReport System::process(const Input& input) {
 
   using Budget = SensorMonitor::Budget;
   monitor_.add_frame(input.frame, *features, frontend_.row_error(), more_features ? Budget::doubled : Budget::usual);
-  compare_depth(input, features, report);
+  const MappingStatus::Depth depth = compare_depth(input, features, report);
   if (options_.sensor == Sensor::rgbd && !input.depth.empty())
     monitor_.add_images(input.frame, input.image, input.depth);
   ++frames_.processed;
@@ -95,7 +95,7 @@ FrameReport System::process(const Input& input) {
   mapping_.rethrow_failure();
 
   const Stopwatch tracking;
-  Tracker::Outcome outcome = tracker_.track(std::move(features), input.frame, input.stamp, mapping_status());
+  Tracker::Outcome outcome = tracker_.track(std::move(features), input.frame, input.stamp, mapping_status(depth));
   report.track = outcome.result;
   report.timing.track_ms = tracking.ms();
 
@@ -268,11 +268,11 @@ void System::anchor_in(const Map& map, const KeyFrameMade& made) {
   if (const KeyFrame* first = map.find(made.first)) log_.anchor(first->frame, RelativePose::at(map, made.first));
 }
 
-MappingStatus System::mapping_status() const {
+MappingStatus System::mapping_status(MappingStatus::Depth depth) const {
   const bool nothing_pending = mapping_.pending() == 0;
   const bool idle = realtime() ? mapping_.idle() : nothing_pending;
   return {realtime() || nothing_pending ? MappingStatus::Map::live : MappingStatus::Map::hidden,
-          idle ? MappingLoad::idle : MappingLoad::busy};
+          idle ? MappingLoad::idle : MappingLoad::busy, depth};
 }
 
 void System::submit(MapRequest request) {
@@ -305,21 +305,23 @@ void System::discard(uint32_t submap) {
 }
 
 // The noise of depth that the map learned may have been learned from nonsense.
-void System::compare_depth(const Input& input, const FeaturesPtr& features, FrameReport& report) {
+MappingStatus::Depth System::compare_depth(const Input& input, const FeaturesPtr& features, FrameReport& report) {
   const Stopwatch watch;
   Pinhole camera = tracker_.search().camera;
   camera.depth_noise = with_depth_noise(given_.pinhole, options_.sensor).depth_noise;
-  using MapTrust = SensorMonitor::MapTrust;
-  const MapTrust trust = tracker_.is_map_on_probation() ? MapTrust::on_probation : MapTrust::usual;
-  if (monitor_.add_view(input.frame, input.stamp, features, camera, trust)) tracker_.end_probation();
+  const bool is_right = monitor_.add_view(input.frame, input.stamp, features, camera);
   report.timing.depth_ms += watch.ms();
+  return is_right ? MappingStatus::Depth::right : MappingStatus::Depth::unknown;
 }
 
 // Poses that follow from depth which is not to be believed are tentative at best.
 void System::watch_sensor(int64_t frame, FrameReport& report) {
-  monitor_.add_map_comparison(frame, report.track.doubts.depth_contradiction);
   using Rows = SensorMonitor::Rows;
-  monitor_.add_rows(frame, report.track.doubts.torn ? Rows::displaced : Rows::in_place);
+  using MapTrust = SensorMonitor::MapTrust;
+  const FrameDoubts& doubts = report.track.doubts;
+  monitor_.add_map_comparison(frame, doubts.depth_contradiction);
+  monitor_.add_map_trust(doubts.map_on_probation ? MapTrust::on_probation : MapTrust::usual);
+  monitor_.add_rows(frame, doubts.torn ? Rows::displaced : Rows::in_place);
   report.warnings = take_warnings();
   if (report.track.state == TrackingState::tracking) report.track.tentative |= monitor_.doubts();
 }

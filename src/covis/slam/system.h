@@ -129,7 +129,7 @@ class System {
 
  private:
   FeaturesPtr extract(const Input& input, int features);
-  MappingStatus mapping_status() const;
+  MappingStatus mapping_status(MappingStatus::Depth depth) const;
   void submit(MapRequest request);
   void apply_visible_mapping(FrameReport& report);
   void apply_all_mapping(FrameReport& report);
@@ -139,7 +139,7 @@ class System {
   void anchor_in(const Map& map, const KeyFrameMade& made);
   void record(const Input& input, const Tracker::Outcome& outcome, FrameReport& report);
   void discard(uint32_t submap);
-  void compare_depth(const Input& input, const FeaturesPtr& features, FrameReport& report);
+  MappingStatus::Depth compare_depth(const Input& input, const FeaturesPtr& features, FrameReport& report);
   void watch_sensor(int64_t frame, FrameReport& report);
   void report_begun_map(FrameReport& report) const;
   void explain_missing_map(TrackResult& result) const;

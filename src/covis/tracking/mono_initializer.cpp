@@ -2,6 +2,7 @@
 #include "covis/tracking/mono_initializer.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "covis/core/random.h"
 #include "covis/geometry/two_view.h"
@@ -42,6 +43,7 @@ void MonoInitializer::take_reference(const FeaturesPtr& features, int64_t frame,
   reference_ = {frame, stamp, features};
   last_x_.assign(features->x.begin(), features->x.end());
   last_y_.assign(features->y.begin(), features->y.end());
+  views_.restart(stamp);
 }
 
 std::optional<InitialMapRequest> MonoInitializer::offer(const Pinhole& camera, const FeaturesPtr& features,
@@ -82,19 +84,36 @@ std::optional<InitialMapRequest> MonoInitializer::offer(const Pinhole& camera, c
   options.min_parallax_deg = o.init_min_parallax;
   options.min_points = o.init_min_points;
   options.seed = hash_seed(static_cast<uint64_t>(seed_), RandomStage::mono_initializer, static_cast<uint64_t>(frame));
-  const TwoViewResult motion = reconstruct_two_views(pairs, camera, options);
-  if (motion.status != TwoViewStatus::ok) {
-    reason_ = reason_of(motion.status);
+  const TwoViewResult result = reconstruct_two_views(pairs, camera, options);
+  const TwoViewMotion* const motion = result.motions.size() > 1
+                                          ? views_.choose(result.motions, first_feature, camera, stamp)
+                                      : result.motions.empty() ? nullptr
+                                                               : &result.motions.front();
+  const TwoViewStatus status = motion ? motion->status(options) : result.status;
+  if (status != TwoViewStatus::ok) {
+    reason_ = reason_of(status);
+    remember(pairs, first_feature, stamp);
     return std::nullopt;
   }
   InitialMapRequest request;
   request.first = reference_;
   request.second = {frame, stamp, features};
-  request.T_21 = motion.T_21;
+  request.T_21 = motion->T_21;
   for (size_t k = 0; k < first_feature.size(); ++k) {
-    if (motion.triangulated[k]) request.points.push_back({motion.points_1[k], first_feature[k], second_feature[k]});
+    if (motion->triangulated[k]) request.points.push_back({motion->points_1[k], first_feature[k], second_feature[k]});
   }
   return request;
+}
+
+void MonoInitializer::remember(const TwoViewMatches& pairs, const std::vector<uint32_t>& first_feature,
+                               Timestamp stamp) {
+  std::vector<ViewsBetween::Sighting> seen;
+  seen.reserve(first_feature.size());
+  for (size_t k = 0; k < first_feature.size(); ++k) {
+    const Eigen::Vector2f place = pairs.b[k].cast<float>();
+    seen.push_back({first_feature[k], place.x(), place.y(), static_cast<float>(1 / pairs.sigma2[k])});
+  }
+  views_.add(stamp, std::move(seen));
 }
 
 // Finds the reference view's finer keypoints in this frame, each in a window around its last place.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Monocular initialisation: two views with enough parallax, by homography or fundamental matrix.
+// Monocular initialisation: two views with enough parallax, by homography or fundamental matrix; of a plane, with the
+// views in between (views_between.h).
 // Source: Mur-Artal, Montiel, Tardós, "ORB-SLAM", T-RO 2015, section IV.
 #pragma once
 
@@ -11,6 +12,7 @@
 #include "covis/map/map_requests.h"
 #include "covis/matching/window_match.h"
 #include "covis/tracking/tracking_options.h"
+#include "covis/tracking/views_between.h"
 #include "covis/types.h"
 
 namespace covis {
@@ -31,11 +33,14 @@ class MonoInitializer {
  private:
   void take_reference(const FeaturesPtr& features, int64_t frame, Timestamp stamp);
   int match_reference(const Features& features);
+  // Keeps where the frame shows the reference view's features.
+  void remember(const TwoViewMatches& pairs, const std::vector<uint32_t>& first_feature, Timestamp stamp);
 
   const StartOptions options_;
   const int seed_;
   InitialMapRequest::View reference_;
   std::vector<float> last_x_, last_y_;  // pixels: the last place of each reference feature, which its window follows
+  ViewsBetween views_;
   std::vector<WindowQuery> queries_;
   std::vector<int32_t> query_feature_;
   std::vector<int32_t> match_;

@@ -61,8 +61,10 @@ struct FrameDoubts {
   // DepthAgainstMap::error where depth contradicts the map, so that the pose is of the image alone; 0: it does not.
   double depth_contradiction = 0;
   bool torn = false;  // some rows of the image are displaced (torn_image.h): nothing is mapped from it
+  // Its map was begun because depth contradicted the one before, and may be as wrong (DepthBelief).
+  bool map_on_probation = false;
 
-  bool any() const { return torn || depth_contradiction > 0; }
+  bool any() const { return torn || depth_contradiction > 0 || map_on_probation; }
 };
 
 // The figures of tracking one frame.

@@ -13,8 +13,7 @@ namespace {
 
 MapStarter::Settings starter_settings(const TrackingSettings& s, const Vocabulary* vocabulary) {
   // Without places recognised, or loops closed, two submaps would never be joined.
-  const bool joins_maps = vocabulary && s.closes_loops;
-  return {s.sensor, s.options.start, s.options.key_frame.min_close_points, joins_maps, s.seed};
+  return {s.sensor, s.options.start, s.options.key_frame.min_close_points, vocabulary && s.closes_loops, s.seed};
 }
 
 FirstPose::Support support_of(const TrackingSettings& s) {
@@ -37,6 +36,7 @@ Tracker::Tracker(const SharedMap& map, const TrackingSettings& settings, std::sh
 Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp stamp, const MappingStatus& mapping) {
   const SharedMap* live = mapping.map == MappingStatus::Map::live ? &map_ : nullptr;
   const bool realtime = settings_.schedule == Schedule::realtime;
+  if (mapping.depth == MappingStatus::Depth::right) depth_.end_probation();
   current_.start(depth_.receive(std::move(features)), frame, stamp);
   health_.leaves_map = state_ == TrackingState::tracking && settings_.mode == TrackingMode::mapping &&
                        starter_.may_begin_beside() && depth_.blames_map(stamp);
@@ -69,11 +69,10 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
     if (found && result.method != TrackMethod::initialised) {
       if (outcome.retract_from) backlog_.lost();
       accept(result);
-      const bool stays = !search_.place.tentative() && !starter_.may_give_up(live, last_.pose.key_frame);
-      if (stays) {
-        backlog_.settle();
-      } else {
+      if (search_.place.tentative() || starter_.may_give_up(live, last_.pose.key_frame)) {
         backlog_.keep_for_now(current_);
+      } else {
+        backlog_.settle();
       }
       const bool sure = !search_.place.tentative() && !result.doubts.torn &&
                         (!health_.recovered_lately(current_.stamp) || result.method == TrackMethod::motion_model);
@@ -214,7 +213,8 @@ void Tracker::accept(TrackResult& result) {
   last_.pose = {reference.id, reference.scale, current_.T_cw * reference.T_cw.inverse()};
   last_.submap = reference.submap;
   backlog_.found_at(reference.id);
-  result.tentative = tentative || result.doubts.any() || depth_.is_on_probation(current_.stamp);
+  result.doubts.map_on_probation = depth_.is_on_probation(current_.stamp);
+  result.tentative = tentative || result.doubts.any();
   result.T_cw = current_.T_cw;
   result.information = current_.information;
   result.pose = last_.pose;
@@ -269,8 +269,8 @@ void Tracker::begin_submap(Outcome& outcome) {
   outcome.request = std::move(offer.request);
   state_ = TrackingState::tracking;
   depth_.begin(current_.stamp);
-  result.doubts.depth_contradiction = 0;
-  result.tentative = depth_.is_on_probation(current_.stamp);
+  result.doubts = {.map_on_probation = depth_.is_on_probation(current_.stamp)};
+  result.tentative = result.doubts.any();
   key_frames_.begin(current_.stamp);
   if (settings_.sensor != Sensor::monocular) current_.T_cw = SE3();
   current_.clear_matches();  // they are matches with an older submap
@@ -340,10 +340,9 @@ void Tracker::set_mode(TrackingMode mode) {
   if (mode == settings_.mode) return;
   settings_.mode = mode;
   first_pose_.set_support(support_of(settings_));
-  const bool has_map = !map_.read()->submaps().empty();
   if (mode == TrackingMode::localisation) {
     if (state_ == TrackingState::not_initialised) start_lost();
-  } else if (!has_map) {
+  } else if (map_.read()->submaps().empty()) {
     state_ = TrackingState::not_initialised;
   }
 }

@@ -50,12 +50,15 @@ struct TrackingSettings {
   bool dead_reckons() const { return mode == TrackingMode::localisation && sensor != Sensor::monocular; }
 };
 
-// The state of mapping when a frame comes.
+// The state of mapping when a frame comes, and what else is known then.
 struct MappingStatus {
   // hidden: there is a result that is not to be seen yet, and the copies of the last live frame serve.
   enum class Map { live, hidden };
   Map map = Map::live;
   MappingLoad load = MappingLoad::idle;
+  // right: motion says so, of the last depths. Then a map on probation that was made of them is right as well.
+  enum class Depth { unknown, right };
+  Depth depth = Depth::unknown;
 };
 
 class Tracker {
@@ -91,10 +94,6 @@ class Tracker {
   // True when the last frame had so few points that the next should have all that mapping can give.
   bool near_loss() const { return health_.near_loss; }
   TrackingState state() const { return state_; }
-  // True while the map, which was begun because depth contradicted the one before, may be as wrong (DepthBelief).
-  bool is_map_on_probation() const { return depth_.is_on_probation(last_.frame.stamp); }
-  // Motion says that depth is right: so is what was mapped by it.
-  void end_probation() { depth_.end_probation(); }
   // The last frame, with the points that it shows when it was tracked.
   const TrackedFrame& last_frame() const { return last_.frame; }
   // Frames without a pose before places where the camera was found, newest first, for backtrack(): at the end, when no

@@ -141,7 +141,7 @@ TEST_F(SeveralMapsTest, AMapThatIsLostOnProbationIsFollowedByAnotherSoon) {
     const TrackResult result = track(features, i);
     if (begun < 0) {
       if (i > 0 && result.method == TrackMethod::initialised) begun = i;
-      EXPECT_EQ(tracker.is_map_on_probation(), begun >= 0) << "frame " << i;
+      EXPECT_EQ(result.doubts.map_on_probation, begun >= 0) << "frame " << i;
     } else if (result.state == TrackingState::lost) {
       ++lost;
     } else if (elsewhere) {
