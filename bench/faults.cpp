@@ -21,7 +21,8 @@ constexpr int kFrames = 180, kStretchStart = 60, kStretchEnd = 84;
 
 void print(const std::string& name, const FaultResult& r) {
   std::printf(
-      "%-32s outside %3d of %3d  within %3d of %3d  refused %3d  wrong outside %3d within %3d  found after %3d  sure after %3d  "
+      "%-32s outside %3d of %3d  within %3d of %3d  refused %3d  wrong outside %3d within %3d  found after %3d  sure "
+      "after %3d  "
       "in the first map after %3d  warned after %3d  median error %.3f m\n",
       name.c_str(), r.sure_outside, r.outside, r.sure_within, r.within, r.refused, r.wrong_outside, r.wrong_within,
       r.found_after, r.sure_after, r.recovered_after, r.warned_after, r.median_error);

@@ -118,6 +118,21 @@ TEST(FaultsLong, DepthThatIsRightAgainIsSoonBelieved) {
   EXPECT_LE(r.sure_after, 20);
 }
 
+// Its view has left the map meanwhile, and the next map is on probation.
+TEST(FaultsLong, AMapBegunAfterAFaultIsSoonBelieved) {
+  SynthOptions options = options_of(Sensor::rgbd, 15);
+  options.noise = 2;
+  options.depth_noise = 1;
+  options.width = 640, options.height = 480;
+  RenderedRecording room(options, 120);
+  const FaultResult r = run_fault(room, named(stream_faults(Sensor::rgbd), "turned_round"), {60, 84});
+  EXPECT_EQ(r.wrong_outside, 0);
+  EXPECT_GE(r.found_after, 0);
+  EXPECT_LE(r.found_after, 10);
+  EXPECT_GE(r.sure_after, 0);
+  EXPECT_LE(r.sure_after, 15);
+}
+
 TEST(FaultsLong, AStreamRecoversFromMore) {
   for (const char* fault : {"dropped", "stamps_back", "other_size"}) expect_recovery(fault);
 }

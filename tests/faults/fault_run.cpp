@@ -70,10 +70,13 @@ void find_errors(std::vector<Claim>& all, const GoodRecording& recording, Stretc
       }
     };
     const auto is_sure = [](const Claim& claim) { return claim.certainty == Certainty::sure; };
-    constexpr size_t kEnough = 10, kFew = 3;
+    constexpr size_t kEnough = 10;
     collect([&](const Claim& claim) { return is_sure(claim) && !stretch.has(claim.frame); });
     if (claimed.size() < kEnough) collect(is_sure);
-    if (claimed.size() < kFew) collect([](const Claim&) { return true; });
+    if (claimed.empty()) {
+      collect([](const Claim&) { return true; });
+      if (claimed.size() < kEnough) claimed.clear(), truth.clear();  // so few nearly always fit
+    }
     const auto alignment = align(claimed, truth, scale);
     for (Claim* claim : frames) {
       const auto position = recording.position(claim->frame);
@@ -167,7 +170,7 @@ FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stre
     const bool is_wrong = claim.error > bound;
     if (claim.certainty == Certainty::sure && is_wrong)
       ++(stretch.has(claim.frame) ? result.wrong_within : result.wrong_outside);
-    if (result.found_after < 0 && claim.frame >= stretch.end && !is_wrong)
+    if (result.found_after < 0 && claim.frame >= stretch.end && !is_wrong && recording.position(claim.frame))
       result.found_after = claim.frame - stretch.end;
   }
   return result;

@@ -53,9 +53,9 @@ struct FaultResult {
   int outside = 0, within = 0;              // frames that came
   int refused = 0;                          // frames that were refused with a message
   int wrong_outside = 0, wrong_within = 0;  // sure frames that are far from the truth
-  int found_after = -1;                     // frames from the end of the stretch to one with a right pose, tentative
-                                            // or not; -1: never
-  int sure_after = -1;                      // the same to a sure one
+  int found_after = -1;                     // frames from the end of the stretch to one with a right pose that it kept,
+                                            // tentative or not; -1: never
+  int sure_after = -1;                      // the same to a sure one, right or wrong
   int recovered_after = -1;                 // the same to a sure one in the first submap
   int warned_after = -1;                    // frames from the start of the stretch to a warning; -1: none
   double median_error = 0;                  // metres, of sure frames

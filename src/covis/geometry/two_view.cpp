@@ -9,8 +9,10 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "covis/core/random.h"
+#include "covis/geometry/clearly_least.h"
 #include "covis/geometry/triangulation.h"
 
 namespace covis {
@@ -169,7 +171,6 @@ std::vector<SE3> motions_of_fundamental(const Eigen::Matrix3d& F, const Eigen::M
   return {SE3(Ra, t), SE3(Rb, t), SE3(Ra, Eigen::Vector3d(-t)), SE3(Rb, Eigen::Vector3d(-t))};
 }
 
-constexpr double kParallaxOfAPlane = 2;   // times the least: a plane tells the motion less precisely
 constexpr double kMostExplainedChi2 = 4;  // of a match that a motion explains, in either image
 
 // The point that a motion makes of a match, and how far it is off in the image where it is farther off.
@@ -221,11 +222,11 @@ TwoViewMotion try_motion(const SE3& T_21, const TwoViewMatches& m, const std::ve
   return motion;
 }
 
-// The motion, of those of a plane, that explains what is not on the plane clearly better than the others do; null if
-// there is none.
-const TwoViewMotion* told_off_the_plane(const std::vector<TwoViewMotion>& motions, const TwoViewMatches& m,
-                                        const std::vector<uint8_t>& on_plane, const Pinhole& camera) {
-  constexpr double kClearly = 2, kLeastMore = 60;  // times as great, and greater by so many squared sigmas in all
+// The index of the motion, of those of a plane, that explains what is not on the plane clearly better than the others
+// do; nullopt if there is none.
+std::optional<size_t> decided_off_the_plane(const std::vector<TwoViewMotion>& motions, const TwoViewMatches& m,
+                                            const std::vector<uint8_t>& on_plane, const Pinhole& camera) {
+  constexpr double kClearly = 2, kLeastMore = 60;  // squared sigmas in all
   std::vector<double> misfits(motions.size()), chi2(motions.size());
   for (size_t i = 0; i < m.a.size(); ++i) {
     if (on_plane[i]) continue;
@@ -236,11 +237,7 @@ const TwoViewMotion* told_off_the_plane(const std::vector<TwoViewMotion>& motion
     if (*std::min_element(chi2.begin(), chi2.end()) == kMostExplainedChi2) continue;  // a wrong match
     for (size_t k = 0; k < motions.size(); ++k) misfits[k] += chi2[k];
   }
-  const auto best = std::min_element(misfits.begin(), misfits.end());
-  for (auto other = misfits.begin(); other != misfits.end(); ++other) {
-    if (other != best && (*other < kClearly * *best || *other < *best + kLeastMore)) return nullptr;
-  }
-  return &motions[static_cast<size_t>(best - misfits.begin())];
+  return clearly_least(misfits, kClearly, kLeastMore);
 }
 
 }  // namespace
@@ -322,18 +319,23 @@ TwoViewResult reconstruct_two_views(const TwoViewMatches& m, const Pinhole& came
                    [](const TwoViewMotion& x, const TwoViewMotion& y) { return x.explained > y.explained; });
   const double rivals = options.clear_winner * (motions.empty() ? 0 : motions.front().explained);
   std::erase_if(motions, [&](const TwoViewMotion& motion) { return motion.explained <= rivals; });
+  TwoViewOptions asked = options;
   if (result.homography && motions.size() > 1) {
-    const TwoViewMotion* told = told_off_the_plane(motions, m, score.inlier, camera);
-    if (told && told->parallax_deg > kParallaxOfAPlane * options.min_parallax_deg) motions = {*told};
+    if (const auto right = decided_off_the_plane(motions, m, score.inlier, camera)) {
+      std::swap(motions.front(), motions[*right]);
+      motions.resize(1);
+      asked.min_parallax_deg *= options.plane_parallax;
+    }
   }
   for (TwoViewMotion& motion : motions) motion.share = motion.explained / static_cast<double>(score.count);
   const bool parallax = std::any_of(motions.begin(), motions.end(), [&](const TwoViewMotion& motion) {
-    return motion.parallax_deg >= options.min_parallax_deg;
+    return motion.parallax_deg >= asked.min_parallax_deg;
   });
   result.status = !parallax            ? TwoViewStatus::low_parallax
                   : motions.size() > 1 ? TwoViewStatus::no_clear_winner
-                                       : motions.front().status(options);
-  if (result.status != TwoViewStatus::ok && result.status != TwoViewStatus::no_clear_winner) motions.clear();
+                                       : motions.front().status(asked);
+  const bool are_rivals = parallax && result.homography && motions.size() > 1;
+  if (result.status != TwoViewStatus::ok && !are_rivals) motions.clear();
   return result;
 }
 

@@ -25,8 +25,11 @@ struct TwoViewOptions {
   double min_parallax_deg = 1.0;
   int min_points = 50;          // least number of triangulated points of an accepted motion
   double min_good_share = 0.9;  // least share of the model's inliers that an accepted motion must explain
-  // Largest allowed number of points of the second-best motion, relative to that of the best.
+  // A motion that explains more than this share (below 1) of the matches of the best one is a rival of it.
   double clear_winner = 0.75;
+  // Times min_parallax_deg: asked of a motion of a plane that only matches off the plane tell from its rivals, as a
+  // plane tells the motion less precisely. Infinite: such matches decide nothing.
+  double plane_parallax = 2;
   uint64_t seed = 0;
 };
 
@@ -46,7 +49,8 @@ struct TwoViewMotion {
 
 struct TwoViewResult {
   TwoViewStatus status = TwoViewStatus::too_few_matches;
-  // ok: the motion. no_clear_winner: those between which the two views do not decide, best first. Otherwise none.
+  // ok: the motion. no_clear_winner: where the views show a plane, the rivals between which they do not decide, best
+  // first. Otherwise none.
   std::vector<TwoViewMotion> motions;
   bool homography = false;  // true: motion from the homography; false: from the fundamental matrix
   double score_h = 0, score_f = 0;

@@ -79,10 +79,10 @@ TEST(TwoView, RecoversMotionTowardsAPlane) {
 }
 
 // Two motions explain a plane seen sideways; what stands before it tells them apart.
-TEST(TwoView, OffThePlaneTheRightMotionIsTold) {
+TEST(TwoView, MatchesOffThePlaneDecide) {
   const Pinhole camera{500, 500, 320, 240, 0};
   const SE3 T_21(so3_exp({0.02, -0.08, 0.03}), Vector3d(-0.6, 0.05, 0.1));
-  int open = 0, told = 0;
+  int open = 0, decided = 0;
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     Views views = make_views(seed, Scene::planar, T_21, 0.1, camera);
     const TwoViewResult plane = reconstruct_two_views(views.matches, camera, {.seed = seed});
@@ -95,14 +95,14 @@ TEST(TwoView, OffThePlaneTheRightMotionIsTold) {
     }
     const TwoViewResult result = reconstruct_two_views(views.matches, camera, {.seed = seed});
     if (result.status != TwoViewStatus::ok) continue;
-    ++told;
+    ++decided;
     EXPECT_TRUE(result.homography);
     const SE3& found = result.motions.at(0).T_21;
     EXPECT_LT(so3_log(found.R() * T_21.R().transpose()).norm(), 0.03);
     EXPECT_GT(found.t().normalized().dot(T_21.t().normalized()), std::cos(0.15));
   }
   EXPECT_GE(open, 8);
-  EXPECT_GE(told, 8);
+  EXPECT_GE(decided, 8);
 }
 
 TEST(TwoView, RefusesWhatTellsNoDepth) {

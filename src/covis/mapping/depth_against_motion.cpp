@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -57,6 +58,7 @@ std::optional<DepthAgainstMotion> compare_depth_with_motion(const Features& a, c
   // The demands of a monocular map's start: a motion that is wrong would make right depth look wrong.
   TwoViewOptions options;
   options.seed = seed;
+  options.plane_parallax = std::numeric_limits<double>::infinity();
   const TwoViewResult views = reconstruct_two_views(pairs, camera, options);
   if (views.status != TwoViewStatus::ok) return std::nullopt;
   const TwoViewMotion& motion = views.motions.front();

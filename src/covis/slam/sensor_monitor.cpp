@@ -218,9 +218,10 @@ bool SensorMonitor::add_view(int64_t frame, Timestamp stamp, FeaturesPtr feature
     comparisons_.of_frames = {};
   } else if (!last || to_seconds(stamp) - to_seconds(*last) > kEvery) {
     last = stamp;
+    const bool doubted = holds(SensorDoubt::depth_against_motion);
     for (const DepthAgainstMotion& comparison :
          check.add(std::move(features), camera, MotionDepthCheck::Pace::every_view)) {
-      if (holds(SensorDoubt::depth_against_motion)) add_comparison(frame, comparison);
+      if (doubted) add_comparison(frame, comparison);
       agreeing = comparison.error() < kEndsBelow && comparison.explained > kMostExplained ? agreeing + 1 : 0;
     }
   }

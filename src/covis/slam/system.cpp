@@ -304,10 +304,10 @@ void System::discard(uint32_t submap) {
   mapping_.discard(submap);
 }
 
-// The noise of depth that the map learned may have been learned from nonsense.
 MappingStatus::Depth System::compare_depth(const Input& input, const FeaturesPtr& features, FrameReport& report) {
   const Stopwatch watch;
   Pinhole camera = tracker_.search().camera;
+  // What the map learned of it may have been learned from nonsense.
   camera.depth_noise = with_depth_noise(given_.pinhole, options_.sensor).depth_noise;
   const bool is_right = monitor_.add_view(input.frame, input.stamp, features, camera);
   report.timing.depth_ms += watch.ms();

@@ -139,9 +139,7 @@ void DepthBelief::judge(const DepthAgainstMap& found, Timestamp stamp) {
   judged_ = stamp;
 }
 
-std::optional<Timestamp> DepthBelief::probation_since(Timestamp now) const {
-  return doubted_ && now - *doubted_ < from_seconds(kBelieved) ? doubted_ : std::nullopt;
-}
+bool DepthBelief::is_on_probation(Timestamp now) const { return doubted_ && now - *doubted_ < from_seconds(kBelieved); }
 
 bool DepthBelief::blames_map(Timestamp now) const {
   if (!since_ || !last_.contradicts() || last_.points < kFewPoints) return false;

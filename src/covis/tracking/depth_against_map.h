@@ -71,12 +71,14 @@ class DepthBelief {
   bool contradicts() const { return since_.has_value(); }
   // True when the map is no longer to be believed more than the depth.
   bool blames_map(Timestamp now) const;
-  // A map that was begun upon a contradiction is on probation for two seconds, in which depth is to agree with it:
-  // since this moment.
-  std::optional<Timestamp> probation_since(Timestamp now) const;
-  bool is_on_probation(Timestamp now) const { return probation_since(now).has_value(); }
-  // Depth proves right: so does a map that was begun by it.
-  void end_probation() { doubted_.reset(); }
+  // True for two seconds in which depth is to agree with a map that was begun upon a contradiction.
+  bool is_on_probation(Timestamp now) const;
+  // The moment in which the present map was begun, while it is on probation.
+  std::optional<Timestamp> probation_since(Timestamp now) const { return is_on_probation(now) ? begun_ : std::nullopt; }
+  // Motion says that depth is right up to its scale. So is a map that was made of it, unless it contradicts that depth.
+  void trust_depth() {
+    if (!contradicts()) doubted_.reset();
+  }
   // The frame is done: nothing is kept of it.
   void release() { measured_.reset(); }
 

@@ -208,8 +208,15 @@ TEST(DepthBelief, ProbationEndsWhereDepthProvesRight) {
   belief.judge(kContradicts, from_seconds(2.9));
   belief.begin(from_seconds(3));
   EXPECT_EQ(belief.probation_since(from_seconds(4)), from_seconds(3));
-  belief.end_probation();
-  EXPECT_FALSE(belief.is_on_probation(from_seconds(4)));
+  belief.begin(from_seconds(3.5));
+  EXPECT_EQ(belief.probation_since(from_seconds(4)), from_seconds(3.5)) << "the present map";
+  belief.judge(kContradicts, from_seconds(4));
+  belief.trust_depth();
+  EXPECT_TRUE(belief.is_on_probation(from_seconds(4))) << "the map was made of other depth";
+  belief.begin(from_seconds(4.2));
+  belief.trust_depth();
+  EXPECT_FALSE(belief.is_on_probation(from_seconds(4.3)));
+  EXPECT_EQ(belief.probation_since(from_seconds(4.3)), std::nullopt);
 }
 
 TEST(DepthBelief, AnOlderMapIsNotOnProbation) {

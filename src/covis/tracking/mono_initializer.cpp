@@ -85,14 +85,12 @@ std::optional<InitialMapRequest> MonoInitializer::offer(const Pinhole& camera, c
   options.min_points = o.init_min_points;
   options.seed = hash_seed(static_cast<uint64_t>(seed_), RandomStage::mono_initializer, static_cast<uint64_t>(frame));
   const TwoViewResult result = reconstruct_two_views(pairs, camera, options);
-  const TwoViewMotion* const motion = result.motions.size() > 1
-                                          ? views_.choose(result.motions, first_feature, camera, stamp)
-                                      : result.motions.empty() ? nullptr
-                                                               : &result.motions.front();
+  const TwoViewMotion* motion = result.motions.empty() ? nullptr : &result.motions.front();
+  if (result.motions.size() > 1) motion = views_.choose(result.motions, first_feature, camera, stamp);
   const TwoViewStatus status = motion ? motion->status(options) : result.status;
   if (status != TwoViewStatus::ok) {
     reason_ = reason_of(status);
-    remember(pairs, first_feature, stamp);
+    if (views_.is_next_due()) remember(pairs, first_feature, stamp);
     return std::nullopt;
   }
   InitialMapRequest request;

@@ -56,7 +56,7 @@ struct TrackTimes {
   double pose = 0;          // last pose optimisation
 };
 
-// The parts of a frame that are not to be believed. While there is one its pose is tentative.
+// What of a frame, or of its map, is not to be believed. While there is something the frame's pose is tentative.
 struct FrameDoubts {
   // DepthAgainstMap::error where depth contradicts the map, so that the pose is of the image alone; 0: it does not.
   double depth_contradiction = 0;

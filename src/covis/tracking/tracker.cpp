@@ -36,7 +36,7 @@ Tracker::Tracker(const SharedMap& map, const TrackingSettings& settings, std::sh
 Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp stamp, const MappingStatus& mapping) {
   const SharedMap* live = mapping.map == MappingStatus::Map::live ? &map_ : nullptr;
   const bool realtime = settings_.schedule == Schedule::realtime;
-  if (mapping.depth == MappingStatus::Depth::right) depth_.end_probation();
+  if (mapping.depth == MappingStatus::Depth::right) depth_.trust_depth();
   current_.start(depth_.receive(std::move(features)), frame, stamp);
   health_.leaves_map = state_ == TrackingState::tracking && settings_.mode == TrackingMode::mapping &&
                        starter_.may_begin_beside() && depth_.blames_map(stamp);
@@ -196,8 +196,7 @@ void Tracker::accept(TrackResult& result) {
   const KeyFrameView& reference = search_.local_map.reference;
   key_frames_.count(current_, search_.local_map, search_.matcher.in_view());
   if (state_ == TrackingState::tracking && current_.stamp > last_.frame.stamp && reference.submap == last_.submap) {
-    const SE3 T_cl = (current_.T_cw * last_.frame.T_cw.inverse()).normalized();
-    motion_.observe(T_cl, current_.stamp - last_.frame.stamp);
+    motion_.observe((current_.T_cw * last_.frame.T_cw.inverse()).normalized(), current_.stamp - last_.frame.stamp);
   } else {
     motion_.reset();
   }
@@ -228,9 +227,10 @@ void Tracker::lose(Outcome& outcome, const SharedMap* live) {
   state_ = TrackingState::lost;
   health_.weak = settings_.options.local_map.weak_inliers > 0;
   health_.dead_reckoned_frames = 0;
-  // The place since a jump proves wrong, as does a map on probation, and in a pause nothing was seen.
-  if (const auto jumped = search_.place.tentative_since()) starter_.lost_since(*jumped);
+  outcome.result.doubts.map_on_probation = depth_.is_on_probation(current_.stamp);
+  // A map on probation proves wrong, or the place since a jump, and in a pause nothing was seen.
   if (const auto begun = depth_.probation_since(current_.stamp)) starter_.lost_since(*begun);
+  if (const auto jumped = search_.place.tentative_since()) starter_.lost_since(*jumped);
   if (motion_.is_pause(current_.stamp - last_.frame.stamp)) starter_.lost_since(last_.frame.stamp);
   motion_.reset();
   search_.place.lose();

@@ -56,7 +56,7 @@ struct MappingStatus {
   enum class Map { live, hidden };
   Map map = Map::live;
   MappingLoad load = MappingLoad::idle;
-  // right: motion says so, of the last depths. Then a map on probation that was made of them is right as well.
+  // right: the motion of the images says so, of the last frames (DepthBelief::trust_depth()).
   enum class Depth { unknown, right };
   Depth depth = Depth::unknown;
 };

@@ -131,6 +131,23 @@ TEST_F(SeveralMapsTest, WhereDepthBlamesTheMapTheCameraComesBackToAnOlderOne) {
   EXPECT_EQ(shared.read()->submaps().size(), 2u);
 }
 
+TEST_F(SeveralMapsTest, AMapOnProbationIsSureOnceMotionSaysThatDepthIsRight) {
+  MappingStatus status;
+  int begun = -1;
+  for (int i = 0; i < frames.count() && (begun < 0 || i < begun + 4); ++i) {
+    auto other = std::make_shared<Features>(*frames.features(i));
+    for (float& depth : other->depth) depth *= i < 4 ? 1 : 1.5f;
+    status.depth = begun >= 0 && i >= begun + 3 ? MappingStatus::Depth::right : MappingStatus::Depth::unknown;
+    const Tracker::Outcome outcome = tracker.track(other, i, frames.stamp(i), status);
+    do_mapping(outcome);
+    if (i > 0 && outcome.result.method == TrackMethod::initialised) begun = i;
+    if (begun >= 0) {
+      EXPECT_EQ(outcome.result.tentative, i < begun + 3) << "frame " << i;
+    }
+  }
+  ASSERT_GE(begun, 0);
+}
+
 // Nothing has shown that a map on probation was ever right: the camera has been lost since it was begun.
 TEST_F(SeveralMapsTest, AMapThatIsLostOnProbationIsFollowedByAnotherSoon) {
   int begun = -1, lost = 0;

@@ -26,6 +26,8 @@ class ViewsBetween {
 
   // Begins anew with a first view of this stamp.
   void restart(Timestamp first);
+  // True for a view that is to be added: few that are spread over the time suffice.
+  bool is_next_due();
   void add(Timestamp stamp, std::vector<Sighting> seen);
   // The motion to the second view, of this stamp, that explains the views in between clearly better than the others do;
   // null if there is none. `feature`: the first view's feature of each match of the motions.
