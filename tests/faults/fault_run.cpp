@@ -143,8 +143,11 @@ FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stre
       ++result.refused;
       continue;
     }
-    if (const auto from = tracked->retracted_from)
-      std::erase_if(claims, [&](const Claim& claim) { return claim.stamp >= *from; });
+    // What was once sure stays a claim to be judged.
+    if (const auto from = tracked->retracted_from) {
+      std::erase_if(
+          claims, [&](const Claim& claim) { return claim.certainty == Certainty::tentative && claim.stamp >= *from; });
+    }
     if (!tracked->tracked()) continue;
     const Certainty certainty = tracked->tentative ? Certainty::tentative : Certainty::sure;
     claims.push_back(

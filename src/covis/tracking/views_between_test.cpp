@@ -105,7 +105,7 @@ TEST_F(WallTest, ViewsOfAnotherFirstOneAreForgotten) {
 // The right motion is clearly the better one, but not good.
 TEST_F(WallTest, ViewsThatNoMotionExplainsTellNothing) {
   EXPECT_NE(choose(round_a_bend, 7, 0.6), nullptr);
-  EXPECT_EQ(choose(round_a_bend, 7, 1.1), nullptr);
+  EXPECT_EQ(choose(round_a_bend, 7, 0.75), nullptr);
 }
 
 }  // namespace
