@@ -2,6 +2,7 @@
 #include "tests/faults/fault_run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
@@ -167,8 +168,9 @@ FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stre
   }
   result.median_error = quantile(errors, 0.5);
   result.greatest_error = errors.empty() ? 0 : *std::max_element(errors.begin(), errors.end());
-  const double bound = std::max(
-      usual_error, std::min(kMostBound, std::max({0.02, 0.01 * path_length(recording), 5 * result.median_error})));
+  const double of_fault =
+      std::min(kMostBound, std::max({0.02, 0.01 * path_length(recording), 5 * result.median_error}));
+  const double bound = std::hypot(usual_error, of_fault);
   for (const Claim& claim : claims) {
     const bool is_wrong = claim.error > bound;
     if (claim.certainty == Certainty::sure && is_wrong)

@@ -62,7 +62,8 @@ struct FaultResult {
   double greatest_error = 0;                // metres, of sure frames
 };
 
-// `usual_error`: metres by which frames may be off anyway, as without the fault.
+// `usual_error`: metres by which frames may be off anyway, as without the fault. What the fault adds is independent of
+// it: a frame is wrong beyond the root of the sum of both squares.
 FaultResult run_fault(GoodRecording& recording, const Fault& fault, Stretch stretch, double usual_error = 0);
 
 }  // namespace covis::faults

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "covis/geometry/sim3.h"
+#include "covis/loops/loop_report.h"
 #include "covis/map/key_frame_view.h"
 #include "covis/matching/point_set.h"
 
@@ -56,6 +58,9 @@ struct Loop {
   LoopRelation relation = LoopRelation::same_submap;
   Sim3 S_cw;                                             // the current key frame as the old place's map would have it
   std::vector<std::pair<uint32_t, MapPointId>> matches;  // feature of the current key frame, point of the place
+  LoopDrift drift = {};                                  // as its points alone have it
+  // By the pixels of all views, at S_cw or near it; none where they do not agree.
+  std::optional<Matrix7d> information = {};
 };
 
 // The median depth of the points found again, in the unit of the place's map.

@@ -43,6 +43,7 @@ std::optional<Loop> LoopCloser::recognise(KeyFrameId current, const std::vector<
     }
     if (verdict.loop) {
       report.evidence = verdict.evidence;
+      if (!report.unexplained) report.drift = weigh_against_drift(candidate, sensor_, *verdict.loop);
       return std::move(verdict.loop);
     }
     log(LogLevel::debug, describe(refused));
@@ -72,7 +73,7 @@ bool LoopCloser::correct(KeyFrameId current, const Loop& loop, LoopReport& repor
     if (!report.joined) return false;
     report.fused = fuse_loop(map_, current, loop, fuser_);
     report.outcome = LoopOutcome::joined;
-  } else if (nothing_to_correct(loop, report.drift, map_.read()->camera())) {
+  } else if (nothing_to_correct(loop, map_.read()->camera())) {
     report.fused = fuse_loop(map_, current, loop, fuser_);
     report.outcome = LoopOutcome::fused;
     return true;

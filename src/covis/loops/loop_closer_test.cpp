@@ -24,9 +24,15 @@ class LoopCloserTest : public testing::Test {
 
 TEST_F(LoopCloserTest, TakesTheDriftOut) {
   around.go_around();
+  const LoopCandidate candidate(*around.world.shared.read(), around.current, around.place());
+  LoopVerdict verdict = LoopVerifier(Sensor::rgbd, {}, 0).verify(candidate);
+  ASSERT_TRUE(verdict.loop);
+  const LoopDrift weighed = weigh_against_drift(candidate, Sensor::rgbd, *verdict.loop);
   const LoopReport report = process();
   ASSERT_EQ(report.outcome, LoopOutcome::closed);
   EXPECT_TRUE(report.changed_map());
+  EXPECT_LT(report.drift.distance, verdict.loop->drift.distance) << "the drift that was expected counts";
+  EXPECT_NEAR(report.drift.distance, weighed.distance, 1e-9);
   EXPECT_NEAR(report.drift.distance, around.drift.head<3>().norm(), 0.1);
   EXPECT_GT(report.fused, 40);
   const auto map = around.world.shared.read();

@@ -7,6 +7,7 @@
 
 #include "covis/core/quantile.h"
 #include "covis/core/random.h"
+#include "covis/loops/drift_prior.h"
 #include "covis/loops/loop_matches.h"
 #include "covis/matching/point_geometry.h"
 #include "covis/optimization/pose_optimization.h"
@@ -91,11 +92,13 @@ LoopVerdict LoopVerifier::verify(const LoopCandidate& candidate) {
   if (!shows_enough(candidate.place, *again, elsewhere ? options_.merge_min_found_share : options_.min_found_share))
     return refused(LoopRefusal::small_share);
   if (tied_already(candidate, again->matches)) return refused(LoopRefusal::tied_already);
-  if (monocular()) refine_on_views(candidate, S_cw);
+  std::optional<Matrix7d> information;
+  if (monocular() || !elsewhere) information = refine_on_views(candidate, S_cw);
 
-  Loop loop{candidate.place, candidate.relation, S_cw, {}};
+  Loop loop{candidate.place, candidate.relation, S_cw, {}, {}, information};
   for (const auto& [feature, p] : again->matches) loop.matches.emplace_back(feature, candidate.place.points.id[p]);
-  verdict.drift = drift_of(candidate, loop);
+  loop.drift = drift_of(candidate, loop);
+  verdict.drift = loop.drift;
   const bool explained = elsewhere || drift_explains(*verdict.drift);
   if (!neighbours_agree(candidate, S_cw)) {
     // Those that come later may: the camera has only just turned to the place.
@@ -172,7 +175,7 @@ void LoopVerifier::refine_both_ways(const LoopCandidate& candidate, const Projec
   if (fine.ok && fine.inliers >= options_.min_inliers) S_cw = fine.S_12 * Sim3(view.T_cw);
 }
 
-void LoopVerifier::refine_on_views(const LoopCandidate& candidate, Sim3& S_cw) {
+std::optional<Matrix7d> LoopVerifier::refine_on_views(const LoopCandidate& candidate, Sim3& S_cw) {
   constexpr double kWindow = 4;  // pixels x scale
   using Way = CarriedPoint::Way;
   std::vector<CarriedPoint> points;
@@ -194,8 +197,10 @@ void LoopVerifier::refine_on_views(const LoopCandidate& candidate, Sim3& S_cw) {
     for (const auto& [feature, p] : project(candidate.here, candidate.camera, view, T_view, kWindow).matches)
       add(Way::back, T_cw * candidate.here.points.position(p), view.T_cw, *view.features, feature);
   }
-  const CarriedResult fine = refine_sim3(S_cw, points, candidate.camera);
-  if (fine.ok && 2 * static_cast<size_t>(fine.agreeing) > points.size()) S_cw = fine.S;
+  const CarriedResult fine = refine_sim3(S_cw, points, candidate.camera, scale());
+  if (!fine.ok || 2 * static_cast<size_t>(fine.agreeing) <= points.size()) return std::nullopt;
+  if (monocular()) S_cw = fine.S;
+  return fine.information;
 }
 
 ExpectedMatches LoopVerifier::expected(const LoopPlace& place, const Projection& projection) const {
@@ -260,11 +265,23 @@ bool LoopVerifier::drift_explains(const LoopDrift& drift) const {
          std::abs(std::log(drift.scale)) <= std::log(options_.max_scale);
 }
 
-bool nothing_to_correct(const Loop& loop, const LoopDrift& drift, const Pinhole& camera) {
+LoopDrift weigh_against_drift(const LoopCandidate& candidate, Sensor sensor, Loop& loop) {
+  if (candidate.relation == LoopRelation::other_submap || !loop.information) return drift_of(candidate, loop);
+  const SE3& before = candidate.current.T_cw;
+  const Scale scale = sensor == Sensor::monocular ? Scale::free : Scale::fixed;
+  const double depth = loop.S_cw.scale() * median_depth(loop);
+  const Sim3 correction = loop.S_cw * Sim3(before.inverse());
+  const ExpectedDrift expected{candidate.travel.past(depth), depth, scale};
+  loop.S_cw = weigh_against_drift(correction, *loop.information, expected) * Sim3(before);
+  loop.information.reset();
+  return drift_of(candidate, loop);
+}
+
+bool nothing_to_correct(const Loop& loop, const Pinhole& camera) {
   constexpr double kPixels = 2;
   const double angle =
-      drift.distance / std::max(median_depth(loop), 1e-9) + drift.rotation_deg * std::numbers::pi / 180;
-  return angle * camera.fx < kPixels && std::abs(std::log(drift.scale)) < 0.005;
+      loop.drift.distance / std::max(median_depth(loop), 1e-9) + loop.drift.rotation_deg * std::numbers::pi / 180;
+  return angle * camera.fx < kPixels && std::abs(std::log(loop.drift.scale)) < 0.005;
 }
 
 }  // namespace covis

@@ -74,8 +74,9 @@ class LoopVerifier {
   // Refines the similarity on the points that were found here, and on those around here that are found there.
   void refine_both_ways(const LoopCandidate& candidate, const Projection& here, double window, Sim3& S_cw,
                         LoopEvidence& evidence);
-  // Refines it, its scale too, on all views of both sides: the current one may see a corner of the place alone.
-  void refine_on_views(const LoopCandidate& candidate, Sim3& S_cw);
+  // Returns what all views of both sides know of the similarity, CarriedResult::information, if they agree. By one
+  // camera they refine it, its scale too: the current one may see a corner of the place alone.
+  std::optional<Matrix7d> refine_on_views(const LoopCandidate& candidate, Sim3& S_cw);
   Projection project(const LoopPlace& place, const Pinhole& camera, const KeyFrameView& view, const SE3& T_cw,
                      double window);
   ExpectedMatches expected(const LoopPlace& place, const Projection& projection) const;
@@ -88,6 +89,7 @@ class LoopVerifier {
   bool drift_explains(const LoopDrift& drift) const;
 
   bool monocular() const { return sensor_ == Sensor::monocular; }
+  Scale scale() const { return monocular() ? Scale::free : Scale::fixed; }
 
   const Sensor sensor_;
   const LoopOptions options_;
@@ -96,8 +98,12 @@ class LoopVerifier {
   ProjectionMatcher matcher_;
 };
 
+// Replaces the similarity of a loop in the same submap, once, by the most probable one, given the drift that was to be
+// expected (drift_prior.h). Where the views do not agree it stays. Returns the drift that the loop then takes out.
+LoopDrift weigh_against_drift(const LoopCandidate& candidate, Sensor sensor, Loop& loop);
+
 // A place seen again whose correction would move its points by no more than two pixels: the camera looked away for a
 // moment. Its points are to be fused, but there is no drift to take out.
-bool nothing_to_correct(const Loop& loop, const LoopDrift& drift, const Pinhole& camera);
+bool nothing_to_correct(const Loop& loop, const Pinhole& camera);
 
 }  // namespace covis

@@ -204,6 +204,32 @@ TEST_F(LoopVerifierTest, TheViewsAroundSayMoreThanTheCurrentOne) {
   EXPECT_NEAR(verdict.loop->S_cw.scale(), 1, 0.003);
 }
 
+// A strip of the place, seen by one view, says less than the whole of it.
+TEST_F(LoopVerifierTest, AStripOfThePlaceCorrectsLess) {
+  const LoopCandidate whole = candidate();
+  LoopCandidate strip = whole;
+  strip.neighbours.clear();
+  strip.members.resize(1);
+  PointSet& points = strip.place.points;
+  Random random(1);
+  for (size_t k = 0; k < points.size(); ++k) {
+    const Eigen::Vector3d p = whole.place.T_cw * points.position(k);
+    if (std::abs(p.x() / p.z()) > 0.06) points.descriptor[k] = random_descriptor(random);
+  }
+  const LoopOptions little{.min_matches = 10, .min_inliers = 10, .min_found = 10, .min_found_share = 0};
+  LoopVerdict all = verify(whole, little), some = verify(strip, little);
+  ASSERT_TRUE(all.loop);
+  ASSERT_TRUE(some.loop);
+  const LoopDrift known = *all.drift, open = *some.drift;
+  all.drift = weigh_against_drift(whole, Sensor::rgbd, *all.loop);
+  some.drift = weigh_against_drift(strip, Sensor::rgbd, *some.loop);
+  const double share = all.drift->distance / known.distance, of_strip = some.drift->distance / open.distance;
+  EXPECT_GT(share, 0.9);
+  EXPECT_LT(share, 1);
+  EXPECT_LT(of_strip, 0.9);
+  EXPECT_GT(of_strip, 0.5) << "so great a drift is believed for the most part";
+}
+
 TEST_F(LoopVerifierTest, NothingToCorrectWhereNothingDrifted) {
   LoopScene exact;
   exact.drift.setZero();
@@ -211,9 +237,9 @@ TEST_F(LoopVerifierTest, NothingToCorrectWhereNothingDrifted) {
   const LoopCandidate back(*exact.world.shared.read(), exact.current, exact.place());
   const LoopVerdict verdict = verify(back);
   ASSERT_TRUE(verdict.loop);
-  EXPECT_TRUE(nothing_to_correct(*verdict.loop, *verdict.drift, back.camera));
+  EXPECT_TRUE(nothing_to_correct(*verdict.loop, back.camera));
   const LoopVerdict drifted = verify(candidate());
-  EXPECT_FALSE(nothing_to_correct(*drifted.loop, *drifted.drift, back.camera));
+  EXPECT_FALSE(nothing_to_correct(*drifted.loop, back.camera));
 }
 
 TEST_F(JoinVerifierTest, ThePlaceInAnotherSubmapJoinsThem) {
@@ -221,6 +247,15 @@ TEST_F(JoinVerifierTest, ThePlaceInAnotherSubmapJoinsThem) {
   ASSERT_EQ(verdict.refusal, LoopRefusal::none);
   EXPECT_EQ(verdict.loop->relation, LoopRelation::other_submap);
   EXPECT_LT((verdict.loop->S_cw.as_pose() * around.scene.T_wc_of(11)).log().norm(), 0.02);
+}
+
+TEST_F(JoinVerifierTest, NoDriftIsExpectedBetweenTwoSubmaps) {
+  LoopVerdict verdict = verify(candidate());
+  ASSERT_TRUE(verdict.loop);
+  const Sim3 found = verdict.loop->S_cw;
+  verdict.loop->information = Matrix7d::Zero();
+  weigh_against_drift(candidate(), Sensor::rgbd, *verdict.loop);
+  EXPECT_EQ((verdict.loop->S_cw.R() - found.R()).norm() + (verdict.loop->S_cw.t() - found.t()).norm(), 0);
 }
 
 TEST_F(JoinVerifierTest, MoreMustBeFoundAgain) {

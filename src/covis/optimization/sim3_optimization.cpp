@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "covis/core/random.h"
-#include "covis/geometry/alignment.h"
 #include "covis/optimization/reprojection.h"
 
 namespace covis {
@@ -95,6 +94,7 @@ Sim3System accumulate(const Sim3& S_12, const Pairs& pairs, const std::vector<ui
 struct Views {
   std::span<const CarriedPoint> points;
   const Pinhole& camera;
+  Scale scale;
 };
 
 Sim3System accumulate(const Sim3& S, const Views& views, const std::vector<uint8_t>& use, double huber_bound) {
@@ -106,12 +106,14 @@ Sim3System accumulate(const Sim3& S, const Views& views, const std::vector<uint8
     const CarriedPoint& point = views.points[i];
     if (!use[i] || !carried_residual(S, S_inverse, point, views.camera, e, &J)) continue;
     ++s.used;
+    if (views.scale == Scale::fixed) J.col(6).setZero();
     const double chi2 = e.squaredNorm() * point.inv_sigma2;
     double weight = 1;
     s.cost += huber_bound > 0 ? huber(chi2, huber_bound, weight) : chi2;
     s.H.noalias() += weight * point.inv_sigma2 * (J.transpose() * J);
     s.b.noalias() += weight * point.inv_sigma2 * (J.transpose() * e);
   }
+  if (views.scale == Scale::fixed) s.H(6, 6) = 1;  // makes the step of the scale 0
   return s;
 }
 
@@ -216,15 +218,16 @@ Sim3Result refine_sim3(const Sim3& S_12, std::span<const Sim3Match> matches, con
   return result;
 }
 
-CarriedResult refine_sim3(const Sim3& S, std::span<const CarriedPoint> points, const Pinhole& camera) {
-  const Views views{points, camera};
+CarriedResult refine_sim3(const Sim3& S, std::span<const CarriedPoint> points, const Pinhole& camera, Scale scale) {
+  const Views views{points, camera, scale};
   std::vector<uint8_t> agrees(points.size(), 1);
   Sim3 refined = S;
   if (!descend(refined, views, agrees, kRefineChi2, 5)) return {S};
   classify(refined, views, agrees);
   if (!descend(refined, views, agrees, 0, 10)) return {S};
   const int count = classify(refined, views, agrees);
-  return count < 3 ? CarriedResult{S} : CarriedResult{refined, count, true};
+  if (count < 3) return {S};
+  return {refined, count, true, accumulate(refined, views, agrees, 0).H};
 }
 
 std::optional<Sim3Result> ransac_sim3(std::span<const Sim3Match> matches, const Pinhole& camera_1,

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "covis/geometry/alignment.h"
 #include "covis/geometry/camera.h"
 #include "covis/geometry/sim3.h"
 
@@ -56,12 +57,14 @@ struct CarriedResult {
   Sim3 S;
   int agreeing = 0;  // points within the bound
   bool ok = false;   // false: fewer than 3 agree, or a singular system; S is the initial value then
+  // The inverse covariance of xi in exp(xi) S by the noise of the pixels, if ok; with a fixed scale its last row and
+  // column are those of the identity.
+  Matrix7d information = Matrix7d::Zero();
 };
 
 // Like refine_sim3(), with points of many views. One view may leave a direction open, of a plane for example; views
-// from other places do not. The scale is free. The cost of a point: rho(|z - h(x)|^2 inv_sigma2), x its place in the
-// view's camera.
-CarriedResult refine_sim3(const Sim3& S, std::span<const CarriedPoint> points, const Pinhole& camera);
+// from other places do not. The cost of a point: rho(|z - h(x)|^2 inv_sigma2), x its place in the view's camera.
+CarriedResult refine_sim3(const Sim3& S, std::span<const CarriedPoint> points, const Pinhole& camera, Scale scale);
 
 // Fits models to samples of 3 matches, at most 300, until an all-inlier sample was drawn with a probability of 99 %.
 // The model with the most inliers is fitted again to those. Returns nullopt when it has fewer than min_inliers.

@@ -205,7 +205,7 @@ TEST(Sim3Optimization, ViewsFromElsewhereTellWhatOneViewLeavesOpen) {
     Random random(seed);
     const Sim3 truth = random_sim3(random, 0.5, 0.2, 0.3), start = Sim3::exp(0.02 * Vector7d::Ones()) * truth;
     for (const int views : {1, 6}) {
-      const CarriedResult found = refine_sim3(start, carried_points(seed, truth, views), kCamera1);
+      const CarriedResult found = refine_sim3(start, carried_points(seed, truth, views), kCamera1, Scale::free);
       ASSERT_TRUE(found.ok);
       EXPECT_GT(found.agreeing, 55 * views);
       (views == 1 ? one : many) += angle_between(found.S, truth);
@@ -217,13 +217,47 @@ TEST(Sim3Optimization, ViewsFromElsewhereTellWhatOneViewLeavesOpen) {
   EXPECT_LT(5 * many, one);
 }
 
+// It says how the cost rises in any direction; a scale that is given stays.
+TEST(Sim3Optimization, TheInformationOfCarriedPointsIsThatOfTheirPixels) {
+  for (const Scale scale : {Scale::free, Scale::fixed}) {
+    Random random(5);
+    const Sim3 truth = random_sim3(random, 0.5, 0.2, scale == Scale::free ? 0.3 : 0);
+    std::vector<CarriedPoint> points = carried_points(5, truth, 4);
+    for (size_t k = 0; k < points.size(); k += 3) points[k].inv_sigma2 = 0.3;
+    const auto cost = [&](const Sim3& S) {
+      double sum = 0;
+      for (const CarriedPoint& point : points) {
+        const bool back = point.way == CarriedPoint::Way::back;
+        const Eigen::Vector3d seen = point.T * ((back ? S.inverse() : S) * point.p);
+        sum += (point.z - kCamera1.project(seen)).squaredNorm() * point.inv_sigma2;
+      }
+      return sum;
+    };
+    const CarriedResult found = refine_sim3(truth, points, kCamera1, scale);
+    ASSERT_TRUE(found.ok);
+    const double least = cost(found.S);
+    for (int k = 0; k < 20; ++k) {
+      Vector7d step;
+      for (double& value : step) value = random.uniform(-1, 1);
+      if (scale == Scale::fixed) step(6) = 0;
+      step *= 0.001 / step.norm();
+      const double rise = (cost(Sim3::exp(step) * found.S) + cost(Sim3::exp(-step) * found.S)) / 2 - least;
+      EXPECT_NEAR(rise / step.dot(found.information * step), 1, 0.05) << k;
+    }
+    if (scale == Scale::free) continue;
+    EXPECT_EQ(found.S.scale(), 1);
+    EXPECT_EQ(found.information(6, 6), 1);
+    EXPECT_EQ(found.information.row(6).head<6>().norm(), 0);
+  }
+}
+
 TEST(Sim3Optimization, CarriedPointsThatAreWrongAreLeftOut) {
   Random random(3);
   const Sim3 truth = random_sim3(random, 0.5, 0.2, 0);
   const Sim3 start = Sim3::exp(0.01 * Vector7d::Ones()) * truth;
   std::vector<CarriedPoint> points = carried_points(3, truth, 5);
   for (size_t k = 0; k < points.size(); k += 10) points[k].z.x() += 40;
-  const CarriedResult found = refine_sim3(start, points, kCamera1);
+  const CarriedResult found = refine_sim3(start, points, kCamera1, Scale::free);
   ASSERT_TRUE(found.ok);
   EXPECT_NEAR(found.agreeing, 270, 10);
   EXPECT_NEAR(found.S.scale(), 1, 0.01);
@@ -233,7 +267,7 @@ TEST(Sim3Optimization, CarriedPointsThatAreWrongAreLeftOut) {
 TEST(Sim3Optimization, CarriedPointsBehindTheCameraTellNothing) {
   std::vector<CarriedPoint> points = carried_points(4, Sim3(), 2);
   for (CarriedPoint& point : points) point.p.z() = -4;
-  const CarriedResult found = refine_sim3(Sim3(), points, kCamera1);
+  const CarriedResult found = refine_sim3(Sim3(), points, kCamera1, Scale::free);
   EXPECT_FALSE(found.ok);
   EXPECT_EQ(found.S.scale(), 1);
 }
