@@ -2,7 +2,6 @@
 #include "covis/loops/drift_prior.h"
 
 #include <Eigen/Cholesky>
-#include <cmath>
 
 namespace covis {
 
