@@ -29,12 +29,12 @@ Result<void> play(const std::string& path, const io::SequenceOptions& reading, c
 }
 
 std::string file_text(const FoundCamera& found) {
-  char head[300];
+  char head[400];
   std::snprintf(
       head, sizeof head,
       "# An estimate from the recording itself, by %zu key frames: the focal length is uncertain by %.1f %% (one\n"
-      "# standard deviation), k1 by %.3f; the principal point is taken to be the middle of the image.\n",
-      found.key_frames, 100 * found.focal_sigma, found.k1_sigma);
+      "# standard deviation), k1 by %.3f, k2 by %.3f, the principal point by %.1f and %.1f pixels.\n",
+      found.key_frames, 100 * found.sigma.focal, found.sigma.k1, found.sigma.k2, found.sigma.cx, found.sigma.cy);
   io::CameraFile file;
   file.camera = found.camera;
   return head + io::camera_text(file);
@@ -61,7 +61,7 @@ Result<CameraEstimate> find_camera_of(const std::string& path, const io::Sequenc
     return fail(path + ": no camera is given, and the recording does not tell it: " + found.error().message +
                 ". Give one with --camera FILE; covis calibrate makes one");
   }
-  CameraEstimate estimate{file, found->focal_sigma, found->camera.coefficients[0], found->k1_sigma};
+  CameraEstimate estimate{file, found->camera.coefficients[0], found->camera.coefficients[1], found->sigma};
   if (const auto written = write_atomically(estimate.file, file_text(*found)); !written)
     return tl::unexpected(written.error());
   return estimate;

@@ -195,9 +195,13 @@ json pinhole_json(const Pinhole& camera) {
 
 json estimate_json(const CameraEstimate& estimate) {
   return {{"file", estimate.file.string()},
-          {"focal_sigma", estimate.focal_sigma},
+          {"focal_sigma", estimate.sigma.focal},
           {"k1", estimate.k1},
-          {"k1_sigma", estimate.k1_sigma}};
+          {"k1_sigma", estimate.sigma.k1},
+          {"k2", estimate.k2},
+          {"k2_sigma", estimate.sigma.k2},
+          {"cx_sigma", estimate.sigma.cx},
+          {"cy_sigma", estimate.sigma.cy}};
 }
 
 json to_json(const RunSummary& s) {

@@ -15,6 +15,7 @@
 #include "covis/core/spilled_array.h"
 #include "covis/core/time.h"
 #include "covis/io/sequence.h"
+#include "covis/optimization/lens_adjustment.h"
 #include "covis/slam/system.h"
 
 namespace covis::app {
@@ -65,8 +66,8 @@ inline constexpr std::array<Stage, 8> kStages{
 // A camera that was found from the recording (covis/slam/camera_search.h).
 struct CameraEstimate {
   std::filesystem::path file;  // the camera file that holds it
-  double focal_sigma = 0;      // standard deviation of its focal length, as a share of it
-  double k1 = 0, k1_sigma = 0;
+  double k1 = 0, k2 = 0;       // its radial coefficients
+  Lens sigma;                  // standard deviations
 };
 
 struct RunRecord {

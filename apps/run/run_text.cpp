@@ -21,10 +21,11 @@ std::string focal_text(const RunSummary& s) {
   return fixed(s.camera.fx, 1, " pixels instead of ") + fixed(s.given.fx, 1, "");
 }
 
-// "526.2 pixels ± 0.8 %, k1 -0.022 ± 0.003"
+// "526.2 pixels ± 0.8 %, k1 -0.022 ± 0.003, k2 0.000 ± 0.007"
 std::string estimate_text(const RunSummary& s) {
-  return fixed(s.given.fx, 1, " pixels ± ") + fixed(100 * s.estimate->focal_sigma, 1, " %, k1 ") +
-         fixed(s.estimate->k1, 3, " ± ") + fixed(s.estimate->k1_sigma, 3, "");
+  const auto& [file, k1, k2, sigma] = *s.estimate;
+  return fixed(s.given.fx, 1, " pixels ± ") + fixed(100 * sigma.focal, 1, " %, k1 ") + fixed(k1, 3, " ± ") +
+         fixed(sigma.k1, 3, ", k2 ") + fixed(k2, 3, " ± ") + fixed(sigma.k2, 3, "");
 }
 
 // "12 frames dropped for newer ones; the camera went away 2 times"; empty where there is nothing to tell.

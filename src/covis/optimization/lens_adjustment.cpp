@@ -15,20 +15,22 @@
 namespace covis {
 namespace {
 
-constexpr int kLens = 2;            // parameters of the lens, which come first: logarithm of the focal length, k1
-constexpr double kStaysK1 = 1e-6;   // standard deviation of k1 when it stays
+constexpr int kLens = 5;            // parameters of the lens, which come first; of the focal length the logarithm
+constexpr double kStays = 1e-6;     // standard deviation of a parameter that stays
 constexpr double kFarBehind = 1e3;  // residual of a point behind the camera, sigmas
 
 using Matrix2x6d = Eigen::Matrix<double, 2, 6>;
 using Matrix2x3d = Eigen::Matrix<double, 2, 3>;
 using Vector2d = Eigen::Vector2d;
+using LensVector = Eigen::Matrix<double, kLens, 1>;
+using LensMatrix = Eigen::Matrix<double, kLens, kLens>;
 
 // One observation's residual, and its Jacobians with their signs turned round: those of the prediction.
 struct Row {
   Vector2d residual = Vector2d::Zero();
   Matrix2x6d pose;
   Matrix2x3d point;
-  Eigen::Matrix2d lens;
+  Eigen::Matrix<double, 2, kLens> lens;
   double weight = 0;  // robust weight over the variance
   double cost = 0;
 };
@@ -40,9 +42,20 @@ struct State {
   Lens lens;
 };
 
+LensVector vector_of(const Lens& lens) { return {lens.focal, lens.k1, lens.k2, lens.cx, lens.cy}; }
+Lens lens_of(const LensVector& v) { return {v(0), v(1), v(2), v(3), v(4)}; }
+
+// What is known of each parameter before anything was seen.
+LensVector information_of(const Lens& usual) {
+  LensVector information = vector_of(usual).cwiseMax(kStays).cwiseAbs2().cwiseInverse();
+  information(0) = 0;
+  return information;
+}
+
 Vector2d distorted(const Eigen::Vector3d& p_c, const Lens& lens) {
   const Vector2d at = p_c.head<2>() / p_c.z();
-  return lens.focal * (1 + lens.k1 * at.squaredNorm()) * at;
+  const double r2 = at.squaredNorm();
+  return lens.focal * (1 + (lens.k1 + lens.k2 * r2) * r2) * at + Vector2d(lens.cx, lens.cy);
 }
 
 // Returns nullopt where the point is behind the camera, or where the lens would fold the image over itself.
@@ -50,17 +63,15 @@ std::optional<Vector2d> residual_of(const BundleObservation& o, const Eigen::Vec
                                     const Pinhole& camera) {
   if (!(p_c.z() > kMinDepth)) return std::nullopt;
   const double r2 = p_c.head<2>().squaredNorm() / (p_c.z() * p_c.z());
-  if (!(1 + 3 * lens.k1 * r2 > 0)) return std::nullopt;
+  if (!(1 + (3 * lens.k1 + 5 * lens.k2 * r2) * r2 > 0)) return std::nullopt;
   return Vector2d(Vector2d(static_cast<double>(o.u) - camera.cx, static_cast<double>(o.v) - camera.cy) -
                   distorted(p_c, lens));
 }
 
 class LensProblem {
  public:
-  LensProblem(const BundleProblem& problem, double usual_k1)
-      : camera_(problem.camera),
-        observations_(problem.observations),
-        k1_information_(1 / std::pow(std::max(usual_k1, kStaysK1), 2)) {
+  LensProblem(const BundleProblem& problem, const LensOptions& options)
+      : camera_(problem.camera), observations_(problem.observations), information_(information_of(options.usual)) {
     std::erase_if(observations_, [](const BundleObservation& o) { return !o.active; });
     std::stable_sort(observations_.begin(), observations_.end(),
                      [](const BundleObservation& a, const BundleObservation& b) { return a.point < b.point; });
@@ -69,10 +80,10 @@ class LensProblem {
 
   const std::vector<BundleObservation>& observations() const { return observations_; }
   int unknowns() const { return unknowns_; }
-  double k1_information() const { return k1_information_; }  // before anything was seen
+  const LensVector& information() const { return information_; }  // of the lens, before anything was seen
 
   double cost(const State& state) const {
-    double sum = state.lens.k1 * state.lens.k1 * k1_information_;
+    double sum = information_.dot(vector_of(state.lens).cwiseAbs2());
     for (const BundleObservation& o : observations_) {
       double weight = 1;
       const auto r = residual_of(o, camera_point(state, o), state.lens, camera_);
@@ -97,17 +108,19 @@ class LensProblem {
     row.cost = huber(chi2, kChi2Mono, row.weight);
     row.weight *= static_cast<double>(o.inv_sigma2);
     const Vector2d at = p_c.head<2>() / p_c.z();
-    const auto& [focal, k1] = state.lens;
-    const double r2 = at.squaredNorm(), d = 1 + k1 * r2;
+    const auto& [focal, k1, k2, cx, cy] = state.lens;
+    const double r2 = at.squaredNorm(), d = 1 + (k1 + k2 * r2) * r2;
     Matrix2x3d ray;  // d at / d p_c
     ray << 1, 0, -at.x(), 0, 1, -at.y();
     ray /= p_c.z();
-    const Matrix2x3d J = focal * (d * Eigen::Matrix2d::Identity() + 2 * k1 * at * at.transpose()) * ray;
+    const Matrix2x3d J = focal * (d * Eigen::Matrix2d::Identity() + 2 * (k1 + 2 * k2 * r2) * at * at.transpose()) * ray;
     row.pose.leftCols<3>() = J;
     row.pose.rightCols<3>() = -J * hat(p_c);
     row.point = J * state.poses[static_cast<size_t>(o.pose)].R();
     row.lens.col(0) = focal * d * at;
     row.lens.col(1) = focal * r2 * at;
+    row.lens.col(2) = focal * r2 * r2 * at;
+    row.lens.rightCols<2>().setIdentity();
     return row;
   }
 
@@ -134,7 +147,7 @@ class LensProblem {
 
   Pinhole camera_;
   std::vector<BundleObservation> observations_;  // by point
-  double k1_information_;
+  LensVector information_;
   int unknowns_ = 0;
 };
 
@@ -149,8 +162,8 @@ class ReducedSystem {
     rows_.reserve(problem.observations().size());
     for (const BundleObservation& o : problem.observations()) rows_.push_back(problem.row(state, o));
     problem.for_each_point([&](size_t first, size_t last) { add_point(first, last); });
-    S(1, 1) += problem.k1_information();
-    g(1) -= state.lens.k1 * problem.k1_information();
+    S.topLeftCorner<kLens, kLens>().diagonal() += problem.information();
+    g.head<kLens>() -= problem.information().cwiseProduct(vector_of(state.lens));
     S.diagonal() += damping * diagonal_of_poses();
   }
 
@@ -182,7 +195,7 @@ class ReducedSystem {
   };
   struct Coupling {  // couples the parameters from `at` on with the point
     int at = 0, size = 0;
-    Eigen::Matrix<double, 6, 3> W;
+    Eigen::Matrix<double, 6, 3> W;  // of the lens, which has a parameter less than a pose, the first rows
   };
 
   void add_point(size_t first, size_t last) {
@@ -238,8 +251,9 @@ class ReducedSystem {
 
 State moved(const LensProblem& problem, const State& state, const ReducedSystem& system, const Eigen::VectorXd& step) {
   State next = state;
-  next.lens.focal *= std::exp(step(0));
-  next.lens.k1 += step(1);
+  LensVector lens = vector_of(state.lens) + step.head<kLens>();
+  lens(0) = state.lens.focal * std::exp(step(0));
+  next.lens = lens_of(lens);
   for (size_t k = 1; k < next.poses.size(); ++k) {
     const Vector6d change = step.segment<6>(kLens + 6 * (static_cast<int>(k) - 1));
     next.poses[k] = (SE3::exp(change) * next.poses[k]).normalized();
@@ -250,28 +264,41 @@ State moved(const LensProblem& problem, const State& state, const ReducedSystem&
   return next;
 }
 
-// Levenberg and Marquardt, with Nielsen's damping.
-bool minimise(const LensProblem& problem, State& state, const std::atomic<bool>* interrupt) {
-  constexpr int kIterations = 60;
-  constexpr double kEnough = 1e-6;  // relative decrease of the cost
-  constexpr double kMaxStep = 0.3;  // bound for the focal length's logarithm
-  double damping = 1e-4, growth = 2, cost = problem.cost(state);
+// Levenberg and Marquardt, with Nielsen's damping. A change of the focal length bends a long path, which steps along
+// straight lines follow badly: the cost may rise for a few steps, as long as it falls below the least one by then
+// (the watchdog technique: Nocedal and Wright, "Numerical optimization", 2006, section 15.6).
+bool minimise(const LensProblem& problem, State& state, const std::atomic<int>* interrupt) {
+  constexpr int kIterations = 200;
+  constexpr double kEnough = 1e-6;      // relative decrease of the cost
+  constexpr double kStill = 1e-5;       // change of the focal length's logarithm
+  constexpr double kMaxStep = 0.3;      // bound for it
+  constexpr int kUphill = 4;            // steps in a row with a greater cost than the least
+  constexpr double kGreatestCost = 10;  // relative to the least
+  double damping = 1e-4, growth = 2, least = problem.cost(state);
+  State at = state;
+  int uphill = 0;
   for (int i = 0; i < kIterations && damping < 1e10; ++i) {
     if (interrupt && *interrupt) return false;
-    const ReducedSystem system(problem, state, damping);
+    const ReducedSystem system(problem, at, damping);
     const Eigen::VectorXd step = system.S.selfadjointView<Eigen::Upper>().ldlt().solve(system.g);
-    const State next = moved(problem, state, system, step);
-    const double next_cost = problem.cost(next);
-    if (step.allFinite() && std::abs(step(0)) < kMaxStep && next_cost < cost) {
-      const bool enough = cost - next_cost < kEnough * cost;
-      state = next;
-      cost = next_cost;
-      damping = std::max(damping / 3, 1e-9);
+    at = moved(problem, at, system, step);
+    const double cost = problem.cost(at);
+    const bool bounded = step.allFinite() && std::abs(step(0)) < kMaxStep;
+    if (bounded && cost < least) {
+      const bool enough = uphill == 0 && least - cost < kEnough * least && std::abs(step(0)) < kStill;
+      state = at;
+      least = cost;
+      damping = std::max(damping / 5, 1e-9);
       growth = 2;
+      uphill = 0;
       if (enough) break;
+    } else if (bounded && cost < kGreatestCost * least && uphill < kUphill) {
+      ++uphill;
     } else {
+      at = state;
       damping *= growth;
       growth *= 2;
+      uphill = 0;
     }
   }
   return true;
@@ -287,9 +314,9 @@ void add_certainty(const LensProblem& problem, const State& state, LensAdjustmen
   Eigen::MatrixXd response(problem.unknowns(), kLens);
   response.topRows<kLens>().setIdentity();
   response.bottomRows(poses) = -S.bottomRightCorner(poses, poses).ldlt().solve(S.bottomLeftCorner(poses, kLens));
-  const Eigen::Matrix2d information = S.topRows<kLens>() * response;
-  const Eigen::Matrix2d covariance = information.inverse();
-  std::vector<Vector2d> scores(state.poses.size(), Vector2d::Zero());
+  const LensMatrix information = S.topRows<kLens>() * response;
+  const LensMatrix covariance = information.inverse();
+  std::vector<LensVector> scores(state.poses.size(), LensVector::Zero());
   for (int lens = 0; lens < kLens; ++lens) {
     const Eigen::VectorXd step = response.col(lens);
     system.for_each_point_step(step, 0, [&](size_t first, size_t last, const Eigen::Vector3d& change) {
@@ -300,28 +327,30 @@ void add_certainty(const LensProblem& problem, const State& state, LensAdjustmen
       }
     });
   }
-  Vector2d scatter = Vector2d::Zero();
+  LensVector scatter = LensVector::Zero();
   for (const size_t parts : {4, 8, 16}) {
-    Eigen::Matrix2d B = Eigen::Matrix2d::Zero();
+    LensMatrix B = LensMatrix::Zero();
     for (size_t part = 0; part < parts; ++part) {
-      Vector2d sum = Vector2d::Zero();
+      LensVector sum = LensVector::Zero();
       for (size_t k = part * scores.size() / parts; k < (part + 1) * scores.size() / parts; ++k) sum += scores[k];
       B += sum * sum.transpose();
     }
     B *= static_cast<double>(parts) / static_cast<double>(parts - 1);
     scatter = scatter.cwiseMax((covariance * B * covariance).diagonal().cwiseSqrt());
   }
-  found.sigma = std::sqrt(found.variance * covariance(0, 0));
-  found.scatter = scatter(0);
-  found.k1_sigma = std::max(std::sqrt(found.variance * covariance(1, 1)), scatter(1));
-  found.ok = std::isfinite(found.sigma) && std::isfinite(found.scatter) && std::isfinite(found.k1_sigma);
+  const LensVector sigma = (found.variance * covariance.diagonal()).cwiseSqrt();
+  found.sigma = lens_of(sigma);
+  found.scatter = lens_of(scatter);
+  found.ok = sigma.allFinite() && scatter.allFinite();
 }
 
 }  // namespace
 
+Lens LensAdjustment::deviation() const { return lens_of(vector_of(sigma).cwiseMax(vector_of(scatter))); }
+
 LensAdjustment adjust_lens(BundleProblem& problem, const Lens& lens, const LensOptions& options) {
   LensAdjustment found;
-  const LensProblem all(problem, options.usual_k1);
+  const LensProblem all(problem, options);
   if (problem.poses.size() < 3 || all.observations().empty()) return found;
   State state{problem.poses, problem.points, lens};
   if (!minimise(all, state, options.interrupt)) return found;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bundle adjustment in which the camera moves too: one focal length for columns and rows, and the first radial
-// coefficient of Brown's model; the principal point stays. It converges from a focal length that is wrong by a third,
+// Bundle adjustment in which the camera moves too: one focal length for columns and rows, the first two radial
+// coefficients of Brown's model, and the principal point. It converges from a focal length that is wrong by a third,
 // where the motion tells it, and says how sure it is. Small maps only: the reduced system is dense.
 // Sources: Triggs et al., "Bundle adjustment, a modern synthesis", 2000 (Schur complement, section 6; covariance,
-// section 9.3.3); Brown, "Close-range camera calibration", 1971. Standard deviations are given twice, as those of
-// focal_estimation.h: as if all errors were independent, and as pieces of the map scatter.
+// section 9.3.3); Brown, "Close-range camera calibration", 1971.
 #pragma once
 
 #include <atomic>
@@ -13,25 +12,29 @@
 
 namespace covis {
 
-// The parameters of a camera that are adjusted.
+// The parameters of a camera that are adjusted, or their standard deviations: that of the focal length is a share of
+// it.
 struct Lens {
-  double focal = 0;  // pixels
-  double k1 = 0;     // coefficient of Brown's model: radii in focal lengths
+  double focal = 0;       // pixels
+  double k1 = 0, k2 = 0;  // coefficients of Brown's model: radii in focal lengths
+  double cx = 0, cy = 0;  // how far the principal point is off where the problem's camera has it, pixels
 };
 
 struct LensAdjustment {
   bool ok = false;          // false: interrupted, or nothing to solve
   Lens lens;                // as found
-  double sigma = 0;         // standard deviation of the focal length, as a share of it
-  double scatter = 0;       // the same as pieces of the map scatter: the greatest of 4, 8 and 16 pieces
-  double k1_sigma = 0;      // the greater of both standard deviations of k1
+  Lens sigma;               // its standard deviations as if all errors were independent
+  Lens scatter;             // the same as pieces of the map scatter: the greatest of 4, 8 and 16 pieces
   double variance = 0;      // observation variance relative to the given one
   size_t observations = 0;  // those within the 95 % bound
+
+  Lens deviation() const;  // the greater of both standard deviations of each
 };
 
 struct LensOptions {
-  double usual_k1 = 0.3;  // standard deviation of k1 before anything was seen; 0: k1 stays
-  const std::atomic<bool>* interrupt = nullptr;
+  // Standard deviations before anything was seen; what has none stays. Of the focal length nothing is known.
+  Lens usual{.k1 = 0.3, .k2 = 0.1};
+  const std::atomic<int>* interrupt = nullptr;  // not 0: end without a result
 };
 
 // Adjusts the problem's poses and points and the lens, which begins as `lens`. Observations are pixels of the image as

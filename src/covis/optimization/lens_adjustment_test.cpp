@@ -7,73 +7,47 @@
 
 #include "covis/core/random.h"
 #include "covis/geometry/camera.h"
+#include "covis/optimization/test_lens_problem.h"
 
 namespace covis {
 namespace {
 
-constexpr int kViews = 16;
-constexpr double kFocal = 500, kPixelNoise = 0.3;  // pixels
+using lens_test::camera_with;
+using lens_test::kFocal;
+using lens_test::kPixelNoise;
+using lens_test::Motion;
+using lens_test::seen_through;
 
-enum class Motion { sideways, ahead };
-
-// Cameras that move and turn among points, seen through a lens with some noise. Poses and points are those of a map
-// that was made with a focal length of `claimed` times the true one: its depths are stretched so.
 BundleProblem seen_through(double k1, double claimed, Motion motion, uint64_t seed) {
-  Camera lens{.width = 640, .height = 480, .pinhole = {kFocal, kFocal, 320, 240, 0}};
-  lens.distortion = Distortion::brown_conrady;
-  lens.coefficients[0] = k1;
-  Random random(seed);
-  BundleProblem problem;
-  problem.camera = lens.pinhole;
-  const Eigen::Vector3d stretch(1, 1, claimed);
-  std::vector<SE3> poses;
-  for (int k = 0; k < kViews; ++k) {
-    const double s = static_cast<double>(k) / (kViews - 1) - 0.5;
-    const bool sideways = motion == Motion::sideways;
-    const Eigen::Vector3d centre = sideways ? Eigen::Vector3d(3 * s, std::sin(5 * s), 2 * s) : Eigen::Vector3d(0, 0, s);
-    const Eigen::Matrix3d R = so3_exp(sideways ? Eigen::Vector3d(0.3 * std::cos(4 * s), 0.8 * s, 0.1 * s)
-                                               : Eigen::Vector3d(Eigen::Vector3d::Zero()));
-    poses.emplace_back(R, -(R * centre));
-    problem.poses.emplace_back(R, -(R * centre.cwiseProduct(stretch)));
-    problem.fixed.push_back(k == 0);
-  }
-  for (int p = 0; p < 600; ++p) {
-    const Eigen::Vector3d place(random.uniform(-4, 4), random.uniform(-3, 3), random.uniform(4, 10));
-    std::vector<BundleObservation> seen;
-    for (int k = 0; k < kViews; ++k) {
-      const auto pixel = lens.project(poses[static_cast<size_t>(k)] * place);
-      if (!pixel || pixel->x() < 0 || pixel->y() < 0 || pixel->x() >= 640 || pixel->y() >= 480) continue;
-      seen.push_back({.pose = k,
-                      .point = static_cast<int32_t>(problem.points.size()),
-                      .u = static_cast<float>(pixel->x() + kPixelNoise * random.normal()),
-                      .v = static_cast<float>(pixel->y() + kPixelNoise * random.normal())});
-    }
-    if (seen.size() < 3) continue;
-    problem.points.push_back(place.cwiseProduct(stretch));
-    problem.observations.insert(problem.observations.end(), seen.begin(), seen.end());
-  }
-  return problem;
+  return seen_through(camera_with({kFocal, k1}), claimed, motion, seed);
 }
 
-class LensAdjustmentOf : public testing::TestWithParam<std::pair<double, double>> {};
+struct LensCase {
+  double k1, k2, claimed;
+};
 
-TEST_P(LensAdjustmentOf, FindsFocalLengthAndRadialCoefficientFromAfar) {
-  const auto [k1, claimed] = GetParam();
-  BundleProblem problem = seen_through(k1, claimed, Motion::sideways, 5);
+class LensAdjustmentOf : public testing::TestWithParam<LensCase> {};
+
+TEST_P(LensAdjustmentOf, FindsFocalLengthAndRadialCoefficientsFromAfar) {
+  const auto [k1, k2, claimed] = GetParam();
+  BundleProblem problem = seen_through(camera_with({kFocal, k1, k2}), claimed, Motion::sideways, 5);
   const LensAdjustment found = adjust_lens(problem, {claimed * kFocal, 0});
   ASSERT_TRUE(found.ok);
   const double error = found.lens.focal / kFocal - 1;
-  EXPECT_LT(std::abs(error), 4 * std::max(found.sigma, found.scatter));
-  EXPECT_LT(std::max(found.sigma, found.scatter), 0.005);
-  EXPECT_NEAR(found.lens.k1, k1, 4 * found.k1_sigma);
-  EXPECT_LT(found.k1_sigma, 0.01);
+  EXPECT_LT(std::abs(error), 4 * found.deviation().focal);
+  EXPECT_LT(found.deviation().focal, 0.005);
+  EXPECT_NEAR(found.lens.k1, k1, 4 * found.deviation().k1);
+  EXPECT_LT(found.deviation().k1, 0.01);
+  EXPECT_NEAR(found.lens.k2, k2, 4 * found.deviation().k2);
+  EXPECT_LT(found.deviation().k2, 0.02);
   EXPECT_NEAR(found.variance, kPixelNoise * kPixelNoise, 0.1 * kPixelNoise * kPixelNoise);
   EXPECT_GT(found.observations, problem.observations.size() * 9 / 10);
 }
 
 INSTANTIATE_TEST_SUITE_P(Lenses, LensAdjustmentOf,
-                         testing::Values(std::pair{0.0, 1.0}, std::pair{0.0, 0.7}, std::pair{0.0, 1.4},
-                                         std::pair{-0.15, 0.75}, std::pair{0.1, 1.3}));
+                         testing::Values(LensCase{0, 0, 1}, LensCase{0, 0, 0.7}, LensCase{0, 0, 1.4},
+                                         LensCase{-0.15, 0, 0.75}, LensCase{0.1, 0, 1.3}, LensCase{-0.26, 0.08, 0.8},
+                                         LensCase{-0.1, -0.1, 1.2}));
 
 TEST(LensAdjustment, TheTruthLiesWithinItsDeviationsAsOftenAsItShould) {
   int within_one = 0, within_three = 0;
@@ -83,27 +57,100 @@ TEST(LensAdjustment, TheTruthLiesWithinItsDeviationsAsOftenAsItShould) {
     const LensAdjustment found = adjust_lens(problem, {kFocal * 1.05, 0});
     ASSERT_TRUE(found.ok);
     const double error = std::abs(found.lens.focal / kFocal - 1);
-    within_one += error < found.sigma;
-    within_three += error < 3 * found.sigma;
+    within_one += error < found.sigma.focal;
+    within_three += error < 3 * found.sigma.focal;
   }
   EXPECT_GE(within_one, kRuns * 45 / 100);
   EXPECT_LE(within_one, kRuns * 90 / 100);
   EXPECT_EQ(within_three, kRuns);
 }
 
+// A camera of 45 degrees goes along a road that bends, as a map shows it that was made with a focal length of `claimed`
+// times the true one: it turns less or more, its way and all depths are stretched or shortened.
+BundleProblem along_a_bend(double claimed) {
+  constexpr double kNarrow = 772, kStep = 0.8, kTurn = 0.03;
+  constexpr int kAlong = 110;
+  const Camera camera = camera_with({kNarrow});
+  const auto poses = [&](double stretch) {
+    std::vector<SE3> made;
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    double heading = 0;
+    for (int k = 0; k < kAlong; ++k) {
+      const Eigen::Matrix3d R = so3_exp({0, -heading, 0});
+      made.emplace_back(R, -(R * centre));
+      if (k % 20 >= 10) heading += kTurn / stretch;
+      centre += R.transpose() * Eigen::Vector3d(0, 0.02 * std::sin(k), kStep * stretch);
+    }
+    return made;
+  };
+  const std::vector<SE3> truth = poses(1), claims = poses(claimed);
+  BundleProblem problem;
+  problem.camera = camera.pinhole;
+  problem.poses = claims;
+  problem.fixed.assign(claims.size(), 0);
+  Random random(3);
+  for (size_t from = 0; from < truth.size(); ++from) {
+    for (int p = 0; p < 25; ++p) {
+      const double depth = random.uniform(6, 25);
+      const Eigen::Vector2d ray(random.uniform(-0.4, 0.4), random.uniform(-0.3, 0.3));
+      const Eigen::Vector3d place = truth[from].inverse() * (depth * ray.homogeneous());
+      std::vector<BundleObservation> seen;
+      for (size_t k = from; k < std::min(from + 12, truth.size()); ++k) {
+        const auto pixel = camera.project(truth[k] * place);
+        if (!pixel || pixel->x() < 0 || pixel->y() < 0 || pixel->x() >= 640 || pixel->y() >= 480) continue;
+        seen.push_back({.pose = static_cast<int32_t>(k),
+                        .point = static_cast<int32_t>(problem.points.size()),
+                        .u = static_cast<float>(pixel->x() + kPixelNoise * random.normal()),
+                        .v = static_cast<float>(pixel->y() + kPixelNoise * random.normal())});
+      }
+      if (seen.size() < 3) continue;
+      const Eigen::Vector3d claim = claimed * depth * Eigen::Vector3d(ray.x() / claimed, ray.y() / claimed, 1);
+      problem.points.push_back(claims[from].inverse() * claim);
+      problem.observations.insert(problem.observations.end(), seen.begin(), seen.end());
+    }
+  }
+  return problem;
+}
+
+// A change of the focal length bends the whole path: where the cost may never rise, 60 steps end 30 pixels off.
+TEST(LensAdjustment, GoesTheWholeWayWhereALongPathBends) {
+  for (const double claimed : {0.9, 1.1}) {
+    BundleProblem problem = along_a_bend(claimed);
+    const LensAdjustment found = adjust_lens(problem, {claimed * 772}, {.usual = {}});
+    ASSERT_TRUE(found.ok);
+    EXPECT_LT(std::abs(found.lens.focal / 772 - 1), 3 * found.sigma.focal) << claimed;
+    EXPECT_LT(found.sigma.focal, 0.004);
+  }
+}
+
 TEST(LensAdjustment, MotionStraightAheadTellsLittle) {
   BundleProblem ahead = seen_through(0, 1, Motion::ahead, 5), sideways = seen_through(0, 1, Motion::sideways, 5);
   const LensAdjustment little = adjust_lens(ahead, {kFocal, 0}), much = adjust_lens(sideways, {kFocal, 0});
   ASSERT_TRUE(much.ok);
-  EXPECT_TRUE(!little.ok || std::max(little.sigma, little.scatter) > 5 * std::max(much.sigma, much.scatter));
+  EXPECT_TRUE(!little.ok || little.deviation().focal > 5 * much.deviation().focal);
 }
 
-TEST(LensAdjustment, KeepsTheCoefficientWhenAskedTo) {
+TEST(LensAdjustment, KeepsTheCoefficientsWhenAskedTo) {
   BundleProblem problem = seen_through(-0.1, 1, Motion::sideways, 5);
-  const LensAdjustment found = adjust_lens(problem, {kFocal, 0}, {.usual_k1 = 0});
+  const LensAdjustment found = adjust_lens(problem, {kFocal, 0}, {.usual = {}});
   ASSERT_TRUE(found.ok);
   EXPECT_NEAR(found.lens.k1, 0, 1e-6);
+  EXPECT_NEAR(found.lens.k2, 0, 1e-6);
   EXPECT_GT(std::abs(found.lens.focal / kFocal - 1), 0.01) << "the focal length makes up for it";
+}
+
+TEST(LensAdjustment, FindsThePrincipalPointWhenAskedTo) {
+  Camera lens = camera_with({kFocal, -0.1});
+  BundleProblem problem = seen_through(lens, 1.1, Motion::sideways, 5);
+  problem.camera.cx += 9;
+  problem.camera.cy -= 6;
+  const LensOptions free{.usual = {.k1 = 0.3, .k2 = 0.1, .cx = 10, .cy = 10}};
+  const LensAdjustment found = adjust_lens(problem, {1.1 * kFocal}, free);
+  ASSERT_TRUE(found.ok);
+  EXPECT_NEAR(found.lens.cx, -9, 4 * found.deviation().cx);
+  EXPECT_NEAR(found.lens.cy, 6, 4 * found.deviation().cy);
+  EXPECT_LT(std::max(found.deviation().cx, found.deviation().cy), 1);
+  EXPECT_NEAR(found.lens.focal, kFocal, 4 * found.deviation().focal * kFocal);
 }
 
 TEST(LensAdjustment, WrongMatchesDoNoHarm) {
@@ -119,7 +166,7 @@ TEST(LensAdjustment, WhatHasNothingToSolveOrIsInterruptedIsNotOk) {
   BundleProblem empty;
   EXPECT_FALSE(adjust_lens(empty, {kFocal, 0}).ok);
   BundleProblem problem = seen_through(0, 1, Motion::sideways, 5);
-  const std::atomic<bool> interrupt = true;
+  const std::atomic<int> interrupt = 1;
   EXPECT_FALSE(adjust_lens(problem, {kFocal, 0}, {.interrupt = &interrupt}).ok);
 }
 

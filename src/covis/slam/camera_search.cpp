@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "covis/core/log.h"
-#include "covis/optimization/lens_adjustment.h"
+#include "covis/slam/lens_answers.h"
 #include "covis/slam/system.h"
 
 namespace covis {
@@ -27,18 +27,12 @@ constexpr int64_t kLatestBegin = 3000;  // frames without a map, after which the
 // Focal lengths over the longer side of the image: 96, 75, 58 and 42 degrees.
 constexpr std::array<double, 4> kGuesses{0.45, 0.65, 0.9, 1.3};
 constexpr double kLeastFocal = 0.25, kGreatestFocal = 4;  // over the longer side: 127 and 14 degrees
-constexpr double kGreatestK1 = 0.5;
-constexpr double kUsualK1 = 0.3;  // standard deviation of k1 over lenses
 
 // Logarithms of the focal length.
-constexpr double kNear = 0.04;           // change after which k1 is let go
+constexpr double kNear = 0.04;           // change after which longer pieces are tracked
 constexpr double kAside = 0.06;          // how far to both sides it is looked at then
-constexpr double kFarthest = 0.25;       // greatest step from there
 constexpr double kSettledChange = 0.02;  // change after which it is taken for found
 constexpr double kSure = 0.04;           // standard deviation up to which it is known
-constexpr double kLeastFall = 0.3;       // share of an error that a map must take away, or it repeats what it was given
-constexpr double kNearby = 0.15;         // results so far away are laid on one line
-constexpr double kNoise = 0.01;          // how much two results differ that should be equal
 constexpr int kMostRounds = 6;
 constexpr size_t kLeastKeyFrames = 8;
 constexpr size_t kLeastObservers = 3;
@@ -115,29 +109,10 @@ BundleProblem problem_of(const Map& map) {
   return problem;
 }
 
-// The result of tracking with one lens and adjusting it with the map.
-struct Round {
-  LensAdjustment found;
-  int64_t tracked = 0;
-  size_t key_frames = 0;
-  double change = 0;  // change of the focal length's logarithm
-};
-
-// The focal length that the recording gave back when it was tracked with `given`: logarithms.
-struct Answer {
-  double given = 0;
-  double sigma = 0;  // the greater standard deviation of the focal length
-  Round round;
-};
-
-// The lens that tracking with it, and adjusting it with the map, gives back.
-struct Settled {
-  Lens lens;
-  double focal_sigma = 0;  // standard deviation of the focal length, as a share of it
-  double k1_sigma = 0;
-  double change = 1;  // change of the focal length's logarithm, to the one before
-  size_t key_frames = 0;
-  bool repeats = true;  // the recording says what it was tracked with
+// What tracking with one lens gave.
+struct Tracked {
+  BundleProblem problem;  // its map; without poses where there are too few key frames
+  int64_t frames = 0;     // number of those tracked
 };
 
 class CameraSearch {
@@ -151,15 +126,18 @@ class CameraSearch {
   }
 
   // The lens is that of the shrunken images.
-  Result<Settled> find() {
+  Result<SettledLens> find() {
     auto best = first_guess();
     if (!best) return tl::unexpected(best.error());
-    for (int i = 0; i < kMostRounds && std::abs(best->change) > kNear; ++i) {
-      best = round_with_map({bounded(best->found.lens).focal, 0}, 0, kShort);
+    Lens lens = believed(*best)->lens;
+    for (int i = 0; i < kMostRounds && std::abs(std::log(lens.focal / best->given)) > kNear; ++i) {
+      best = answer(lens, kShort);
       if (!best) return tl::unexpected(best.error());
+      if (!believed(*best)) return fail(kNoMap);
+      lens = believed(*best)->lens;
       say(*best);
     }
-    Settled settled{.lens = {bounded(best->found.lens).focal, 0}};
+    SettledLens settled{.lens = lens, .sigma = {}};
     for (int i = 0; i < kMostRounds; ++i) {
       const auto next = between(settled.lens);
       if (!next) return next;
@@ -169,12 +147,18 @@ class CameraSearch {
     return settled;
   }
 
+  // Number of key frames of the last maps.
+  size_t key_frames() const { return std::max(answers_.end()[-1].key_frames, answers_.end()[-2].key_frames); }
+
   Camera camera(const Lens& lens) const {
     Camera camera{.width = shrink_.width(), .height = shrink_.height(), .pinhole = {}};
-    camera.pinhole = {
-        .fx = lens.focal, .fy = lens.focal, .cx = 0.5 * (camera.width - 1), .cy = 0.5 * (camera.height - 1)};
-    if (lens.k1 != 0) camera.distortion = Distortion::brown_conrady;
+    camera.pinhole = {.fx = lens.focal,
+                      .fy = lens.focal,
+                      .cx = 0.5 * (camera.width - 1) + lens.cx,
+                      .cy = 0.5 * (camera.height - 1) + lens.cy};
+    if (lens.k1 != 0 || lens.k2 != 0) camera.distortion = Distortion::brown_conrady;
     camera.coefficients[0] = lens.k1;
+    camera.coefficients[1] = lens.k2;
     return camera;
   }
 
@@ -183,90 +167,50 @@ class CameraSearch {
  private:
   double longer_side() const { return std::max(shrink_.width(), shrink_.height()); }
 
-  Lens bounded(Lens lens) const {
-    lens.focal = std::clamp(lens.focal, kLeastFocal * longer_side(), kGreatestFocal * longer_side());
-    lens.k1 = std::clamp(lens.k1, -kGreatestK1, kGreatestK1);
-    return lens;
-  }
-
-  // The map remembers the focal length that it was tracked with: of one that is too short a part of the error stays.
-  // So the recording is tracked with a shorter and with a longer one than `lens`, and the one that would give itself is
-  // found on the line through these results and earlier ones nearby.
-  Result<Settled> between(const Lens& lens) {
+  // The recording is tracked with a shorter and with a longer focal length than that of `lens`.
+  Result<SettledLens> between(const Lens& lens) {
     for (const double aside : {-kAside, kAside}) {
-      const Lens given = bounded({lens.focal * std::exp(aside), lens.k1});
-      const auto made = round_with_map(given, kUsualK1, kLong);
+      Lens given = lens;
+      given.focal *= std::exp(aside);
+      auto made = answer(given, kLong);
       if (!made) return tl::unexpected(made.error());
+      if (!believed(*made)) return fail(kNotTold);
       say(*made);
-      answers_.push_back({std::log(given.focal), std::max(made->found.sigma, made->found.scatter), *made});
+      answers_.push_back(std::move(*made));
     }
-    return on_the_line(lens);
-  }
-
-  // A line by weighted least squares through the changes over what was given: it crosses zero at the result. The less
-  // steeply it falls, the less is known.
-  Settled on_the_line(const Lens& lens) const {
-    const double centre = std::log(lens.focal);
-    // The weighted mean of a quantity of the results nearby.
-    const auto mean = [&](const auto& quantity) {
-      double sum = 0, weights = 0;
-      for (const Answer& answer : answers_) {
-        if (std::abs(answer.given - centre) > kNearby) continue;
-        const double weight = 1 / (answer.sigma * answer.sigma + kNoise * kNoise);
-        sum += weight * quantity(answer);
-        weights += weight;
-      }
-      return sum / weights;
-    };
-    const double given = mean([](const Answer& answer) { return answer.given; });
-    const double change = mean([](const Answer& answer) { return answer.round.change; });
-    const auto product = [&](const Answer& answer) { return (answer.given - given) * (answer.round.change - change); };
-    const double spread = mean([&](const Answer& answer) { return std::pow(answer.given - given, 2); });
-    const double measured_fall = -mean(product) / std::max(spread, 1e-9);
-    const double fall = std::clamp(measured_fall, kLeastFall, 1.0);
-    const double step = given + change / fall - centre;
-    const auto nearby = std::count_if(answers_.begin(), answers_.end(),
-                                      [&](const Answer& answer) { return std::abs(answer.given - centre) <= kNearby; });
-    const double misfit = mean([&](const Answer& answer) {
-      return std::pow(answer.round.change - change + fall * (answer.given - given), 2);
-    });
-    const double systematic = mean([](const Answer& answer) { return answer.sigma * answer.sigma; });
-    Settled settled;
-    settled.lens = bounded({lens.focal * std::exp(std::clamp(step, -kFarthest, kFarthest)),
-                            mean([](const Answer& answer) { return answer.round.found.lens.k1; })});
-    settled.change = std::abs(step);
-    settled.repeats = measured_fall < kLeastFall;
-    // The results' own deviations have one cause, the recording; what they miss the line by is each one's own.
-    settled.focal_sigma = std::sqrt(systematic + misfit / static_cast<double>(std::max<long>(nearby - 2, 1))) / fall;
-    settled.k1_sigma = std::sqrt(mean([](const Answer& answer) { return std::pow(answer.round.found.k1_sigma, 2); }));
-    settled.key_frames = std::max(answers_.end()[-1].round.key_frames, answers_.end()[-2].round.key_frames);
-    return settled;
+    const auto settled = settle(answers_, lens);
+    if (!settled) return fail(kNotTold);
+    return *settled;
   }
 
   // The guess whose map fits best, where few frames tracked count against it.
-  Result<Round> first_guess() {
-    std::optional<Round> best;
-    const auto misfit = [](const Round& made) { return made.found.variance / static_cast<double>(made.tracked); };
-    for (const double guess : kGuesses) {
-      const auto made = round({guess * longer_side(), 0}, 0, kShort);
+  Result<LensAnswer> first_guess() {
+    std::optional<LensAnswer> best;
+    const auto misfit = [](const LensAnswer& a) { return believed(a)->variance / static_cast<double>(a.tracked); };
+    for (const double focal : kGuesses) {
+      const auto made = answer({focal * longer_side()}, kShort);
       if (!made) return made;
-      if (made->found.ok && (!best || misfit(*made) < misfit(*best))) best = *made;
+      if (believed(*made) && (!best || misfit(*made) < misfit(*best))) best = *made;
     }
     if (!best) return fail(kNoMap);
     say(*best);
     return *best;
   }
 
-  Result<Round> round_with_map(const Lens& lens, double usual_k1, const Piece& piece) {
-    auto made = round(lens, usual_k1, piece);
-    if (made && !made->found.ok) return fail(kNoMap);
+  // Nothing is to be believed of it where no map came about.
+  Result<LensAnswer> answer(Lens lens, const Piece& piece) {
+    lens.focal = std::clamp(lens.focal, kLeastFocal * longer_side(), kGreatestFocal * longer_side());
+    auto tracked = track(lens, piece);
+    if (!tracked) return tl::unexpected(tracked.error());
+    LensAnswer made = answer_of(tracked->problem, lens, longer_side(), interrupt_);
+    if (interrupt_ && *interrupt_) return fail("interrupted");
+    made.tracked = tracked->frames;
     return made;
   }
 
-  // The adjustment is not ok where no map came about.
-  Result<Round> round(const Lens& lens, double usual_k1, const Piece& piece) {
+  Result<Tracked> track(const Lens& lens, const Piece& piece) {
     const LogPause pause;
-    Round made;
+    Tracked made;
     System system(camera(lens), options_);
     int64_t frame = 0, since_begin = 0;
     size_t key_frames = 0;  // those that mapping reported: what the map holds at a moment depends on its pace
@@ -275,7 +219,7 @@ class CameraSearch {
       const FrameReport report =
           system.process({.frame = frame, .stamp = stamp, .image = shrink_(image), .right = {}, .depth = {}});
       ++frame;
-      made.tracked += report.track.state == TrackingState::tracking;
+      made.frames += report.track.state == TrackingState::tracking;
       key_frames += report.mapping.size();
       since_begin += since_begin > 0 || report.track.state != TrackingState::not_initialised;
       return since_begin < piece.frames && key_frames < piece.key_frames && (since_begin > 0 || frame < kLatestBegin);
@@ -283,17 +227,15 @@ class CameraSearch {
     if (!played) return tl::unexpected(played.error());
     if (interrupt_ && *interrupt_) return fail("interrupted");
     system.finish();
-    BundleProblem problem = problem_of(*system.map().read());
-    made.key_frames = problem.poses.size();
-    if (made.key_frames < kLeastKeyFrames) return made;
-    made.found = adjust_lens(problem, lens, {.usual_k1 = usual_k1});
-    if (made.found.ok) made.change = std::log(bounded(made.found.lens).focal / lens.focal);
+    made.problem = problem_of(*system.map().read());
+    made.problem.camera = camera({lens.focal}).pinhole;
+    if (made.problem.poses.size() < kLeastKeyFrames) made.problem = {};
     return made;
   }
 
-  void say(const Round& made) const {
-    const auto focal = std::lround(made.found.lens.focal * factor());
-    tell_("finding the camera: " + std::to_string(made.key_frames) + " key frames tell a focal length of " +
+  void say(const LensAnswer& answer) const {
+    const auto focal = std::lround(believed(answer)->lens.focal * factor());
+    tell_("finding the camera: " + std::to_string(answer.key_frames) + " key frames tell a focal length of " +
           std::to_string(focal) + " pixels");
   }
 
@@ -302,7 +244,7 @@ class CameraSearch {
   SystemOptions options_;
   const std::function<void(const std::string&)>& tell_;
   const std::atomic<int>* interrupt_;
-  std::vector<Answer> answers_;  // results of long pieces
+  std::vector<LensAnswer> answers_;  // results of long pieces
 };
 
 }  // namespace
@@ -311,18 +253,22 @@ Result<FoundCamera> find_camera(int width, int height, const RecordingPlayer& pl
                                 const std::function<void(const std::string&)>& tell,
                                 const std::atomic<int>* interrupt) {
   CameraSearch search(width, height, play, options, tell, interrupt);
-  const Result<Settled> settled = search.find();
+  const Result<SettledLens> settled = search.find();
   if (!settled) return tl::unexpected(settled.error());
   FoundCamera found;
-  found.focal_sigma = std::hypot(settled->focal_sigma, settled->change);
-  found.k1_sigma = settled->k1_sigma;
-  found.key_frames = settled->key_frames;
-  if (settled->repeats || !(found.focal_sigma < kSure)) return fail(kNotTold);
-  found.camera = search.camera({settled->lens.focal * search.factor(), settled->lens.k1});
+  const Lens& lens = settled->lens;
+  const double factor = search.factor();
+  found.sigma = settled->sigma;
+  found.sigma.focal = std::hypot(settled->sigma.focal, settled->change);
+  found.sigma.cx *= factor;
+  found.sigma.cy *= factor;
+  found.key_frames = search.key_frames();
+  if (settled->repeats || !(found.sigma.focal < kSure)) return fail(kNotTold);
+  found.camera = search.camera({lens.focal * factor, lens.k1, lens.k2});
   found.camera.width = width;
   found.camera.height = height;
-  found.camera.pinhole.cx = 0.5 * (width - 1);
-  found.camera.pinhole.cy = 0.5 * (height - 1);
+  found.camera.pinhole.cx = 0.5 * (width - 1) + factor * lens.cx;
+  found.camera.pinhole.cy = 0.5 * (height - 1) + factor * lens.cy;
   return found;
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the camera that a recording was made with from the recording alone: the focal length, and the first radial
-// coefficient of its lens. The recording's beginning is tracked with a few guesses of the focal length. The map of each
-// is adjusted together with the lens (lens_adjustment.h). From the guess whose map fits best afterwards on it is
-// tracked with less and with more, until the focal length that gives back itself is known
-// (notes/039-a-camera-found.md). The principal point is taken to be the middle of the image, pixels to be square. The
-// same frames give the same camera.
+// Finds the camera that a recording was made with from the recording alone: the focal length, and what the
+// recording shows of two radial coefficients and of the principal point. The recording's beginning is tracked with a
+// few guesses of the focal length. The map of each is adjusted together with the lens (lens_adjustment.h). From the
+// guess whose map fits best afterwards on it is tracked with less and with more, until the focal length that gives back
+// itself is known (notes/039-a-camera-found.md). What does not show is taken as usual: no distortion, the principal
+// point in the middle of the image. Pixels are square. The same frames give the same camera.
 #pragma once
 
 #include <atomic>
@@ -17,6 +17,7 @@
 #include "covis/core/image.h"
 #include "covis/core/time.h"
 #include "covis/geometry/camera.h"
+#include "covis/optimization/lens_adjustment.h"
 #include "covis/slam/options.h"
 
 namespace covis {
@@ -27,10 +28,9 @@ using FrameVisitor = std::function<bool(ImageView<const uint8_t> image, Timestam
 using RecordingPlayer = std::function<Result<void>(const FrameVisitor& visit)>;
 
 struct FoundCamera {
-  Camera camera;           // has Brown's model with k1 alone
-  double focal_sigma = 0;  // standard deviation of the focal length, as a share of it
-  double k1_sigma = 0;     // that of k1
-  size_t key_frames = 0;   // number of key frames of the map that shows it
+  Camera camera;          // has Brown's model with k1 and k2 where they show
+  Lens sigma;             // standard deviations, also of what was left as usual
+  size_t key_frames = 0;  // number of key frames of the map that shows it
 };
 
 // `width`, `height`: size of the images, pixels. `tell` gets what is done, a line each. An error when the frames or the
