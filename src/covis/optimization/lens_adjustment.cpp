@@ -81,6 +81,9 @@ class LensProblem {
   const std::vector<BundleObservation>& observations() const { return observations_; }
   int unknowns() const { return unknowns_; }
   const LensVector& information() const { return information_; }  // of the lens, before anything was seen
+  // Observations have weights relative to one another: once their variance is known, what was known of the lens before
+  // has to be on the same scale.
+  void scale_information(double variance) { information_ *= variance; }
 
   double cost(const State& state) const {
     double sum = information_.dot(vector_of(state.lens).cwiseAbs2());
@@ -264,20 +267,24 @@ State moved(const LensProblem& problem, const State& state, const ReducedSystem&
   return next;
 }
 
-// Levenberg and Marquardt, with Nielsen's damping. A change of the focal length bends a long path, which steps along
-// straight lines follow badly: the cost may rise for a few steps, as long as it falls below the least one by then
-// (the watchdog technique: Nocedal and Wright, "Numerical optimization", 2006, section 15.6).
+// Levenberg and Marquardt; damping grows as Nielsen's. A change of the focal length bends a long path, which steps
+// along straight lines follow badly. So up to four steps in a row may have a greater cost than the least one found; if
+// none comes below that, the search goes back to it (the watchdog technique: Nocedal and Wright, "Numerical
+// optimization", 2006, section 15.6). Where motion does not tell the lens it may end before the cost is least, with a
+// large deviation. Returns false when interrupted.
 bool minimise(const LensProblem& problem, State& state, const std::atomic<int>* interrupt) {
-  constexpr int kIterations = 200;
+  constexpr int kIterations = 100;
   constexpr double kEnough = 1e-6;      // relative decrease of the cost
-  constexpr double kStill = 1e-5;       // change of the focal length's logarithm
+  constexpr double kStill = 1e-4;       // change of the focal length's logarithm
+  constexpr double kFree = 1e-5;        // damping that does not shorten steps much
   constexpr double kMaxStep = 0.3;      // bound for it
   constexpr int kUphill = 4;            // steps in a row with a greater cost than the least
   constexpr double kGreatestCost = 10;  // relative to the least
-  double damping = 1e-4, growth = 2, least = problem.cost(state);
+  constexpr int kPatience = 12;         // steps in which the least cost falls by less than enough
+  double damping = 1e-4, growth = 2, least = problem.cost(state), before = least;
   State at = state;
-  int uphill = 0;
-  for (int i = 0; i < kIterations && damping < 1e10; ++i) {
+  int uphill = 0, waited = 0;
+  for (int i = 0; i < kIterations && waited < kPatience; ++i) {
     if (interrupt && *interrupt) return false;
     const ReducedSystem system(problem, at, damping);
     const Eigen::VectorXd step = system.S.selfadjointView<Eigen::Upper>().ldlt().solve(system.g);
@@ -285,7 +292,7 @@ bool minimise(const LensProblem& problem, State& state, const std::atomic<int>* 
     const double cost = problem.cost(at);
     const bool bounded = step.allFinite() && std::abs(step(0)) < kMaxStep;
     if (bounded && cost < least) {
-      const bool enough = uphill == 0 && least - cost < kEnough * least && std::abs(step(0)) < kStill;
+      const bool enough = damping < kFree && least - cost < kEnough * least && std::abs(step(0)) < kStill;
       state = at;
       least = cost;
       damping = std::max(damping / 5, 1e-9);
@@ -300,8 +307,25 @@ bool minimise(const LensProblem& problem, State& state, const std::atomic<int>* 
       growth *= 2;
       uphill = 0;
     }
+    ++waited;
+    if (before - least > kEnough * before) before = least, waited = 0;
   }
   return true;
+}
+
+// The variance of the observations within the 95 % bound; 0 where they are too few for all that is free.
+void measure_variance(const LensProblem& problem, const State& state, LensAdjustment& found) {
+  double chi2 = 0;
+  found.observations = 0;
+  for (const BundleObservation& o : problem.observations()) {
+    const Row row = problem.row(state, o);
+    if (!(row.weight > 0) || row.cost > kChi2Mono) continue;
+    chi2 += row.cost;
+    ++found.observations;
+  }
+  const double freedom = 2.0 * static_cast<double>(found.observations) -
+                         3.0 * static_cast<double>(state.points.size()) - static_cast<double>(problem.unknowns());
+  found.variance = freedom > 0 ? chi2 / freedom : 0;
 }
 
 // How sure the lens is, once the cost is least: the observations' scores, projected on what poses and points can't
@@ -350,23 +374,18 @@ Lens LensAdjustment::deviation() const { return lens_of(vector_of(sigma).cwiseMa
 
 LensAdjustment adjust_lens(BundleProblem& problem, const Lens& lens, const LensOptions& options) {
   LensAdjustment found;
-  const LensProblem all(problem, options);
+  LensProblem all(problem, options);
   if (problem.poses.size() < 3 || all.observations().empty()) return found;
   State state{problem.poses, problem.points, lens};
-  if (!minimise(all, state, options.interrupt)) return found;
-  double chi2 = 0;
-  for (const BundleObservation& o : all.observations()) {
-    const Row row = all.row(state, o);
-    if (!(row.weight > 0) || row.cost > kChi2Mono) continue;
-    chi2 += row.cost;
-    ++found.observations;
+  for (int round = 0; round < 2; ++round) {
+    if (!minimise(all, state, options.interrupt)) return found;
+    measure_variance(all, state, found);
+    if (!(found.variance > 0)) return found;
+    if (round == 0) all.scale_information(found.variance);
   }
-  const double freedom = 2.0 * static_cast<double>(found.observations) -
-                         3.0 * static_cast<double>(problem.points.size()) - static_cast<double>(all.unknowns());
-  if (!(freedom > 0)) return found;
-  found.variance = chi2 / freedom;
   found.lens = state.lens;
   add_certainty(all, state, found);
+  if (!found.ok) return found;
   problem.poses = std::move(state.poses);
   problem.points = std::move(state.points);
   return found;

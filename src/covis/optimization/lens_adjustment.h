@@ -32,13 +32,15 @@ struct LensAdjustment {
 };
 
 struct LensOptions {
-  // Standard deviations before anything was seen; what has none stays. Of the focal length nothing is known.
+  // Standard deviations before anything was seen: of a lens' coefficients around 0, of the principal point around the
+  // given one. A parameter with a deviation of 0 is kept there; the focal length is always free.
   Lens usual{.k1 = 0.3, .k2 = 0.1};
   const std::atomic<int>* interrupt = nullptr;  // not 0: end without a result
 };
 
 // Adjusts the problem's poses and points and the lens, which begins as `lens`. Observations are pixels of the image as
-// it was given, not undistorted; without disparities. The first pose stays. Poses are in the order of time.
+// it was given, not undistorted; without disparities. The first pose stays. Poses are in the order of time. What is not
+// ok leaves the problem as it was.
 LensAdjustment adjust_lens(BundleProblem& problem, const Lens& lens, const LensOptions& options = {});
 
 }  // namespace covis

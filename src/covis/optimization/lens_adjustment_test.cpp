@@ -65,11 +65,13 @@ TEST(LensAdjustment, TheTruthLiesWithinItsDeviationsAsOftenAsItShould) {
   EXPECT_EQ(within_three, kRuns);
 }
 
+constexpr double kNarrow = 772;  // pixels: 45 degrees
+
 // A camera of 45 degrees goes along a road that bends, as a map shows it that was made with a focal length of `claimed`
 // times the true one: it turns less or more, its way and all depths are stretched or shortened.
 BundleProblem along_a_bend(double claimed) {
-  constexpr double kNarrow = 772, kStep = 0.8, kTurn = 0.03;
-  constexpr int kAlong = 110;
+  constexpr double kStep = 0.8, kTurn = 0.03;
+  constexpr int kAlong = 110, kSeen = 12;
   const Camera camera = camera_with({kNarrow});
   const auto poses = [&](double stretch) {
     std::vector<SE3> made;
@@ -89,24 +91,14 @@ BundleProblem along_a_bend(double claimed) {
   problem.poses = claims;
   problem.fixed.assign(claims.size(), 0);
   Random random(3);
-  for (size_t from = 0; from < truth.size(); ++from) {
+  for (int from = 0; from < kAlong; ++from) {
+    const auto k = static_cast<size_t>(from);
     for (int p = 0; p < 25; ++p) {
       const double depth = random.uniform(6, 25);
       const Eigen::Vector2d ray(random.uniform(-0.4, 0.4), random.uniform(-0.3, 0.3));
-      const Eigen::Vector3d place = truth[from].inverse() * (depth * ray.homogeneous());
-      std::vector<BundleObservation> seen;
-      for (size_t k = from; k < std::min(from + 12, truth.size()); ++k) {
-        const auto pixel = camera.project(truth[k] * place);
-        if (!pixel || pixel->x() < 0 || pixel->y() < 0 || pixel->x() >= 640 || pixel->y() >= 480) continue;
-        seen.push_back({.pose = static_cast<int32_t>(k),
-                        .point = static_cast<int32_t>(problem.points.size()),
-                        .u = static_cast<float>(pixel->x() + kPixelNoise * random.normal()),
-                        .v = static_cast<float>(pixel->y() + kPixelNoise * random.normal())});
-      }
-      if (seen.size() < 3) continue;
-      const Eigen::Vector3d claim = claimed * depth * Eigen::Vector3d(ray.x() / claimed, ray.y() / claimed, 1);
-      problem.points.push_back(claims[from].inverse() * claim);
-      problem.observations.insert(problem.observations.end(), seen.begin(), seen.end());
+      const Eigen::Vector3d seen = depth * ray.homogeneous(), claim(seen.x(), seen.y(), claimed * depth);
+      lens_test::add_point(problem, camera, truth, from, std::min(from + kSeen, kAlong), truth[k].inverse() * seen,
+                           claims[k].inverse() * claim, random);
     }
   }
   return problem;
@@ -116,9 +108,9 @@ BundleProblem along_a_bend(double claimed) {
 TEST(LensAdjustment, GoesTheWholeWayWhereALongPathBends) {
   for (const double claimed : {0.9, 1.1}) {
     BundleProblem problem = along_a_bend(claimed);
-    const LensAdjustment found = adjust_lens(problem, {claimed * 772}, {.usual = {}});
+    const LensAdjustment found = adjust_lens(problem, {claimed * kNarrow}, {.usual = {}});
     ASSERT_TRUE(found.ok);
-    EXPECT_LT(std::abs(found.lens.focal / 772 - 1), 3 * found.sigma.focal) << claimed;
+    EXPECT_LT(std::abs(found.lens.focal / kNarrow - 1), 3 * found.sigma.focal) << claimed;
     EXPECT_LT(found.sigma.focal, 0.004);
   }
 }
@@ -151,6 +143,24 @@ TEST(LensAdjustment, FindsThePrincipalPointWhenAskedTo) {
   EXPECT_NEAR(found.lens.cy, 6, 4 * found.deviation().cy);
   EXPECT_LT(std::max(found.deviation().cx, found.deviation().cy), 1);
   EXPECT_NEAR(found.lens.focal, kFocal, 4 * found.deviation().focal * kFocal);
+}
+
+// Straight ahead nothing tells the principal point from the direction that the camera goes in.
+TEST(LensAdjustment, WhatNothingTellsIsAsUncertainAsBefore) {
+  BundleProblem problem = seen_through(0, 1, Motion::ahead, 5);
+  for (BundleObservation& o : problem.observations) o.inv_sigma2 = 100;  // weights are relative
+  const LensAdjustment found = adjust_lens(problem, {kFocal}, {.usual = {.cx = 10, .cy = 10}});
+  ASSERT_TRUE(found.ok);
+  EXPECT_NEAR(found.deviation().cx, 10, 2);
+  EXPECT_NEAR(found.deviation().cy, 10, 2);
+}
+
+TEST(LensAdjustment, WhatIsNotOkLeavesTheProblem) {
+  BundleProblem problem = seen_through(0, 1.2, Motion::sideways, 5);
+  const Eigen::Vector3d point = problem.points.front();
+  const std::atomic<int> interrupt = 1;
+  EXPECT_FALSE(adjust_lens(problem, {kFocal}, {.interrupt = &interrupt}).ok);
+  EXPECT_EQ(problem.points.front(), point);
 }
 
 TEST(LensAdjustment, WrongMatchesDoNoHarm) {

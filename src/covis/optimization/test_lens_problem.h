@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <vector>
 
 #include "covis/core/random.h"
 #include "covis/geometry/camera.h"
@@ -21,6 +22,24 @@ inline Camera camera_with(const Lens& lens) {
   camera.coefficients[0] = lens.k1;
   camera.coefficients[1] = lens.k2;
   return camera;
+}
+
+// Adds a point that is at `place` and that the map has at `claim`, with the pixels of the views from `first` up to
+// `last` that see it, if three do.
+inline void add_point(BundleProblem& problem, const Camera& lens, const std::vector<SE3>& poses, int first, int last,
+                      const Eigen::Vector3d& place, const Eigen::Vector3d& claim, Random& random) {
+  std::vector<BundleObservation> seen;
+  for (int k = first; k < last; ++k) {
+    const auto pixel = lens.project(poses[static_cast<size_t>(k)] * place);
+    if (!pixel || pixel->x() < 0 || pixel->y() < 0 || pixel->x() >= lens.width || pixel->y() >= lens.height) continue;
+    seen.push_back({.pose = k,
+                    .point = static_cast<int32_t>(problem.points.size()),
+                    .u = static_cast<float>(pixel->x() + kPixelNoise * random.normal()),
+                    .v = static_cast<float>(pixel->y() + kPixelNoise * random.normal())});
+  }
+  if (seen.size() < 3) return;
+  problem.points.push_back(claim);
+  problem.observations.insert(problem.observations.end(), seen.begin(), seen.end());
 }
 
 // Cameras that move and turn among points, seen through a lens with some noise. Poses and points are those of a map
@@ -43,18 +62,7 @@ inline BundleProblem seen_through(const Camera& lens, double claimed, Motion mot
   }
   for (int p = 0; p < 600; ++p) {
     const Eigen::Vector3d place(random.uniform(-4, 4), random.uniform(-3, 3), random.uniform(4, 10));
-    std::vector<BundleObservation> seen;
-    for (int k = 0; k < kViews; ++k) {
-      const auto pixel = lens.project(poses[static_cast<size_t>(k)] * place);
-      if (!pixel || pixel->x() < 0 || pixel->y() < 0 || pixel->x() >= 640 || pixel->y() >= 480) continue;
-      seen.push_back({.pose = k,
-                      .point = static_cast<int32_t>(problem.points.size()),
-                      .u = static_cast<float>(pixel->x() + kPixelNoise * random.normal()),
-                      .v = static_cast<float>(pixel->y() + kPixelNoise * random.normal())});
-    }
-    if (seen.size() < 3) continue;
-    problem.points.push_back(place.cwiseProduct(stretch));
-    problem.observations.insert(problem.observations.end(), seen.begin(), seen.end());
+    add_point(problem, lens, poses, 0, kViews, place, place.cwiseProduct(stretch), random);
   }
   return problem;
 }

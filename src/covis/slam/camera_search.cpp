@@ -26,7 +26,6 @@ constexpr int64_t kLatestBegin = 3000;  // frames without a map, after which the
 
 // Focal lengths over the longer side of the image: 96, 75, 58 and 42 degrees.
 constexpr std::array<double, 4> kGuesses{0.45, 0.65, 0.9, 1.3};
-constexpr double kLeastFocal = 0.25, kGreatestFocal = 4;  // over the longer side: 127 and 14 degrees
 
 // Logarithms of the focal length.
 constexpr double kNear = 0.04;           // change after which longer pieces are tracked
@@ -178,7 +177,7 @@ class CameraSearch {
       say(*made);
       answers_.push_back(std::move(*made));
     }
-    const auto settled = settle(answers_, lens);
+    const auto settled = settle(answers_, lens, longer_side());
     if (!settled) return fail(kNotTold);
     return *settled;
   }
@@ -264,11 +263,13 @@ Result<FoundCamera> find_camera(int width, int height, const RecordingPlayer& pl
   found.sigma.cy *= factor;
   found.key_frames = search.key_frames();
   if (settled->repeats || !(found.sigma.focal < kSure)) return fail(kNotTold);
-  found.camera = search.camera({lens.focal * factor, lens.k1, lens.k2});
+  found.camera = search.camera(lens);
   found.camera.width = width;
   found.camera.height = height;
-  found.camera.pinhole.cx = 0.5 * (width - 1) + factor * lens.cx;
-  found.camera.pinhole.cy = 0.5 * (height - 1) + factor * lens.cy;
+  Pinhole& pinhole = found.camera.pinhole;
+  pinhole.fx = pinhole.fy = factor * lens.focal;
+  pinhole.cx = factor * (pinhole.cx + 0.5) - 0.5;  // a pixel of the small images is a block of the large ones
+  pinhole.cy = factor * (pinhole.cy + 0.5) - 0.5;
   return found;
 }
 

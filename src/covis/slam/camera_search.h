@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the camera that a recording was made with from the recording alone: the focal length, and what the
-// recording shows of two radial coefficients and of the principal point. The recording's beginning is tracked with a
-// few guesses of the focal length. The map of each is adjusted together with the lens (lens_adjustment.h). From the
-// guess whose map fits best afterwards on it is tracked with less and with more, until the focal length that gives back
-// itself is known (notes/039-a-camera-found.md). What does not show is taken as usual: no distortion, the principal
-// point in the middle of the image. Pixels are square. The same frames give the same camera.
+// Finds the camera that a recording was made with from the recording alone: the focal length, two radial coefficients
+// and the principal point. The recording's beginning is tracked with a few guesses of the focal length. The map of each
+// is adjusted together with the lens (lens_adjustment.h). From the guess whose map fits best afterwards on it is
+// tracked with less and with more, until the focal length that gives back itself is known (lens_answers.h). What does
+// not show is left out: no distortion, the principal point in the middle of the image. Pixels are square. The same
+// frames give the same camera. Measured: notes/039-a-camera-found.md.
 #pragma once
 
 #include <atomic>

@@ -12,8 +12,9 @@ namespace {
 constexpr std::array<Lens, kLensModels> kUsual{
     {{}, {.k1 = 0.3}, {.k1 = 0.3, .k2 = 0.1}, {.k1 = 0.3, .k2 = 0.1, .cx = 0.02, .cy = 0.02}}};
 constexpr std::array<double Lens::*, 4> kMore{&Lens::k1, &Lens::k2, &Lens::cx, &Lens::cy};  // beside the focal length
-constexpr double kPlausible = 3;  // of those deviations, and no more, is a lens off
-constexpr double kShown = 3;      // standard deviations of a result from which on a parameter is there
+constexpr double kFarthestCentre = 0.06;  // of the principal point from the middle, over the longer side
+constexpr double kGreatestCoefficient = 1;
+constexpr double kShown = 3;  // standard deviations of a result from which on a parameter is there
 
 // Logarithms of the focal length.
 constexpr double kNearby = 0.15;    // answers so far away are laid on one line
@@ -22,6 +23,20 @@ constexpr double kNoise = 0.01;     // how much two answers differ that should b
 constexpr double kLeastFall = 0.3;  // share of an error that a map must take away, or it repeats what it was given
 
 using Answers = std::vector<const LensAnswer*>;
+
+Lens usual(size_t model, double longer_side) {
+  Lens usual = kUsual[model];
+  usual.cx *= longer_side;
+  usual.cy *= longer_side;
+  return usual;
+}
+
+bool plausible(const Lens& lens, double longer_side) {
+  const double focal = lens.focal / longer_side;
+  return focal >= kLeastFocal && focal <= kGreatestFocal &&
+         std::max(std::abs(lens.k1), std::abs(lens.k2)) <= kGreatestCoefficient &&
+         std::max(std::abs(lens.cx), std::abs(lens.cy)) <= kFarthestCentre * longer_side;
+}
 
 // Returns true where what the model has beyond the one before differs from 0.
 bool shows(size_t model, const Lens& lens, const Lens& sigma) {
@@ -69,8 +84,10 @@ SettledLens on_the_line(const Answers& answers, const Lens& lens, size_t model) 
   };
   settled.sigma.focal = std::sqrt(variance(&Lens::focal) + misfit / freedom) / fall;
   for (double Lens::*more : kMore) {
-    settled.lens.*more = mean([&](double, const LensAdjustment& a) { return a.lens.*more; });
-    settled.sigma.*more = std::sqrt(variance(more));
+    const double middle = mean([&](double, const LensAdjustment& a) { return a.lens.*more; });
+    const double apart = mean([&](double, const LensAdjustment& a) { return std::pow(a.lens.*more - middle, 2); });
+    settled.lens.*more = middle;
+    settled.sigma.*more = std::sqrt(variance(more) + apart);
   }
   return settled;
 }
@@ -81,18 +98,18 @@ LensAnswer answer_of(BundleProblem& problem, const Lens& given, double longer_si
   LensAnswer answer{.given = given.focal, .found = {}, .key_frames = problem.poses.size()};
   Lens begin = given;
   for (size_t model = kLensModels; model-- > 0;) {
-    Lens usual = kUsual[model];
-    usual.cx *= longer_side;
-    usual.cy *= longer_side;
+    const LensOptions options{.usual = usual(model, longer_side), .interrupt = interrupt};
     for (double Lens::*more : kMore)
-      if (usual.*more == 0) begin.*more = 0;
+      if (options.usual.*more == 0) begin.*more = 0;
+    BundleProblem attempt = problem;
     LensAdjustment& found = answer.found[model];
-    found = adjust_lens(problem, begin, {.usual = usual, .interrupt = interrupt});
-    for (double Lens::*more : kMore) {
-      if (usual.*more == 0) found.lens.*more = 0;
-      found.ok = found.ok && std::abs(found.lens.*more) <= kPlausible * (usual.*more);
-    }
-    if (found.ok) begin = found.lens;
+    found = adjust_lens(attempt, begin, options);
+    for (double Lens::*more : kMore)
+      if (options.usual.*more == 0) found.lens.*more = 0;
+    found.ok = found.ok && plausible(found.lens, longer_side);
+    if (!found.ok) continue;
+    begin = found.lens;
+    problem = std::move(attempt);
   }
   return answer;
 }
@@ -107,25 +124,28 @@ const LensAdjustment* believed(const LensAnswer& answer) {
   return best;
 }
 
-std::optional<SettledLens> settle(std::span<const LensAnswer> answers, const Lens& lens) {
+std::optional<SettledLens> settle(std::span<const LensAnswer> answers, const Lens& lens, double longer_side) {
   Answers nearby;
   for (const LensAnswer& answer : answers)
     if (std::abs(std::log(answer.given / lens.focal)) <= kNearby) nearby.push_back(&answer);
   std::optional<SettledLens> best;
-  double richest = 0;
+  std::vector<double> focal;                            // by each model from the richest one on
+  Lens left_out = usual(kLensModels - 1, longer_side);  // deviations: the usual ones, or what a richer model says
   for (size_t model = kLensModels; model-- > 0;) {
     if (nearby.empty() || !all_have(nearby, model)) continue;
-    SettledLens simpler = on_the_line(nearby, lens, model);
-    if (best) {
-      for (double Lens::*more : kMore) simpler.sigma.*more = std::max(simpler.sigma.*more, best->sigma.*more);
-    } else {
-      richest = simpler.lens.focal;
-    }
-    best = simpler;
-    if (model > 0 && shows(model, best->lens, best->sigma)) break;
+    if (best) left_out = best->sigma;
+    best = on_the_line(nearby, lens, model);
+    focal.push_back(best->lens.focal);
+    const bool shown = model > 0 && shows(model, best->lens, best->sigma);
+    for (double Lens::*more : kMore)
+      if (kUsual[model].*more == 0) best->sigma.*more = left_out.*more;
+    if (shown) break;
   }
-  // What was left out is not excluded.
-  if (best) best->sigma.focal = std::hypot(best->sigma.focal, std::log(best->lens.focal / richest));
+  if (!best) return best;
+  // The richer models are not excluded: as if each were as likely as the one that is believed.
+  double apart = 0;
+  for (const double other : focal) apart += std::pow(std::log(other / best->lens.focal), 2);
+  best->sigma.focal = std::sqrt(best->sigma.focal * best->sigma.focal + apart / static_cast<double>(focal.size()));
   return best;
 }
 

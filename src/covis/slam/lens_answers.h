@@ -2,7 +2,7 @@
 // What the maps of one recording, each tracked with another lens, tell of its lens. Each map is adjusted by models with
 // fewer and more free parameters (lens_adjustment.h). Parameters that nothing shows would cost the focal length its
 // precision, as a narrow view hardly tells them apart from it: the simplest model is believed that leaves out nothing
-// which shows.
+// which shows, that is which differs from its usual value by three standard deviations.
 #pragma once
 
 #include <array>
@@ -27,6 +27,8 @@ struct LensAnswer {
   int64_t tracked = 0;  // number of frames
 };
 
+inline constexpr double kLeastFocal = 0.25, kGreatestFocal = 4;  // over the longer side of the image: 127, 14 degrees
+
 // Adjusts the problem by each model, beginning with the lens `given` it was tracked with. `longer_side`: of the image,
 // pixels. A model without a result, or with one that no lens has, is not ok; `interrupt` ends all of them.
 LensAnswer answer_of(BundleProblem& problem, const Lens& given, double longer_side,
@@ -38,14 +40,14 @@ const LensAdjustment* believed(const LensAnswer& answer);
 // The lens that a recording gives back when it is tracked with it.
 struct SettledLens {
   Lens lens;
-  Lens sigma;           // standard deviations; also of what was left out
-  double change = 1;    // how far the focal length's logarithm is from where it was looked for
-  bool repeats = true;  // the recording says what it was tracked with, and nothing else
+  Lens sigma;         // standard deviations; also of what was left out, and what that would change of the focal length
+  double change = 1;  // how far the focal length's logarithm is from where it was looked for
+  bool repeats = true;  // the maps keep nearly the whole error of the focal length they were given, so tell nothing
 };
 
 // A map remembers the focal length that it was tracked with: a part of an error can stay. So the focal length that
 // would give itself is found on the line through the answers whose given one is near that of `lens`. nullopt where
-// these have no model in common.
-std::optional<SettledLens> settle(std::span<const LensAnswer> answers, const Lens& lens);
+// these have no model in common. `longer_side`: of the image, pixels.
+std::optional<SettledLens> settle(std::span<const LensAnswer> answers, const Lens& lens, double longer_side);
 
 }  // namespace covis

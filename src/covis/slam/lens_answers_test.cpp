@@ -18,6 +18,7 @@ using lens_test::Motion;
 using lens_test::seen_through;
 
 constexpr size_t kRichest = kLensModels - 1;
+constexpr double kLongerSide = 640;
 
 // An answer of a map that leaves `stays` of the error of the focal length it was tracked with. All models find the same
 // lens, each what it may, as well as `sigma` tells.
@@ -43,7 +44,7 @@ std::vector<LensAnswer> both_sides(const Lens& truth, double stays = 0.2) {
 
 TEST(LensAnswers, TheFocalLengthThatGivesItselfIsFoundWhereMapsKeepAPartOfAnError) {
   for (const double stays : {0.0, 0.3, 0.6}) {
-    const auto settled = settle(both_sides({.focal = kFocal}, stays), {.focal = 1.02 * kFocal});
+    const auto settled = settle(both_sides({.focal = kFocal}, stays), {.focal = 1.02 * kFocal}, kLongerSide);
     ASSERT_TRUE(settled);
     EXPECT_NEAR(settled->lens.focal, kFocal, 1e-6 * kFocal) << stays;
     EXPECT_NEAR(settled->change, std::log(1.02), 1e-6);
@@ -53,7 +54,7 @@ TEST(LensAnswers, TheFocalLengthThatGivesItselfIsFoundWhereMapsKeepAPartOfAnErro
 }
 
 TEST(LensAnswers, MapsThatGiveBackWhatTheyWereGivenTellNothing) {
-  const auto settled = settle(both_sides({.focal = kFocal}, 0.9), {.focal = kFocal});
+  const auto settled = settle(both_sides({.focal = kFocal}, 0.9), {.focal = kFocal}, kLongerSide);
   ASSERT_TRUE(settled);
   EXPECT_TRUE(settled->repeats);
 }
@@ -61,16 +62,16 @@ TEST(LensAnswers, MapsThatGiveBackWhatTheyWereGivenTellNothing) {
 TEST(LensAnswers, FarAwayDoNotCount) {
   std::vector<LensAnswer> answers = both_sides({.focal = kFocal});
   answers.push_back(answer_at(1.3 * kFocal, 0.9, {.focal = kFocal}, kSigma));
-  const auto settled = settle(answers, {.focal = kFocal});
+  const auto settled = settle(answers, {.focal = kFocal}, kLongerSide);
   ASSERT_TRUE(settled);
   EXPECT_NEAR(settled->lens.focal, kFocal, 1e-6 * kFocal);
-  EXPECT_FALSE(settle(answers, {.focal = 3 * kFocal})) << "none is near";
+  EXPECT_FALSE(settle(answers, {.focal = 3 * kFocal}, kLongerSide)) << "none is near";
 }
 
 TEST(LensAnswers, WhatTheyMissTheLineByIsUncertain) {
   std::vector<LensAnswer> answers = both_sides({.focal = kFocal});
   answers.push_back(answer_at(kFocal, 0, {.focal = 1.05 * kFocal}, kSigma));
-  const auto settled = settle(answers, {.focal = kFocal});
+  const auto settled = settle(answers, {.focal = kFocal}, kLongerSide);
   ASSERT_TRUE(settled);
   EXPECT_GT(settled->sigma.focal, 0.02);
 }
@@ -81,16 +82,42 @@ TEST(LensAnswers, WhatDoesNotShowIsLeftOutAndStaysUncertain) {
   std::vector<LensAnswer> answers = both_sides(unclear);
   for (LensAnswer& answer : answers) answer.found[kRichest].lens.focal *= 1.01;
   for (const LensAnswer& answer : answers) EXPECT_EQ(believed(answer), &answer.found[0]);
-  const auto settled = settle(answers, {.focal = kFocal});
+  const auto settled = settle(answers, {.focal = kFocal}, kLongerSide);
   ASSERT_TRUE(settled);
   EXPECT_NEAR(settled->lens.focal, kFocal, 1e-6 * kFocal);
   EXPECT_EQ(settled->lens.k1, 0);
   EXPECT_EQ(settled->lens.k2, 0);
   EXPECT_EQ(settled->lens.cx, 0);
-  EXPECT_GT(settled->sigma.focal, 0.01);
+  EXPECT_NEAR(settled->sigma.focal, std::hypot(0.005, 0.5 * std::log(1.01) / 0.8), 1e-5)
+      << "one of four models says more";
   EXPECT_NEAR(settled->sigma.k1, kSigma.k1, 1e-9);
   EXPECT_NEAR(settled->sigma.k2, kSigma.k2, 1e-9);
   EXPECT_NEAR(settled->sigma.cy, kSigma.cy, 1e-9);
+}
+
+// Two coefficients that can stand for one another are each unclear where both are free, and clear where one is.
+TEST(LensAnswers, WhatShowsInASimplerModelIsKept) {
+  const Lens truth{.focal = kFocal, .k1 = 0.06};
+  std::vector<LensAnswer> answers = both_sides(truth);
+  for (LensAnswer& answer : answers) {
+    for (size_t model = 2; model < kLensModels; ++model) answer.found[model].scatter.k1 = 0.1;
+    EXPECT_EQ(believed(answer), &answer.found[1]);
+  }
+  const auto settled = settle(answers, {.focal = kFocal}, kLongerSide);
+  ASSERT_TRUE(settled);
+  EXPECT_NEAR(settled->lens.k1, truth.k1, 1e-9);
+  EXPECT_NEAR(settled->sigma.k1, kSigma.k1, 1e-9) << "that of the model that is believed";
+  EXPECT_NEAR(settled->sigma.k2, kSigma.k2, 1e-9) << "that of the model that has it";
+}
+
+TEST(LensAnswers, WhatTheyDoNotAgreeOnDoesNotShow) {
+  const Lens left{.focal = kFocal, .cx = -10}, right{.focal = kFocal, .cx = 40};
+  const std::vector<LensAnswer> answers{answer_at(0.95 * kFocal, 0.2, left, kSigma),
+                                        answer_at(1.06 * kFocal, 0.2, right, kSigma)};
+  const auto settled = settle(answers, {.focal = kFocal}, kLongerSide);
+  ASSERT_TRUE(settled);
+  EXPECT_EQ(settled->lens.cx, 0);
+  EXPECT_GT(settled->sigma.cx, 20);
 }
 
 TEST(LensAnswers, WhatShowsIsKept) {
@@ -103,7 +130,7 @@ TEST(LensAnswers, WhatShowsIsKept) {
                                      Shown{{.focal = kFocal, .cx = -9}, 3}, Shown{{.focal = kFocal, .cy = 9}, 3}}) {
     const std::vector<LensAnswer> answers = both_sides(truth);
     EXPECT_EQ(believed(answers[0]), &answers[0].found[model]);
-    const auto settled = settle(answers, {.focal = kFocal});
+    const auto settled = settle(answers, {.focal = kFocal}, kLongerSide);
     ASSERT_TRUE(settled);
     EXPECT_NEAR(settled->lens.k1, truth.k1, 1e-9);
     EXPECT_NEAR(settled->lens.k2, truth.k2, 1e-9);
@@ -117,12 +144,14 @@ TEST(LensAnswers, AModelThatOneOfThemLacksIsNotBelieved) {
   std::vector<LensAnswer> answers = both_sides(truth);
   answers[1].found[kRichest].ok = false;
   EXPECT_EQ(believed(answers[1]), &answers[1].found[2]);
-  auto settled = settle(answers, {.focal = kFocal});
+  auto settled = settle(answers, {.focal = kFocal}, kLongerSide);
   ASSERT_TRUE(settled);
   EXPECT_EQ(settled->lens.cx, 0);
+  EXPECT_NEAR(settled->sigma.cx, 0.02 * kLongerSide, 1e-9) << "nothing is known but what is usual";
   EXPECT_NEAR(settled->lens.k2, truth.k2, 1e-9);
+  EXPECT_NEAR(settled->sigma.k2, kSigma.k2, 1e-9);
   for (size_t model = 0; model < kRichest; ++model) answers[0].found[model].ok = false;
-  EXPECT_FALSE(settle(answers, {.focal = kFocal}));
+  EXPECT_FALSE(settle(answers, {.focal = kFocal}, kLongerSide));
   for (LensAdjustment& found : answers[0].found) found.ok = false;
   EXPECT_EQ(believed(answers[0]), nullptr);
 }
@@ -132,8 +161,9 @@ TEST(LensAnswers, AModelThatOneOfThemLacksIsNotBelieved) {
 Lens told(const Lens& lens, double off) {
   BundleProblem problem = seen_through(camera_with(lens), 1.04, Motion::sideways, 5);
   problem.camera.cx -= off;
-  const LensAdjustment* found = believed(answer_of(problem, {1.04 * kFocal}, 640));
-  return found ? found->lens : Lens{};
+  const LensAnswer answer = answer_of(problem, {1.04 * kFocal}, kLongerSide);
+  EXPECT_NE(believed(answer), nullptr);
+  return believed(answer) ? believed(answer)->lens : Lens{};
 }
 
 TEST(LensAnswers, AMapTellsAsMuchOfItsLensAsShows) {
@@ -156,12 +186,12 @@ TEST(LensAnswers, APrincipalPointThatNoLensHasIsNotBelieved) {
 TEST(LensAnswers, OfAnInterruptedAdjustmentNothingIsBelieved) {
   BundleProblem problem = seen_through(camera_with({kFocal}), 1, Motion::sideways, 5);
   const std::atomic<int> interrupt = 2;
-  EXPECT_EQ(believed(answer_of(problem, {kFocal}, 640, &interrupt)), nullptr);
+  EXPECT_EQ(believed(answer_of(problem, {kFocal}, kLongerSide, &interrupt)), nullptr);
 }
 
 TEST(LensAnswers, OfAMapWithoutPosesNothingIsBelieved) {
   BundleProblem problem;
-  const LensAnswer answer = answer_of(problem, {.focal = kFocal}, 640);
+  const LensAnswer answer = answer_of(problem, {.focal = kFocal}, kLongerSide);
   EXPECT_EQ(answer.given, kFocal);
   EXPECT_EQ(answer.key_frames, 0);
   EXPECT_EQ(believed(answer), nullptr);
