@@ -45,7 +45,7 @@ struct State {
 LensVector vector_of(const Lens& lens) { return {lens.focal, lens.k1, lens.k2, lens.cx, lens.cy}; }
 Lens lens_of(const LensVector& v) { return {v(0), v(1), v(2), v(3), v(4)}; }
 
-// What is known of each parameter before anything was seen.
+// Returns the information on each parameter before anything was seen.
 LensVector information_of(const Lens& usual) {
   LensVector information = vector_of(usual).cwiseMax(kStays).cwiseAbs2().cwiseInverse();
   information(0) = 0;
@@ -80,7 +80,7 @@ class LensProblem {
 
   const std::vector<BundleObservation>& observations() const { return observations_; }
   int unknowns() const { return unknowns_; }
-  const LensVector& information() const { return information_; }  // of the lens, before anything was seen
+  const LensVector& information() const { return information_; }  // prior of the lens
   // Observations have weights relative to one another: once their variance is known, what was known of the lens before
   // has to be on the same scale.
   void scale_information(double variance) { information_ *= variance; }
@@ -198,7 +198,7 @@ class ReducedSystem {
   };
   struct Coupling {  // couples the parameters from `at` on with the point
     int at = 0, size = 0;
-    Eigen::Matrix<double, 6, 3> W;  // of the lens, which has a parameter less than a pose, the first rows
+    Eigen::Matrix<double, 6, 3> W;  // the lens has a parameter less than a pose and fills the first rows
   };
 
   void add_point(size_t first, size_t last) {

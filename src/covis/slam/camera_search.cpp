@@ -108,7 +108,7 @@ BundleProblem problem_of(const Map& map) {
   return problem;
 }
 
-// What tracking with one lens gave.
+// The result of tracking with one lens.
 struct Tracked {
   BundleProblem problem;  // its map; without poses where there are too few key frames
   int64_t frames = 0;     // number of those tracked
@@ -196,7 +196,7 @@ class CameraSearch {
     return *best;
   }
 
-  // Nothing is to be believed of it where no map came about.
+  // The answer has nothing to believe where no map came about.
   Result<LensAnswer> answer(Lens lens, const Piece& piece) {
     lens.focal = std::clamp(lens.focal, kLeastFocal * longer_side(), kGreatestFocal * longer_side());
     auto tracked = track(lens, piece);

@@ -12,7 +12,8 @@ namespace {
 constexpr std::array<Lens, kLensModels> kUsual{
     {{}, {.k1 = 0.3}, {.k1 = 0.3, .k2 = 0.1}, {.k1 = 0.3, .k2 = 0.1, .cx = 0.02, .cy = 0.02}}};
 constexpr std::array<double Lens::*, 4> kMore{&Lens::k1, &Lens::k2, &Lens::cx, &Lens::cy};  // beside the focal length
-constexpr double kFarthestCentre = 0.06;  // of the principal point from the middle, over the longer side
+constexpr double kFarthestCentre =
+    0.06;  // greatest distance of the principal point from the middle, over the longer side
 constexpr double kGreatestCoefficient = 1;
 constexpr double kShown = 3;  // standard deviations of a result from which on a parameter is there
 

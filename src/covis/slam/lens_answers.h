@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the maps of one recording, each tracked with another lens, tell of its lens. Each map is adjusted by models with
+// The maps of one recording, each tracked with another lens, tell of its lens. Each map is adjusted by models with
 // fewer and more free parameters (lens_adjustment.h). Parameters that nothing shows would cost the focal length its
 // precision, as a narrow view hardly tells them apart from it: the simplest model is believed that leaves out nothing
 // which shows, that is which differs from its usual value by three standard deviations.
