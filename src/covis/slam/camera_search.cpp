@@ -78,9 +78,9 @@ class Shrinker {
 };
 
 // The largest submap as a problem of poses in the order of time, points seen often enough, and pixels of the images.
-BundleProblem problem_of(const Map& map) {
+BundleProblem problem_of(const Map& map, const Pinhole& camera) {
   BundleProblem problem;
-  problem.camera = map.camera();
+  problem.camera = camera;
   const std::vector<Submap> submaps = map.submaps();
   const auto largest = std::max_element(submaps.begin(), submaps.end(),
                                         [](const Submap& a, const Submap& b) { return a.key_frames < b.key_frames; });
@@ -226,8 +226,7 @@ class CameraSearch {
     if (!played) return tl::unexpected(played.error());
     if (interrupt_ && *interrupt_) return fail("interrupted");
     system.finish();
-    made.problem = problem_of(*system.map().read());
-    made.problem.camera = camera({lens.focal}).pinhole;
+    made.problem = problem_of(*system.map().read(), camera({lens.focal}).pinhole);
     if (made.problem.poses.size() < kLeastKeyFrames) made.problem = {};
     return made;
   }
