@@ -30,8 +30,9 @@ struct Size {
 // A cache of rendered frames: rendering takes most of a test's time under the sanitizers.
 class Recording {
  public:
-  explicit Recording(Sensor sensor, int frames, double fps = 8, const std::string& world = "room", Size size = {})
-      : synth(make(sensor, world, frames, fps, size)), frames_(static_cast<size_t>(frames)) {}
+  explicit Recording(Sensor sensor, int frames, double fps = 8, const std::string& world = "room", Size size = {},
+                     double distortion = 0)
+      : synth(make(sensor, world, frames, fps, size, distortion)), frames_(static_cast<size_t>(frames)) {}
 
   int size() const { return static_cast<int>(frames_.size()); }
   System::Input frame(int i) {
@@ -56,8 +57,9 @@ class Recording {
     ImageF depth;
   };
 
-  static Synth make(Sensor sensor, const std::string& world, int frames, double fps, Size size) {
+  static Synth make(Sensor sensor, const std::string& world, int frames, double fps, Size size, double distortion) {
     SynthOptions options;
+    options.distortion = distortion;
     options.world = world;
     options.sensor = sensor_name(sensor);
     options.frames = frames;

@@ -53,6 +53,15 @@ TEST(RunJson, SummaryHasTheKeysThatScriptsRead) {
   EXPECT_FALSE(to_json(summarise(made_record(), snapshot, nullptr, 0)).contains("ate_m"));
 }
 
+TEST(RunJson, TheCameraHasADistortionThatWasFound) {
+  Snapshot snapshot = made_snapshot();
+  EXPECT_FALSE(to_json(summarise(made_record(), snapshot, nullptr, 0))["camera"].contains("k1"));
+  snapshot.camera.residual = {0.5, -0.25};
+  const json camera = to_json(summarise(made_record(), snapshot, nullptr, 0))["camera"];
+  EXPECT_EQ(camera["k1"], 0.5);
+  EXPECT_EQ(camera["k2"], -0.25);
+}
+
 TEST(RunJson, WarningsHaveTheirFigure) {
   RunRecord run = made_record();
   EXPECT_EQ(to_json(summarise(run, made_snapshot(), nullptr, 0))["warnings"], json::array());

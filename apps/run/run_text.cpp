@@ -21,6 +21,11 @@ std::string focal_text(const RunSummary& s) {
   return fixed(s.camera.fx, 1, " pixels instead of ") + fixed(s.given.fx, 1, "");
 }
 
+// "k1 0.0231, k2 -0.0104, where none was given"
+std::string distortion_text(const RunSummary& s) {
+  return fixed(s.camera.residual.k1, 4, ", k2 ") + fixed(s.camera.residual.k2, 4, ", where none was given");
+}
+
 // "526.2 pixels ± 0.8 %, k1 -0.022 ± 0.003, k2 0.000 ± 0.007"
 std::string estimate_text(const RunSummary& s) {
   const auto& [file, k1, k2, sigma] = *s.estimate;
@@ -76,6 +81,7 @@ std::string summary_text(const RunSummary& s, const std::filesystem::path& out) 
             s.estimate->file.string() + ")\n";
   }
   if (refined(s)) text += "focal length refined: " + focal_text(s) + "\n";
+  if (s.camera.residual.any()) text += "distortion found: k1 " + distortion_text(s) + "\n";
   text += "tracking " + fixed(s.times.tracking.median, 2, " ms a frame (median), ") +
           fixed(s.times.tracking.p95, 2, " ms (95 %); ") + fixed(s.costs.frames_per_second, 1, " frames/s in all; ") +
           "peak memory " + fixed(s.costs.peak_rss_mb, 0, " MB\n");
@@ -104,6 +110,7 @@ std::vector<std::pair<std::string, std::string>> summary_rows(const RunSummary& 
     rows.emplace_back("warning, frame " + std::to_string(w.frame), describe(w, s.sensor));
   if (s.estimate) rows.emplace_back("focal length, estimated from the recording", estimate_text(s));
   if (refined(s)) rows.emplace_back("focal length, refined", focal_text(s));
+  if (s.camera.residual.any()) rows.emplace_back("distortion found", "k1 " + distortion_text(s));
   if (s.accuracy) {
     rows.emplace_back(std::string("error (ATE RMSE, ") + name_of_alignment(s.accuracy->alignment) + ")",
                       fixed(s.accuracy->ate, 4, " m"));

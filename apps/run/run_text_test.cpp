@@ -33,6 +33,17 @@ TEST(RunText, TellsTheFocalLengthWhereTheMapMovedIt) {
   EXPECT_EQ(rows.back(), std::pair(std::string("focal length, refined"), std::string("507.5 pixels instead of 500.0")));
 }
 
+TEST(RunText, TellsTheDistortionThatWasFound) {
+  Snapshot snapshot = made_snapshot();
+  snapshot.camera.residual = {0.02314, -0.0109};
+  const RunSummary summary = summarise(made_record(), snapshot, nullptr, 0);
+  EXPECT_NE(summary_text(summary, "out").find("distortion found: k1 0.0231, k2 -0.0109, where none was given\n"),
+            std::string::npos);
+  const auto row = summary_rows(summary).back();
+  EXPECT_EQ(row,
+            std::pair(std::string("distortion found"), std::string("k1 0.0231, k2 -0.0109, where none was given")));
+}
+
 TEST(RunText, ARunWithoutAPoseIsExplainedByItsCameraElseByItsFrames) {
   Camera camera;
   camera.width = 640;

@@ -182,6 +182,11 @@ CameraParameters to_parameters(const Camera& camera) {
 CameraParameters in_use(CameraParameters given, const Pinhole& now) {
   given.fx = now.fx;
   given.fy = now.fy;
+  if (now.residual.any()) {  // it is looked for where none was given
+    given.lens = LensType::brown_conrady;
+    given.distortion[0] = now.residual.k1;
+    given.distortion[1] = now.residual.k2;
+  }
   given.depth_sigma_a = now.depth_noise.a;
   given.depth_sigma_b = now.depth_noise.b;
   return given;

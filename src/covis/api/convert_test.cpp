@@ -23,6 +23,18 @@ TEST(Convert, APoseComesBack) {
   }
 }
 
+TEST(Convert, TheCameraInUseHasTheDistortionThatWasFound) {
+  const CameraParameters given{.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 320, .cy = 240};
+  Pinhole now = to_camera(given, SensorType::monocular).pinhole;
+  EXPECT_EQ(in_use(given, now).lens, LensType::none);
+  now.residual = {0.02, -0.01};
+  const CameraParameters used = in_use(given, now);
+  EXPECT_EQ(used.lens, LensType::brown_conrady);
+  EXPECT_EQ(used.distortion[0], 0.02);
+  EXPECT_EQ(used.distortion[1], -0.01);
+  EXPECT_EQ(used.distortion[2], 0);
+}
+
 TEST(Convert, ACameraComesBack) {
   const CameraParameters given{.width = 640,
                                .height = 480,

@@ -15,16 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A pixel of the undistorted image shows the same in both given.pinhole and refined: refining the focal length leaves
-// pixels as they are.
 ResamplingMap undistortion(const SceneCamera& camera) {
   const auto& [given, refined, wanted] = camera;
   ResamplingMap map(given.width, given.height, given.width, given.height);
   constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
   for (int v = 0; v < given.height; ++v) {
     for (int u = 0; u < given.width; ++u) {
-      const Eigen::Vector2d undistorted = refined.project(wanted.unproject(u, v));
-      const auto at = given.project(given.pinhole.unproject(undistorted.x(), undistorted.y()));
+      const auto at = image_pixel(given, refined, wanted.unproject(u, v));
       map.set(u, v, at ? static_cast<float>(at->x()) : kNowhere, at ? static_cast<float>(at->y()) : kNowhere);
     }
   }
@@ -63,7 +60,8 @@ Result<size_t> write_images(const fs::path& folder_of_kept, const fs::path& fold
   size_t count = 0;
   for (uint32_t k = 0; k < scene.cameras.size(); ++k) {
     const SceneCamera& camera = scene.cameras[k];
-    const bool as_taken = camera.given.distortion == Distortion::none && camera.pinhole == camera.refined;
+    const bool as_taken = camera.given.distortion == Distortion::none && !camera.refined.residual.any() &&
+                          camera.pinhole == camera.refined;
     std::optional<ResamplingMap> map;
     for (SceneView& view : scene.views) {
       if (view.camera != k) continue;

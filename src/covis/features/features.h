@@ -105,8 +105,9 @@ struct Features {
   AlignedVector<Descriptor> descriptor;
   FeatureGrid grid;
   std::shared_ptr<const ScalePyramid> pyramid;
-  std::shared_ptr<const RefinedCamera> made_by;  // the camera, where it is another one than the map's; else null
-  SmallImage small;                              // for the next frame alone
+  std::shared_ptr<const Pinhole> straightened_for;  // whose residual distortion x, y are free of; null: they have it
+  std::shared_ptr<const RefinedCamera> made_by;     // the camera, where it is another one than the map's; else null
+  SmallImage small;                                 // for the next frame alone
 
   // A copy for a key frame: without the small image, and without room for more keypoints.
   std::shared_ptr<Features> for_key_frame() const;

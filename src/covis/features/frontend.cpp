@@ -11,6 +11,7 @@
 #include "covis/features/features_ring.h"
 #include "covis/features/staged_work.h"
 #include "covis/features/stereo_matcher.h"
+#include "covis/features/straightening.h"
 
 namespace covis {
 
@@ -95,7 +96,8 @@ struct Frontend::Impl {
   std::shared_ptr<Features> finish(ImageView<const float> depth_image);
 
   const Camera camera;
-  const ImageBounds bounds;
+  ImageBounds bounds;
+  std::shared_ptr<const Pinhole> refined;  // null: undistorted keypoints stay as they are
   OrbExtractor left;
   std::optional<OrbExtractor> right;
   std::optional<PairExtractor> pair;
@@ -110,15 +112,16 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
   const KeyPoints& k = left.keypoints();
   std::shared_ptr<Features> f = ring.next();
   f->pyramid = left.pyramid();
+  f->straightened_for = refined;
   const size_t n = k.size();
   f->start(std::max(n, left.most_keypoints()),
-           distorted() ? Features::RawPixels::different : Features::RawPixels::same);
+           distorted() || refined ? Features::RawPixels::different : Features::RawPixels::same);
   for (size_t i = 0; i < n; ++i) {
     Eigen::Vector2f at(k.x[i], k.y[i]);
-    if (distorted()) {
+    if (distorted() || refined) {
       const auto u = camera.undistort(at.cast<double>());
       if (!u) continue;
-      at = u->cast<float>();
+      at = (refined ? refined->straightened(*u) : *u).cast<float>();
       if (!bounds.contains(at.x(), at.y())) continue;
       f->raw_x.push_back(k.x[i]);
       f->raw_y.push_back(k.y[i]);
@@ -151,6 +154,12 @@ double Frontend::row_error() const { return impl_->matcher.row_error(); }
 void Frontend::set_feature_budget(int features) {
   impl_->left.set_budget(features);
   if (impl_->right) impl_->right->set_budget(features);
+}
+
+void Frontend::straighten_for(const Pinhole& refined) {
+  if (impl_->refined ? *impl_->refined == refined : !refined.residual.any()) return;
+  impl_->refined = refined.residual.any() ? std::make_shared<const Pinhole>(refined) : nullptr;
+  impl_->bounds = straightened(find_bounds(impl_->camera), refined);
 }
 
 FeaturesPtr Frontend::monocular(ImageView<const uint8_t> image) {

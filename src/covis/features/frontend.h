@@ -47,6 +47,9 @@ class Frontend {
   // Sets the number of keypoints wanted (the monocular initialiser uses more than tracking does).
   void set_feature_budget(int features);
 
+  // From now on keypoints are made free of this camera's residual distortion. Not for stereo, whose columns must stay.
+  void straighten_for(const Pinhole& refined);
+
   // Images must have the camera's size (asserted; readers check it before).
   FeaturesPtr monocular(ImageView<const uint8_t> image);
   // Processes a rectified pair; both images are extracted in parallel by two threads.

@@ -64,6 +64,18 @@ std::optional<double> undo_kannala_brandt(const std::array<double, 5>& k, double
 
 }  // namespace
 
+Eigen::Vector2d Pinhole::straightened(const Eigen::Vector2d& pixel) const {
+  if (!residual.any()) return pixel;
+  const auto m = undo_brown_conrady({residual.k1, residual.k2}, unproject(pixel.x(), pixel.y()).head<2>());
+  return m ? project(m->homogeneous()) : pixel;
+}
+
+Eigen::Vector2d Pinhole::bent(const Eigen::Vector2d& pixel) const {
+  if (!residual.any()) return pixel;
+  Eigen::Matrix2d J;
+  return project(brown_conrady({residual.k1, residual.k2}, unproject(pixel.x(), pixel.y()).head<2>(), J).homogeneous());
+}
+
 std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& p, Eigen::Matrix<double, 2, 3>* J) const {
   const Eigen::Vector2d f(pinhole.fx, pinhole.fy), c(pinhole.cx, pinhole.cy);
   if (distortion == Distortion::kannala_brandt) {
@@ -131,6 +143,12 @@ std::optional<Eigen::Vector2d> Camera::undistort(const Eigen::Vector2d& pixel) c
   const auto ray = unproject(pixel);
   if (!ray || !(ray->z() > 1e-6)) return std::nullopt;
   return pinhole.project(*ray);
+}
+
+std::optional<Eigen::Vector2d> image_pixel(const Camera& given, const Pinhole& refined, const Eigen::Vector3d& p_c) {
+  if (!(p_c.z() > 0)) return std::nullopt;
+  const Eigen::Vector2d undistorted = refined.bent(refined.project(p_c));
+  return given.project(given.pinhole.unproject(undistorted.x(), undistorted.y()));
 }
 
 std::string difference(const Camera& camera, const Camera& other) {

@@ -14,20 +14,33 @@
 
 namespace covis {
 
+// Distortion that the undistorted pixels of a camera still have, because its lens model was none or not quite right:
+// the first two radial coefficients of Brown's model, with radii in focal lengths.
+struct ResidualDistortion {
+  double k1 = 0, k2 = 0;
+  bool any() const { return k1 != 0 || k2 != 0; }
+  friend bool operator==(const ResidualDistortion&, const ResidualDistortion&) = default;
+};
+
 // Intrinsics of an ideal camera, and the stereo baseline (0 when monocular): bf = fx * baseline, pixels * metres.
 struct Pinhole {
   double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
   double bf = 0;                          // fx times the (real or virtual) baseline in metres; 0: no stereo or depth
   DepthNoise depth_noise{};               // RGB-D; not known: depth is measured as a disparity between two images
+  ResidualDistortion residual{};          // as it was found; keypoints are free of it
 
   double baseline() const { return bf / fx; }
   // As if it measured none, where depths are in another unit than the map's.
-  Pinhole without_depth() const { return {fx, fy, cx, cy}; }
+  Pinhole without_depth() const { return {.fx = fx, .fy = fy, .cx = cx, .cy = cy, .residual = residual}; }
   Eigen::Vector2d project(const Eigen::Vector3d& p_c) const {
     return {fx * p_c.x() / p_c.z() + cx, fy * p_c.y() / p_c.z() + cy};
   }
   // Returns the ray through a pixel, with z = 1.
   Eigen::Vector3d unproject(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1.0}; }
+  // From an undistorted pixel of the camera as it was given to that without the residual distortion, and back. Of a
+  // pixel so far out that no ray shows there the first gives the pixel itself.
+  Eigen::Vector2d straightened(const Eigen::Vector2d& pixel) const;
+  Eigen::Vector2d bent(const Eigen::Vector2d& pixel) const;
   friend bool operator==(const Pinhole&, const Pinhole&) = default;
 };
 
@@ -72,6 +85,10 @@ struct RefinedCamera {
   Pinhole pinhole;
   friend bool operator==(const RefinedCamera&, const RefinedCamera&) = default;
 };
+
+// Where the image of a given camera shows a point in camera coordinates, by what was refined of it: pixels. nullopt: it
+// does not show there.
+std::optional<Eigen::Vector2d> image_pixel(const Camera& given, const Pinhole& refined, const Eigen::Vector3d& p_c);
 
 // Lists as text how `other` differs from `camera` by more than the rounding of a file ("fx 718.9 instead of 707.1, …");
 // empty when they agree.

@@ -12,7 +12,7 @@
 
 namespace covis {
 
-enum class AdjustmentKind { full, focal };
+enum class AdjustmentKind { full, camera };
 
 // A copy of what is to be adjusted, made under a read guard of the map.
 class AdjustmentJob {

@@ -13,7 +13,7 @@ namespace {
 class HeldJob : public AdjustmentJob {
  public:
   explicit HeldJob(std::atomic<bool>& let_go, bool solved = true) : let_go_(let_go), solved_(solved) {}
-  AdjustmentKind kind() const override { return AdjustmentKind::focal; }
+  AdjustmentKind kind() const override { return AdjustmentKind::camera; }
   bool run(const std::atomic<bool>& interrupt) override {
     while (!let_go_ && !interrupt) std::this_thread::yield();
     return solved_ && !interrupt;
@@ -41,7 +41,7 @@ TEST_F(BackgroundAdjustmentTest, RunsAJobAndAppliesItsResult) {
   EXPECT_FALSE(background.ready());
   let_go = true;
   const BackgroundAdjustment::Outcome outcome = background.apply(map);
-  EXPECT_EQ(outcome.kind, AdjustmentKind::focal);
+  EXPECT_EQ(outcome.kind, AdjustmentKind::camera);
   EXPECT_TRUE(outcome.solved);
   EXPECT_TRUE(outcome.applied);
   EXPECT_FALSE(background.running());

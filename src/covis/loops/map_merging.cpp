@@ -18,7 +18,9 @@ size_t best_camera(const std::vector<MergeSource>& maps) {
   const auto rank = [](const MergeSource& source) {
     const MapState& map = source.map;
     const bool depth = source.sensor != Sensor::monocular, stereo = source.sensor == Sensor::stereo;
-    return std::tuple(depth, stereo, map.key_frames.size(), map.points.size(), map.camera.fx, map.camera.fy);
+    const ResidualDistortion& residual = map.camera.residual;
+    return std::tuple(depth, stereo, map.key_frames.size(), map.points.size(), map.camera.fx, map.camera.fy,
+                      residual.k1, residual.k2);
   };
   const auto best = std::max_element(maps.begin(), maps.end(),
                                      [&](const MergeSource& a, const MergeSource& b) { return rank(a) < rank(b); });
@@ -49,13 +51,15 @@ Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& 
   for (size_t i = 0; i < maps.size(); ++i) {
     MapState& map = maps[i].map;
     report.inputs.push_back({{}, all.next_serial, map.key_frames.size(), map.points.size()});
-    const bool refined = map.camera.fx != camera.fx || map.camera.fy != camera.fy;
+    const bool refined =
+        map.camera.fx != camera.fx || map.camera.fy != camera.fy || map.camera.residual != camera.residual;
     // Keypoints of other cameras were expressed in what the camera was refined to, and would not fit another focal
     // length.
     const bool is_same = maps[i].sensor == sensor && difference(given, maps[i].given).empty();
     if (!is_same || (refined && has_other_cameras(map))) {
       if (auto fits = express_in(map, maps[i].given, {given, camera}); !fits) return tl::unexpected(fits.error());
     } else if (refined) {
+      straighten(map, camera);
       to_adjust.push_back(i);
     }
     if (const auto added = append_map(all, std::move(map)); !added) return tl::unexpected(added.error());

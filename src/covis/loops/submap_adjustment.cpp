@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "covis/features/straightening.h"
 #include "covis/map/map_edit.h"
 
 namespace covis {
@@ -91,7 +92,13 @@ bool apply_submap(const MapProblem& adjusted, SharedMap& shared, const std::opti
   for (const auto& [id, T_cw] : places->poses) map.map().set_pose(id, T_cw);
   for (const auto& [id, position] : places->points) map.set_position(id, position);
   adjusted.erase_outliers(map);
-  if (camera) map.map().set_camera(*camera);
+  if (camera) {
+    for (const KeyFrameId& id : map->key_frames()) {
+      const Features& features = *map->at(id).features;
+      if (!straight_for(features, *camera)) map.map().set_features(id, straightened(features, *camera));
+    }
+    map.map().set_camera(*camera);
+  }
   return true;
 }
 

@@ -7,6 +7,8 @@
 #include <memory>
 #include <unordered_set>
 
+#include "covis/features/straightening.h"
+
 namespace covis {
 namespace {
 
@@ -31,8 +33,10 @@ struct PixelChange {
 
 using Pyramids = std::map<const ScalePyramid*, std::shared_ptr<const ScalePyramid>>;
 
-std::shared_ptr<Features> changed(const Features& of, const PixelChange& change, double bf, Pyramids& pyramids) {
+std::shared_ptr<Features> changed(const Features& of, const PixelChange& change, double bf, Pyramids& pyramids,
+                                  const std::shared_ptr<const Pinhole>& straightened_for) {
   auto f = std::make_shared<Features>(of);
+  f->straightened_for = straightened_for;
   f->raw_x = of.image_x();  // they stay where they are in their image
   f->raw_y = of.image_y();
   for (size_t i = 0; i < of.x.size(); ++i) {
@@ -53,7 +57,7 @@ std::shared_ptr<Features> changed(const Features& of, const PixelChange& change,
 bool is_of_another(const Features& features) { return features.made_by || features.pyramid->base != 1; }
 
 bool same_pixels(const Pinhole& a, const Pinhole& b) {
-  return a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
+  return a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy && a.residual == b.residual;
 }
 
 }  // namespace
@@ -72,8 +76,9 @@ Result<void> express_in(MapState& map, const Camera& made_by, const RefinedCamer
   from.given.pinhole.depth_noise = from.pinhole.depth_noise = {};  // no file has them
   const auto own = std::make_shared<const RefinedCamera>(from);
   Pyramids pyramids;
+  const auto straightened_for = to.pinhole.residual.any() ? std::make_shared<const Pinhole>(to.pinhole) : nullptr;
   for (KeyFrameState& k : map.key_frames) {
-    const auto features = changed(*k.features, change, to.pinhole.bf, pyramids);
+    const auto features = changed(*k.features, change, to.pinhole.bf, pyramids, straightened_for);
     // Files of version 1.4 do not name the cameras of key frames with other pixels: nobody knows them.
     auto& name = features->made_by;
     if (!name && k.features->pyramid->base == 1) name = own;
@@ -86,6 +91,12 @@ Result<void> express_in(MapState& map, const Camera& made_by, const RefinedCamer
   }
   map.camera = to.pinhole;
   return {};
+}
+
+void straighten(MapState& map, const Pinhole& camera) {
+  for (KeyFrameState& k : map.key_frames)
+    if (!straight_for(*k.features, camera)) k.features = straightened(*k.features, camera);
+  map.camera = camera;
 }
 
 std::vector<RefinedCamera> other_cameras(const MapState& map) {

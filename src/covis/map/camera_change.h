@@ -17,6 +17,10 @@ namespace covis {
 // bounds.
 Result<void> express_in(MapState& map, const Camera& made_by, const RefinedCamera& to);
 
+// The map's camera becomes this one, the same one refined in another way: keypoints are made free of its residual
+// distortion. Poses and points stay, and fit the better the less the cameras differ.
+void straighten(MapState& map, const Pinhole& camera);
+
 // The cameras that key frames name, each once, in the order of their first key frames.
 std::vector<RefinedCamera> other_cameras(const MapState& map);
 inline constexpr size_t kMostCameras = 1000;  // greatest number of them that a map can have

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "covis/features/straightening.h"
 #include "covis/map/test_point_scene.h"
 
 namespace covis {
@@ -96,6 +97,27 @@ TEST_F(CameraChange, KeyFramesNameTheirCameraUnlessItIsTheMapsOwn) {
   EXPECT_EQ(other_cameras(state), (std::vector<RefinedCamera>{{fine, kFine}}));
   EXPECT_EQ(state.key_frames.front().features->made_by, nullptr);
   EXPECT_FALSE(has_other_cameras(*world.shared.read()));
+}
+
+// The keypoints that another camera gets have the rays that they had, so none of its own distortion is in them.
+TEST_F(CameraChange, AResidualDistortionStaysWithItsCamera) {
+  MapState state = world.shared.read()->state();
+  const Camera first = camera_of(scene.camera).given;
+  state.camera.residual = {0.05, -0.01};
+  const Pinhole refined = state.camera;
+  const FeaturesPtr before = state.key_frames.front().features;
+  ASSERT_TRUE(express_in(state, first, camera_of(kFine)));
+  EXPECT_EQ(state.camera, kFine);
+  const Features& made = *state.key_frames.front().features;
+  EXPECT_TRUE(straight_for(made, kFine));
+  ASSERT_TRUE(made.made_by);
+  EXPECT_EQ(made.made_by->pinhole, refined);
+  for (size_t i = 0; i < made.x.size(); ++i) {
+    EXPECT_NEAR((made.x[i] - kFine.cx) / kFine.fx, (before->x[i] - refined.cx) / refined.fx, 1e-6);
+  }
+  ASSERT_TRUE(express_in(state, camera_of(kFine).given, {first, refined}));
+  EXPECT_TRUE(straight_for(*state.key_frames.front().features, refined));
+  EXPECT_FALSE(state.key_frames.front().features->made_by);
 }
 
 TEST_F(CameraChange, CamerasThatDifferByTooMuchAreRefused) {

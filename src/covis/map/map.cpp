@@ -146,6 +146,14 @@ void Map::set_words(KeyFrameId id, std::shared_ptr<const Words> words) {
   key_frame.words = std::move(words);
 }
 
+bool Map::set_features(KeyFrameId id, FeaturesPtr features) {
+  KeyFrame* key_frame = key_frames_.find(id);
+  if (!key_frame) return false;
+  assert(features->size() == key_frame->features->size());
+  key_frame->features = std::move(features);
+  return true;
+}
+
 bool Map::set_colours(KeyFrameId id, ColoursPtr colours) {
   const KeyFrame* key_frame = find(id);
   if (!key_frame) return false;

@@ -125,6 +125,8 @@ class Map {
   bool set_pose(KeyFrameId id, const SE3& T_cw);
   // Makes it known to the database. Once.
   void set_words(KeyFrameId id, std::shared_ptr<const Words> words);
+  // The same keypoints in other places (asserted: as many). False (nothing done) when stale.
+  bool set_features(KeyFrameId id, FeaturesPtr features);
   // One for each feature (asserted). False (nothing done) when stale.
   bool set_colours(KeyFrameId id, ColoursPtr colours);
   // The correction of a loop: the pose, and the factor by which lengths near this key frame grew. Counted by moves(),
@@ -162,7 +164,8 @@ class Map {
   void count_move() { ++moves_; }
 
   // ---- The camera ----
-  // The camera that all undistorted keypoints are of; they stay as they are when it is refined.
+  // The camera that all undistorted keypoints are of. They stay as they are when its focal length is refined; with
+  // another residual distortion they are made anew (set_features(), features/straightening.h).
   const Pinhole& camera() const { return camera_; }
   void set_camera(const Pinhole& camera) { camera_ = camera; }
 

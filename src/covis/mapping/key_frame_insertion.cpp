@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "covis/features/straightening.h"
 #include "covis/map/map_edit.h"
 #include "covis/matching/point_geometry.h"
 
@@ -13,6 +14,7 @@ namespace covis {
 KeyFrameId insert_key_frame(SharedMap& shared, const KeyFrameRequest& request, RecentPoints& recent) {
   std::shared_ptr<Features> features = request.features->for_key_frame();
   MapEdit map(shared);
+  if (!straight_for(*features, map->camera())) features = straightened(*features, map->camera());
   SE3 T_cw = request.pose.T_cr;
   std::optional<RelativePose> reference;
   if (request.pose.key_frame.valid()) {

@@ -17,6 +17,8 @@ Fields fields(MapperOptions& o) {
       {"mapper.ba_iterations_first", &o.ba_iterations_first, "iterations before outliers are dropped", 1, 100},
       {"mapper.ba_iterations_second", &o.ba_iterations_second, "iterations after", 0, 100},
       {"mapper.refine_focal", &o.refine_focal, "monocular, RGB-D: adjust the focal length too, when the map tells it"},
+      {"mapper.refine_distortion", &o.refine_distortion,
+       "monocular, camera given without distortion: find what distortion its images have, when the map tells it"},
       {"mapper.estimate_depth_noise", &o.estimate_depth_noise,
        "RGB-D: estimate the noise of depth from the map, when the camera says nothing of it"},
       {"mapper.cull_redundancy", &o.cull_redundancy,

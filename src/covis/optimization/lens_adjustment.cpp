@@ -46,10 +46,10 @@ LensVector vector_of(const Lens& lens) { return {lens.focal, lens.k1, lens.k2, l
 Lens lens_of(const LensVector& v) { return {v(0), v(1), v(2), v(3), v(4)}; }
 
 // Returns the information on each parameter before anything was seen.
-LensVector information_of(const Lens& usual) {
-  LensVector information = vector_of(usual).cwiseMax(kStays).cwiseAbs2().cwiseInverse();
-  information(0) = 0;
-  return information;
+LensVector information_of(const LensOptions& options) {
+  LensVector deviation = vector_of(options.usual);
+  deviation(0) = options.usual_focal;
+  return deviation.cwiseMax(kStays).cwiseAbs2().cwiseInverse();
 }
 
 Vector2d distorted(const Eigen::Vector3d& p_c, const Lens& lens) {
@@ -70,8 +70,9 @@ std::optional<Vector2d> residual_of(const BundleObservation& o, const Eigen::Vec
 
 class LensProblem {
  public:
-  LensProblem(const BundleProblem& problem, const LensOptions& options)
-      : camera_(problem.camera), observations_(problem.observations), information_(information_of(options.usual)) {
+  LensProblem(const BundleProblem& problem, const Lens& given, const LensOptions& options)
+      : camera_(problem.camera), given_focal_(given.focal), observations_(problem.observations) {
+    information_ = information_of(options);
     std::erase_if(observations_, [](const BundleObservation& o) { return !o.active; });
     std::stable_sort(observations_.begin(), observations_.end(),
                      [](const BundleObservation& a, const BundleObservation& b) { return a.point < b.point; });
@@ -85,8 +86,11 @@ class LensProblem {
   // has to be on the same scale.
   void scale_information(double variance) { information_ *= variance; }
 
+  // How far a lens is from what was usual.
+  LensVector off(const Lens& l) const { return {std::log(l.focal / given_focal_), l.k1, l.k2, l.cx, l.cy}; }
+
   double cost(const State& state) const {
-    double sum = information_.dot(vector_of(state.lens).cwiseAbs2());
+    double sum = information_.dot(off(state.lens).cwiseAbs2());
     for (const BundleObservation& o : observations_) {
       double weight = 1;
       const auto r = residual_of(o, camera_point(state, o), state.lens, camera_);
@@ -149,6 +153,7 @@ class LensProblem {
   }
 
   Pinhole camera_;
+  double given_focal_;
   std::vector<BundleObservation> observations_;  // by point
   LensVector information_;
   int unknowns_ = 0;
@@ -166,7 +171,7 @@ class ReducedSystem {
     for (const BundleObservation& o : problem.observations()) rows_.push_back(problem.row(state, o));
     problem.for_each_point([&](size_t first, size_t last) { add_point(first, last); });
     S.topLeftCorner<kLens, kLens>().diagonal() += problem.information();
-    g.head<kLens>() -= problem.information().cwiseProduct(vector_of(state.lens));
+    g.head<kLens>() -= problem.information().cwiseProduct(problem.off(state.lens));
     S.diagonal() += damping * diagonal_of_poses();
   }
 
@@ -272,7 +277,7 @@ State moved(const LensProblem& problem, const State& state, const ReducedSystem&
 // none comes below that, the search goes back to it (the watchdog technique: Nocedal and Wright, "Numerical
 // optimization", 2006, section 15.6). Where motion does not tell the lens it may end before the cost is least, with a
 // large deviation. Returns false when interrupted.
-bool minimise(const LensProblem& problem, State& state, const std::atomic<int>* interrupt) {
+bool minimise(const LensProblem& problem, State& state, const std::function<bool()>& interrupted) {
   constexpr int kIterations = 100;
   constexpr double kEnough = 1e-6;      // relative decrease of the cost
   constexpr double kStill = 1e-4;       // change of the focal length's logarithm
@@ -285,7 +290,7 @@ bool minimise(const LensProblem& problem, State& state, const std::atomic<int>* 
   State at = state;
   int uphill = 0, waited = 0;
   for (int i = 0; i < kIterations && waited < kPatience; ++i) {
-    if (interrupt && *interrupt) return false;
+    if (interrupted && interrupted()) return false;
     const ReducedSystem system(problem, at, damping);
     const Eigen::VectorXd step = system.S.selfadjointView<Eigen::Upper>().ldlt().solve(system.g);
     at = moved(problem, at, system, step);
@@ -374,11 +379,11 @@ Lens LensAdjustment::deviation() const { return lens_of(vector_of(sigma).cwiseMa
 
 LensAdjustment adjust_lens(BundleProblem& problem, const Lens& lens, const LensOptions& options) {
   LensAdjustment found;
-  LensProblem all(problem, options);
+  LensProblem all(problem, lens, options);
   if (problem.poses.size() < 3 || all.observations().empty()) return found;
   State state{problem.poses, problem.points, lens};
   for (int round = 0; round < 2; ++round) {
-    if (!minimise(all, state, options.interrupt)) return found;
+    if (!minimise(all, state, options.interrupted)) return found;
     measure_variance(all, state, found);
     if (!(found.variance > 0)) return found;
     if (round == 0) all.scale_information(found.variance);

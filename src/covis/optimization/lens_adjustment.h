@@ -6,7 +6,8 @@
 // section 9.3.3); Brown, "Close-range camera calibration", 1971.
 #pragma once
 
-#include <atomic>
+#include <functional>
+#include <limits>
 
 #include "covis/optimization/bundle_adjustment.h"
 
@@ -33,9 +34,11 @@ struct LensAdjustment {
 
 struct LensOptions {
   // Standard deviations before anything was seen: of a lens' coefficients around 0, of the principal point around the
-  // given one. A parameter with a deviation of 0 is kept there; the focal length is always free.
+  // given one. A parameter with a deviation of 0 is kept there. The focal length has its own.
   Lens usual{.k1 = 0.3, .k2 = 0.1};
-  const std::atomic<int>* interrupt = nullptr;  // not 0: end without a result
+  // The same of the focal length's logarithm, around that of the lens the adjustment begins with; infinite: it is free.
+  double usual_focal = std::numeric_limits<double>::infinity();
+  std::function<bool()> interrupted = {};  // may be empty; true: end without a result
 };
 
 // Adjusts the problem's poses and points and the lens, which begins as `lens`. Observations are pixels of the image as

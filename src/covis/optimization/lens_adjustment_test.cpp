@@ -158,8 +158,7 @@ TEST(LensAdjustment, WhatNothingTellsIsAsUncertainAsBefore) {
 TEST(LensAdjustment, WhatIsNotOkLeavesTheProblem) {
   BundleProblem problem = seen_through(0, 1.2, Motion::sideways, 5);
   const Eigen::Vector3d point = problem.points.front();
-  const std::atomic<int> interrupt = 1;
-  EXPECT_FALSE(adjust_lens(problem, {kFocal}, {.interrupt = &interrupt}).ok);
+  EXPECT_FALSE(adjust_lens(problem, {kFocal}, {.interrupted = [] { return true; }}).ok);
   EXPECT_EQ(problem.points.front(), point);
 }
 
@@ -176,8 +175,7 @@ TEST(LensAdjustment, WhatHasNothingToSolveOrIsInterruptedIsNotOk) {
   BundleProblem empty;
   EXPECT_FALSE(adjust_lens(empty, {kFocal, 0}).ok);
   BundleProblem problem = seen_through(0, 1, Motion::sideways, 5);
-  const std::atomic<int> interrupt = 1;
-  EXPECT_FALSE(adjust_lens(problem, {kFocal, 0}, {.interrupt = &interrupt}).ok);
+  EXPECT_FALSE(adjust_lens(problem, {kFocal, 0}, {.interrupted = [] { return true; }}).ok);
 }
 
 }  // namespace

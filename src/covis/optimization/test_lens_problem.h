@@ -44,14 +44,15 @@ inline void add_point(BundleProblem& problem, const Camera& lens, const std::vec
 
 // Cameras that move and turn among points, seen through a lens with some noise. Poses and points are those of a map
 // that was made with a focal length of `claimed` times the true one: its depths are stretched so.
-inline BundleProblem seen_through(const Camera& lens, double claimed, Motion motion, uint64_t seed) {
+inline BundleProblem seen_through(const Camera& lens, double claimed, Motion motion, uint64_t seed,
+                                  int views = kViews) {
   Random random(seed);
   BundleProblem problem;
   problem.camera = lens.pinhole;
   const Eigen::Vector3d stretch(1, 1, claimed);
   std::vector<SE3> poses;
-  for (int k = 0; k < kViews; ++k) {
-    const double s = static_cast<double>(k) / (kViews - 1) - 0.5;
+  for (int k = 0; k < views; ++k) {
+    const double s = static_cast<double>(k) / (views - 1) - 0.5;
     const bool sideways = motion == Motion::sideways;
     const Eigen::Vector3d centre = sideways ? Eigen::Vector3d(3 * s, std::sin(5 * s), 2 * s) : Eigen::Vector3d(0, 0, s);
     const Eigen::Matrix3d R = so3_exp(sideways ? Eigen::Vector3d(0.3 * std::cos(4 * s), 0.8 * s, 0.1 * s)
@@ -62,7 +63,7 @@ inline BundleProblem seen_through(const Camera& lens, double claimed, Motion mot
   }
   for (int p = 0; p < 600; ++p) {
     const Eigen::Vector3d place(random.uniform(-4, 4), random.uniform(-3, 3), random.uniform(4, 10));
-    add_point(problem, lens, poses, 0, kViews, place, place.cwiseProduct(stretch), random);
+    add_point(problem, lens, poses, 0, views, place, place.cwiseProduct(stretch), random);
   }
   return problem;
 }

@@ -35,7 +35,7 @@ MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic
   const Stopwatch watch;
   apply_adjustment(report);
   close_loop(report);
-  if (!request.doubted_depth) refine_focal(report.key_frame);
+  if (!request.doubted_depth) refine_camera(report.key_frame);
   forget_replaced_points(report.key_frame);
   report.loop_ms = watch.ms();
   report.counts.key_frames_thinned = keep_within_bound(report.key_frame);
@@ -73,12 +73,13 @@ void Backend::close_loop(MappingReport& report) {
   background_.start(std::move(job), options_.loop.ba_key_frames);
 }
 
-void Backend::refine_focal(KeyFrameId current) {
+void Backend::refine_camera(KeyFrameId current) {
+  const MapperOptions& o = options_.mapper;
   // Stereo's baseline times focal length would have to follow.
-  if (options_.sensor == Sensor::stereo || !options_.mapper.refine_focal || background_.running()) return;
-  const std::optional<int> key_frames = focal_.ask(*map_.read());
+  if (options_.sensor == Sensor::stereo || !(o.refine_focal || o.refine_distortion) || background_.running()) return;
+  const std::optional<int> key_frames = refinement_.ask(*map_.read());
   if (!key_frames) return;
-  auto job = FocalRefinement::of(*map_.read(), current, given_.fx);
+  auto job = CameraRefinement::of(*map_.read(), current, {given_.fx, o.refine_focal, o.refine_distortion});
   background_.start(std::move(job), *key_frames);
 }
 
@@ -122,7 +123,7 @@ void Backend::discard(uint32_t submap) {
   map->erase_submap(submap);
   if (!map->submaps().empty()) return;
   closer_.reset();
-  focal_.restart(*map);
+  refinement_.restart(*map);
 }
 
 }  // namespace covis

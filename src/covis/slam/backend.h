@@ -9,7 +9,7 @@
 
 #include "covis/core/schedule.h"
 #include "covis/loops/background_adjustment.h"
-#include "covis/loops/focal_refinement.h"
+#include "covis/loops/camera_refinement.h"
 #include "covis/loops/loop_closer.h"
 #include "covis/loops/loop_options.h"
 #include "covis/map/shared_map.h"
@@ -37,7 +37,7 @@ class Backend {
   // The map has the camera it was given. Without a vocabulary (null) places are not recognised.
   Backend(SharedMap& map, const BackendOptions& options, std::shared_ptr<const Vocabulary> vocabulary = nullptr);
 
-  // Maps the key frame, applies the background's result when it is due, looks for a loop, asks for the focal length
+  // Maps the key frame, applies the background's result when it is due, looks for a loop, asks for the camera
   // when it is time, and locates earlier frames that the request brings. `interrupt` (may be null) becomes true when
   // another waits.
   MappingReport process(const KeyFrameRequest& request, const std::atomic<bool>* interrupt);
@@ -50,7 +50,7 @@ class Backend {
  private:
   void apply_adjustment(MappingReport& report);
   void close_loop(MappingReport& report);
-  void refine_focal(KeyFrameId current);
+  void refine_camera(KeyFrameId current);
   std::vector<DepthAgainstMotion> check_depth(KeyFrameId current, MotionDepthCheck::Pace pace);
   void forget_replaced_points(KeyFrameId current);
   int keep_within_bound(KeyFrameId current);
@@ -60,7 +60,7 @@ class Backend {
   Mapper mapper_;
   LoopCloser closer_;
   BackgroundAdjustment background_;
-  FocalSchedule focal_;
+  RefinementSchedule refinement_;
   MotionDepthCheck depth_check_;
   const Pinhole given_;  // the camera as it came
   struct Told {

@@ -99,7 +99,8 @@ LensAnswer answer_of(BundleProblem& problem, const Lens& given, double longer_si
   LensAnswer answer{.given = given.focal, .found = {}, .key_frames = problem.poses.size()};
   Lens begin = given;
   for (size_t model = kLensModels; model-- > 0;) {
-    const LensOptions options{.usual = usual(model, longer_side), .interrupt = interrupt};
+    const LensOptions options{.usual = usual(model, longer_side),
+                              .interrupted = [&] { return interrupt && *interrupt; }};
     for (double Lens::*more : kMore)
       if (options.usual.*more == 0) begin.*more = 0;
     BundleProblem attempt = problem;

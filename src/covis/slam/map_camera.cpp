@@ -22,6 +22,7 @@ Pinhole with_depth_noise(Pinhole camera, Sensor sensor) {
 Pinhole camera_for(const Map& map, const Camera& made_by, const Camera& given, Sensor sensor) {
   const Pinhole saved = map.camera();
   Pinhole camera = same_lens(given, made_by) ? saved : given.pinhole;
+  if (sensor == Sensor::stereo) camera.residual = {};  // the columns of rectified pairs stay as they are
   const bool stereo_made_it = saved.bf > 0 && !saved.depth_noise.known();
   if (sensor == Sensor::monocular || (sensor == Sensor::rgbd && stereo_made_it)) {
     camera.bf = saved.baseline() * camera.fx;

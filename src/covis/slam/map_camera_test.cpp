@@ -51,6 +51,16 @@ TEST_F(MapCamera, TheSameLensKeepsWhatWasRefined) {
   EXPECT_EQ(camera_for(map, camera_of(stereo), camera_of(other), Sensor::stereo).fx, 600);
 }
 
+TEST_F(MapCamera, RectifiedPairsHaveNoResidualDistortion) {
+  Pinhole refined = stereo;
+  refined.residual = {0.02, -0.01};
+  const Map map = map_of(refined);
+  EXPECT_EQ(camera_for(map, camera_of(stereo), camera_of(stereo), Sensor::monocular).residual, refined.residual);
+  EXPECT_EQ(camera_for(map, camera_of(stereo), camera_of(stereo), Sensor::rgbd).residual, refined.residual);
+  EXPECT_FALSE(camera_for(map, camera_of(stereo), camera_of(stereo), Sensor::stereo).residual.any());
+  EXPECT_FALSE(camera_for(map, camera_of(stereo), camera_of(other), Sensor::monocular).residual.any());
+}
+
 TEST_F(MapCamera, DepthsKeepWhatTheyWere) {
   Pinhole sensor = stereo;
   sensor.depth_noise = noise;

@@ -24,10 +24,11 @@ TrackingSettings tracking_settings(const SystemOptions& o) {
           .seed = o.seed};
 }
 
-// Noise that was given is not estimated.
-BackendOptions backend_options(const SystemOptions& options, const Pinhole& camera) {
+// Noise and distortion that were given are not looked for.
+BackendOptions backend_options(const SystemOptions& options, const Camera& camera) {
   BackendOptions made(options);
-  made.mapper.estimate_depth_noise &= options.sensor == Sensor::rgbd && !camera.depth_noise.known();
+  made.mapper.estimate_depth_noise &= options.sensor == Sensor::rgbd && !camera.pinhole.depth_noise.known();
+  made.mapper.refine_distortion &= options.sensor == Sensor::monocular && camera.distortion == Distortion::none;
   return made;
 }
 
@@ -41,7 +42,7 @@ System::System(const Camera& camera, const SystemOptions& options, std::shared_p
       log_(static_cast<size_t>(options.trajectory_frames)),
       frontend_(camera, options.orb, options.sensor),
       tracker_(map_, tracking_settings(options), vocabulary_),
-      mapping_(map_, backend_options(options, camera.pinhole), vocabulary_) {
+      mapping_(map_, backend_options(options, camera), vocabulary_) {
   // A lost camera is looked for in the map; it begins none.
   if (options_.localize) tracker_.start_lost();
 }
@@ -55,8 +56,10 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
     if (auto continued = check_continued(map, options_.sensor); !continued) return continued;
   }
   const Pinhole camera = camera_for(map, made_by, given_, options_.sensor);
-  if (const std::string other = difference(given_, made_by); !other.empty()) {
+  const std::string other = difference(given_, made_by);
+  if (!other.empty())
     log(LogLevel::info, "the map was made by another camera (" + other + "); it is expressed in the present one");
+  if (!other.empty() || camera.residual != map.camera().residual) {
     MapState state = map.state();
     map = Map();  // so that features are not held twice
     if (auto fits = express_in(state, made_by, {given_, camera}); !fits) return fits;
@@ -185,7 +188,7 @@ std::vector<ViewedKeypoint> System::viewed_keypoints() const {
   const std::vector<uint8_t>& expected = tracker_.search().view.points();
   for (size_t k = 0; k < std::min(points.size(), expected.size()); ++k) {
     if (!expected[k] || matched.contains(points.id[k])) continue;
-    const auto pixel = given_.project(frame.T_cw * points.position(k));
+    const auto pixel = image_pixel(given_, tracker_.search().camera, frame.T_cw * points.position(k));
     if (!pixel) continue;
     seen.push_back({static_cast<float>(pixel->x()), static_cast<float>(pixel->y()), ViewedKeypoint::Kind::lost});
   }
@@ -207,6 +210,7 @@ MapState System::map_state() const { return map_.read()->state(); }
 // `features`: the number of keypoints wanted.
 FeaturesPtr System::extract(const Input& input, int features) {
   frontend_.set_feature_budget(features);
+  if (options_.sensor != Sensor::stereo) frontend_.straighten_for(tracker_.search().camera);
   switch (options_.sensor) {
     case Sensor::monocular:
       return frontend_.monocular(input.image);

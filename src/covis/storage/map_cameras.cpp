@@ -18,6 +18,17 @@ void refined_fields(Fields& fields, C& camera) {
   pinhole_fields(fields, camera.pinhole);
 }
 
+// All residual distortions, that of the map's camera first.
+template <class Fields, class P, class Cameras>
+void residual_fields(Fields& fields, P& own, Cameras& cameras) {
+  const auto add = [&](auto& residual) {
+    fields(residual.k1);
+    fields(residual.k2);
+  };
+  add(own.residual);
+  for (auto& camera : cameras.cameras) add(camera.pinhole.residual);
+}
+
 }  // namespace
 
 KeyFrameCameras cameras_of(const MapState& map) {
@@ -66,6 +77,27 @@ std::string read_cameras(std::string_view bytes, size_t key_frames, KeyFrameCame
     used[k] = true;
   }
   if (std::find(used.begin() + 1, used.end(), false) != used.end()) return "it names a camera that made no key frame";
+  return {};
+}
+
+bool have_residuals(const Pinhole& own, const KeyFrameCameras& all) {
+  return own.residual.any() || std::any_of(all.cameras.begin(), all.cameras.end(),
+                                           [](const RefinedCamera& camera) { return camera.pinhole.residual.any(); });
+}
+
+std::string bytes_of_residuals(const Pinhole& own, const KeyFrameCameras& all) {
+  FieldWriter fields;
+  residual_fields(fields, own, all);
+  return fields.take();
+}
+
+std::string read_residuals(std::string_view bytes, Pinhole& own, KeyFrameCameras& all) {
+  FieldReader fields(bytes);
+  residual_fields(fields, own, all);
+  if (!fields.whole()) return std::string(kNotRightLength);
+  const auto valid = [](const RefinedCamera& camera) { return valid_camera(camera.pinhole); };
+  if (!valid_camera(own) || !std::all_of(all.cameras.begin(), all.cameras.end(), valid))
+    return "a camera's residual distortion is not valid";
   return {};
 }
 

@@ -90,25 +90,34 @@ Result<std::vector<float>> read_pixel_sizes(SectionFile& file, size_t key_frames
   return sizes;
 }
 
-// Files without several cameras have none.
-Result<KeyFrameCameras> read_key_frame_cameras(SectionFile& file, size_t key_frames) {
+// Files without several cameras have none. The residual distortions of all cameras are read, `own` is the map's.
+Result<KeyFrameCameras> read_key_frame_cameras(SectionFile& file, size_t key_frames, Pinhole& own) {
   KeyFrameCameras cameras;
-  if (!file.has(kCameras)) return cameras;
-  const auto bytes = file.read(kCameras, "cameras");
-  if (!bytes) return tl::unexpected(bytes.error());
-  if (const std::string problem = read_cameras(*bytes, key_frames, cameras); !problem.empty())
-    return fail(file.error(problem));
+  if (file.has(kCameras)) {
+    const auto bytes = file.read(kCameras, "cameras");
+    if (!bytes) return tl::unexpected(bytes.error());
+    if (const std::string problem = read_cameras(*bytes, key_frames, cameras); !problem.empty())
+      return fail(file.error(problem));
+  }
+  if (file.has(kResiduals)) {
+    const auto bytes = file.read(kResiduals, "residual distortions");
+    if (!bytes) return tl::unexpected(bytes.error());
+    if (const std::string problem = read_residuals(*bytes, own, cameras); !problem.empty())
+      return fail(file.error(problem));
+  }
   return cameras;
 }
 
+// `camera`: the map's, which gets its residual distortion.
 Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& records,
-                           std::vector<KeyFrameState>& key_frames) {
+                           std::vector<KeyFrameState>& key_frames, Pinhole& camera) {
   const auto sizes = read_pixel_sizes(file, records.size());
   if (!sizes) return tl::unexpected(sizes.error());
-  const auto cameras = read_key_frame_cameras(file, records.size());
+  const auto cameras = read_key_frame_cameras(file, records.size(), camera);
   if (!cameras) return tl::unexpected(cameras.error());
+  const auto straightened_for = camera.residual.any() ? std::make_shared<const Pinhole>(camera) : nullptr;
   std::vector<std::shared_ptr<const RefinedCamera>> made_by{nullptr};
-  for (const RefinedCamera& camera : cameras->cameras) made_by.push_back(std::make_shared<RefinedCamera>(camera));
+  for (const RefinedCamera& other : cameras->cameras) made_by.push_back(std::make_shared<RefinedCamera>(other));
   const auto bytes = file.read(kFeatures, "features");
   if (!bytes) return tl::unexpected(bytes.error());
   FieldReader fields(*bytes);
@@ -129,6 +138,7 @@ Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& re
       f->raw_y = std::move(image_y);
     }
     f->pyramid = pyramid;
+    f->straightened_for = straightened_for;
     if (!cameras->of.empty()) f->made_by = made_by[cameras->of[i]];
     if (!valid_camera(r.camera)) return fail(file.error(name + "has no valid camera"));
     const std::string problem = covis::problem_of(*f, r.bounds);
@@ -206,7 +216,7 @@ Result<MapState> read_state(SectionFile& file, const Counts& counts, const MapHe
   const auto noise = read_depth_noise(file, header.sensor);
   if (!noise) return tl::unexpected(noise.error());
   state.camera.depth_noise = *noise;
-  Result<void> read = read_features(file, records, state.key_frames);
+  Result<void> read = read_features(file, records, state.key_frames, state.camera);
   if (read) read = read_observations(file, state.key_frames);
   if (read) read = read_points(file, counts.points, state.points);
   if (read) read = read_colours(file, state.key_frames);
@@ -268,7 +278,8 @@ Result<MapInfo> read_map_info(const std::filesystem::path& path) {
   info.points = c.points;
   info.observations = c.observations;
   info.features = c.features;
-  const auto cameras = read_key_frame_cameras(*file, key_frames->size());
+  Pinhole own = info.header.camera.pinhole;
+  const auto cameras = read_key_frame_cameras(*file, key_frames->size(), own);
   if (!cameras) return tl::unexpected(cameras.error());
   for (const RefinedCamera& camera : cameras->cameras) info.other_cameras.push_back({camera.given, 0});
   for (const uint32_t k : cameras->of) {

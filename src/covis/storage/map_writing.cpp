@@ -85,12 +85,13 @@ Result<void> check_readable(const MapState& map, uint64_t size) {
 Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& header) {
   const bool noise = map.camera.depth_noise.known(), colours = has_colours(map), sizes = has_other_pixels(map);
   const KeyFrameCameras others = cameras_of(map);
-  const bool cameras = !others.cameras.empty();
-  const uint16_t minor = cameras   ? kMapFileMinor
+  const bool cameras = !others.cameras.empty(), residuals = have_residuals(map.camera, others);
+  const uint16_t minor = residuals ? kMapFileMinor
+                         : cameras ? kMapFileMinorWithCameras
                          : sizes   ? kMapFileMinorWithSizes
                          : colours ? kMapFileMinorWithColours
                                    : kMapFileMinorLeast;
-  SectionWriter file(sink, 5u + noise + colours + sizes + cameras, kMapFileMajor, minor);
+  SectionWriter file(sink, 5u + noise + colours + sizes + cameras + residuals, kMapFileMajor, minor);
   FieldWriter about;
   const Counts counts = counts_of(map);
   about_fields(about, header, counts);
@@ -110,6 +111,7 @@ Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& hea
   if (colours) file.write(kColours, colour_bytes(map));
   if (sizes) file.write(kPixelSizes, pixel_size_bytes(map));
   if (cameras) file.write(kCameras, bytes_of(others));
+  if (residuals) file.write(kResiduals, bytes_of_residuals(map.camera, others));
   const auto size = file.finish();
   return size ? check_readable(map, *size) : tl::unexpected(size.error());
 }

@@ -74,6 +74,7 @@ bool Walk::find_pose() {
 
 std::optional<RelativePose> Walk::step(const UnlocatedFrame& frame) {
   current_.start(frame.features, frame.frame, frame.stamp);
+  current_.straighten_for(search_.camera);
   if (!find_pose()) {
     if (const auto map = map_.read(); map->find(reference_)) search_.local_map.reference.copy(*map, reference_);
     return std::nullopt;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "covis/features/straightening.h"
 #include "covis/matching/point_geometry.h"
 
 namespace covis {
@@ -99,6 +100,16 @@ FeaturesPtr DepthRemover::without_depth(const Features& features) {
 FeaturesPtr DepthBelief::receive(FeaturesPtr measured) {
   measured_ = std::move(measured);
   return contradicts() ? remover_.without_depth(*measured_) : measured_;
+}
+
+void DepthBelief::straighten_for(const Pinhole& camera, TrackedFrame& frame) {
+  const bool as_measured = frame.features == measured_;
+  frame.straighten_for(camera);
+  if (as_measured) {
+    measured_ = frame.features;
+  } else if (measured_ && !straight_for(*measured_, camera)) {
+    measured_ = straightened(*measured_, camera);
+  }
 }
 
 double DepthBelief::judge(const TrackedFrame& frame, const Pinhole& camera) {

@@ -79,6 +79,8 @@ class DepthBelief {
   void trust_depth() {
     if (!contradicts()) doubted_.reset();
   }
+  // The frame's keypoints are made free of this camera's residual distortion, with depth and without.
+  void straighten_for(const Pinhole& camera, TrackedFrame& frame);
   // The frame is done: nothing is kept of it.
   void release() { measured_.reset(); }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "covis/core/reserve.h"
+#include "covis/features/straightening.h"
 
 namespace covis {
 
@@ -32,6 +33,10 @@ void TrackedFrame::keep(const TrackedFrame& other) {
   reserve(other.source.size());
   *this = other;
   features.reset();
+}
+
+void TrackedFrame::straighten_for(const Pinhole& camera) {
+  if (features && !straight_for(*features, camera)) features = straightened(*features, camera);
 }
 
 void TrackedFrame::reserve(size_t n) {

@@ -32,6 +32,8 @@ struct TrackedFrame {
   void start(FeaturesPtr f, int64_t frame, Timestamp t);
   // Becomes a copy without the features, which their ring wants back.
   void keep(const TrackedFrame& other);
+  // Its keypoints are made free of this camera's residual distortion, where they are not.
+  void straighten_for(const Pinhole& camera);
   void reserve(size_t n);  // room for n features
   void clear_matches();
   void set_match(size_t feature, MapPointId point, const Eigen::Vector3d& position_w, PointSource from);

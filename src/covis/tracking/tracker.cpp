@@ -6,7 +6,6 @@
 
 #include "covis/core/log.h"
 #include "covis/core/time.h"
-#include "covis/matching/point_geometry.h"
 
 namespace covis {
 namespace {
@@ -51,12 +50,13 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       follow_map(*map_.read());
       last_.map_changed = false;
     }
-    const FeaturesPtr received = current_.features;
+    FeaturesPtr received = current_.features;
     bool found = find_pose(result, live);
     // In real time a loop may have been closed meanwhile: what was read before does not fit what was read after.
     for (int again = 0; found && realtime && map_.read()->moves() != last_.moves; ++again) {
-      follow_map(*map_.read());
       current_.features = received;
+      follow_map(*map_.read());
+      received = current_.features;
       found = again < 2 && find_pose(result, live);
     }
     if (!found) lose(outcome, live);
@@ -307,6 +307,8 @@ void Tracker::follow_map(const Map& map) {
   if (last_.moves != map.moves()) search_.place.forget_settled();
   last_.moves = map.moves();
   search_.refresh_camera(map);
+  last_.frame.straighten_for(search_.camera);
+  depth_.straighten_for(search_.camera, current_);
   if (const auto resolved = last_.pose.resolved(map)) {
     const double growth = last_.pose.growth(map);
     motion_.rescale(growth);
@@ -352,49 +354,6 @@ bool Tracker::wants_more_features() const {
   if (state_ == TrackingState::not_initialised) return monocular;
   // A tentative place was found with twice the features, and is held against what that showed.
   return health_.weak || search_.place.tentative() || (starter_.is_beginning() && monocular);
-}
-
-// The last frame is this key frame.
-void Tracker::LastFrame::become(const Map& map, KeyFrameId key_frame) {
-  pose = RelativePose::at(map, key_frame);
-  submap = map.at(key_frame).submap;
-  frame.T_cw = map.at(key_frame).T_cw;
-}
-
-// The frame's own depth gives points for the next frame alone: the map may have few yet.
-void Tracker::LastFrame::add_depth_points(const std::vector<uint32_t>& features, const Pinhole& camera) {
-  const SE3 T_wl = frame.T_cw.inverse();
-  for (const uint32_t i : features) {
-    if (frame.on_map(i)) continue;
-    frame.source[i] = PointSource::depth;
-    frame.positions[i] = T_wl * unproject_depth(camera, *frame.features, i);
-  }
-}
-
-// The last frame became this key frame: it gets the points that mapping gave the key frame.
-void Tracker::LastFrame::take_points(const Map& map, KeyFrameId key_frame) {
-  const KeyFrame* made = map.find(key_frame);
-  if (!made) return;
-  for (size_t i = 0; i < made->points.size(); ++i) {
-    const MapPointId id = made->points[i];
-    if (id.valid()) {
-      frame.set_match(i, id, map.at(id).position_w, PointSource::map);
-    } else {
-      frame.drop_match(i);
-    }
-  }
-}
-
-void Tracker::LastFrame::refresh_points(const Map& map) {
-  for (size_t i = 0; i < frame.points.size(); ++i) {
-    if (!frame.on_map(i)) continue;
-    const MapPointId id = map.forwarded(frame.points[i]);
-    if (const MapPoint* point = map.find(id)) {
-      frame.set_match(i, id, point->position_w, PointSource::map);
-    } else {
-      frame.drop_match(i);
-    }
-  }
 }
 
 }  // namespace covis

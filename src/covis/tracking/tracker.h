@@ -27,6 +27,7 @@
 #include "covis/tracking/depth_against_map.h"
 #include "covis/tracking/first_pose.h"
 #include "covis/tracking/key_frame_policy.h"
+#include "covis/tracking/last_frame.h"
 #include "covis/tracking/map_starter.h"
 #include "covis/tracking/match_belief.h"
 #include "covis/tracking/motion_model.h"
@@ -114,20 +115,6 @@ class Tracker {
 
   void follow_map(const Map& map);
 
-  // The frame before the current one, and the map as that saw it.
-  struct LastFrame {
-    TrackedFrame frame;
-    RelativePose pose;         // pose of the last frame that had one
-    uint32_t submap = 0;       // submap of its reference key frame
-    KeyFrameId new_reference;  // a key frame just made, to become the reference
-    bool map_changed = false;  // the map changed since the frame was brought up to date with it
-    uint64_t moves = 0;        // Map::moves() when it was
-
-    void become(const Map& map, KeyFrameId key_frame);
-    void add_depth_points(const std::vector<uint32_t>& features, const Pinhole& camera);
-    void take_points(const Map& map, KeyFrameId key_frame);
-    void refresh_points(const Map& map);
-  };
   // The signs of how safely the camera is tracked.
   struct Health {
     Timestamp last_recovery = std::numeric_limits<Timestamp>::min() / 2;

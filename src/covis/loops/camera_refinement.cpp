@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "covis/loops/focal_refinement.h"
+#include "covis/loops/camera_refinement.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "covis/core/log.h"
+#include "covis/loops/distortion_refinement.h"
 #include "covis/loops/submap_adjustment.h"
 #include "covis/map/camera_change.h"
 #include "covis/optimization/focal_estimation.h"
@@ -15,7 +16,7 @@ namespace covis {
 
 // Not asked while there are several submaps, which all would have to follow, nor when another camera made some key
 // frames, whose keypoints were expressed in this one's focal length.
-std::optional<int> FocalSchedule::ask(const Map& map) {
+std::optional<int> RefinementSchedule::ask(const Map& map) {
   if (map.next_serial() < next_ || map.key_frame_count() > kLargest || map.submaps().size() != 1 ||
       has_other_cameras(map))
     return std::nullopt;
@@ -61,22 +62,27 @@ bool refine_focal(BundleProblem& problem, BundleAdjuster& adjuster, double given
   return steps > 0;
 }
 
-std::unique_ptr<FocalRefinement> FocalRefinement::of(const Map& map, KeyFrameId key_frame, double given_fx) {
+std::unique_ptr<CameraRefinement> CameraRefinement::of(const Map& map, KeyFrameId key_frame,
+                                                       const RefinableCamera& refinable) {
   std::optional<MapProblem> submap = copy_submap(map, key_frame);
   if (!submap) return nullptr;
-  return std::unique_ptr<FocalRefinement>(new FocalRefinement(std::move(*submap), given_fx));
+  return std::unique_ptr<CameraRefinement>(new CameraRefinement(std::move(*submap), refinable));
 }
 
-bool FocalRefinement::run(const std::atomic<bool>& interrupt) {
-  constexpr int kIterations = 20;  // before the focal length is asked for
+bool CameraRefinement::run(const std::atomic<bool>& interrupt) {
+  constexpr int kIterations = 20;  // before the camera is asked for
   BundleAdjuster adjuster;
   BundleProblem& problem = submap_.problem;
   const bool solved = adjuster.solve(problem, {.iterations = kIterations, .interrupt = &interrupt}).ok;
   classify_observations(problem);
-  return solved && refine_focal(problem, adjuster, given_fx_, &interrupt);
+  if (!solved) return false;
+  if (refinable_.distortion && refine_distortion(problem, adjuster, refinable_.given_fx, &interrupt)) return true;
+  // With the distortion found goes the given focal length.
+  if (!refinable_.focal || problem.camera.residual.any()) return false;
+  return refine_focal(problem, adjuster, refinable_.given_fx, &interrupt);
 }
 
-bool FocalRefinement::apply(SharedMap& map) const {
+bool CameraRefinement::apply(SharedMap& map) const {
   Pinhole camera = submap_.problem.camera;
   bool alone = false;
   {
@@ -85,8 +91,11 @@ bool FocalRefinement::apply(SharedMap& map) const {
     alone = present->submaps().size() == 1;
   }
   if (!alone || !apply_submap(submap_, map, camera)) return false;
-  log(LogLevel::info,
-      "focal length refined: " + std::to_string(camera.fx) + " pixels instead of " + std::to_string(given_fx_));
+  const ResidualDistortion& residual = camera.residual;
+  log(LogLevel::info, residual.any() ? "distortion found that the camera was given without: k1 " +
+                                           std::to_string(residual.k1) + ", k2 " + std::to_string(residual.k2)
+                                     : "focal length refined: " + std::to_string(camera.fx) + " pixels instead of " +
+                                           std::to_string(refinable_.given_fx));
   return true;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The focal length adjusted beside other work on a monocular map.
-#include "covis/loops/focal_refinement.h"
+#include "covis/loops/camera_refinement.h"
 
 #include <gtest/gtest.h>
 
@@ -68,11 +68,11 @@ constexpr double kTruth = 500;  // pixels
 
 BackgroundAdjustment::Outcome refine(SharedMap& map, double given_fx) {
   BackgroundAdjustment background;
-  background.start(FocalRefinement::of(*map.read(), map.read()->root(), given_fx), 1);
+  background.start(CameraRefinement::of(*map.read(), map.read()->root(), {.given_fx = given_fx}), 1);
   EXPECT_TRUE(background.running());
   const BackgroundAdjustment::Outcome outcome = background.apply(map);
   EXPECT_FALSE(background.running());
-  EXPECT_EQ(outcome.kind, AdjustmentKind::focal);
+  EXPECT_EQ(outcome.kind, AdjustmentKind::camera);
   EXPECT_EQ(map.read()->check(), "");
   return outcome;
 }
@@ -92,7 +92,7 @@ double reprojection_error(const Map& map) {
 }
 
 // Half of the error left is not enough, and neither is the camera without the map.
-TEST(FocalRefinement, GivesTheMapTheCameraItTells) {
+TEST(CameraRefinement, GivesTheMapTheCameraItTells) {
   for (const double claimed : {0.985, 1.02}) {
     SharedMap map;
     drive(map, claimed);
@@ -109,7 +109,7 @@ TEST(FocalRefinement, GivesTheMapTheCameraItTells) {
   }
 }
 
-TEST(FocalRefinement, LeavesARightOneAndTheMap) {
+TEST(CameraRefinement, LeavesARightOneAndTheMap) {
   SharedMap map;
   drive(map, 1.0);
   const uint64_t moves = map.read()->moves();
@@ -124,7 +124,7 @@ TEST(FocalRefinement, LeavesARightOneAndTheMap) {
 }
 
 // In steps, as an estimate is good only near.
-TEST(FocalRefinement, AGreatErrorIsMendedToo) {
+TEST(CameraRefinement, AGreatErrorIsMendedToo) {
   for (const double claimed : {0.96, 1.035, 1.045}) {
     SharedMap map;
     drive(map, claimed);
@@ -134,19 +134,20 @@ TEST(FocalRefinement, AGreatErrorIsMendedToo) {
 }
 
 // The map tells one more than 5 % from the one given, however near the present one is.
-TEST(FocalRefinement, KeepsNearTheGivenOne) {
+TEST(CameraRefinement, KeepsNearTheGivenOne) {
   SharedMap map;
   drive(map, 1.02);
   EXPECT_FALSE(refine(map, 1.06 * kTruth).applied);
   EXPECT_EQ(map.read()->camera().fx, 1.02 * kTruth);
 }
 
-TEST(FocalRefinement, IsLeftWhereAnotherSubmapWasBegunOrTheSubmapIsGone) {
+TEST(CameraRefinement, IsLeftWhereAnotherSubmapWasBegunOrTheSubmapIsGone) {
   for (const bool gone : {false, true}) {
     SharedMap map;
     drive(map, 1.02);
     BackgroundAdjustment background;
-    background.start(FocalRefinement::of(*map.read(), map.read()->root(), 1.02 * kTruth), 1);
+    const RefinableCamera claimed{.given_fx = 1.02 * kTruth};
+    background.start(CameraRefinement::of(*map.read(), map.read()->root(), claimed), 1);
     uint64_t moves = 0;
     {
       const auto m = map.write();
@@ -163,9 +164,9 @@ TEST(FocalRefinement, IsLeftWhereAnotherSubmapWasBegunOrTheSubmapIsGone) {
   }
 }
 
-TEST(FocalRefinement, IsAskedForAsTheMapGrowsWhileItIsOneAndNotLarge) {
+TEST(CameraRefinement, IsAskedForAsTheMapGrowsWhileItIsOneAndNotLarge) {
   Map map;
-  FocalSchedule schedule;
+  RefinementSchedule schedule;
   const auto features = [] {
     auto f = std::make_shared<Features>();
     f->pyramid = std::make_shared<ScalePyramid>(8, 1.2f);
@@ -186,7 +187,7 @@ TEST(FocalRefinement, IsAskedForAsTheMapGrowsWhileItIsOneAndNotLarge) {
   EXPECT_FALSE(schedule.ask(map));
   Map two;
   for (int64_t k = 0; k < 30; ++k) two.begin_submap(k, k, SE3(), features);
-  EXPECT_FALSE(FocalSchedule().ask(two));
+  EXPECT_FALSE(RefinementSchedule().ask(two));
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The focal length of a monocular or RGB-D map: when the map is asked for it, and which answer is believed. A camera
-// that turns and moves tells its focal length; a wrong one makes a monocular scale drift at every turn, and motion by
-// depth too long or too short. Measured figures: docs/notes/002-focal-length.md
-// and 020-focal-length-only-where-it-is-sure.md.
+// The camera of a monocular or RGB-D map: when the map is asked for it, and which answer is believed. A camera that
+// turns and moves tells its focal length, and what distortion its lens has that was not given. Either, when wrong,
+// makes a monocular scale drift at every turn, and motion by depth too long or too short. Measured figures:
+// docs/notes/002-focal-length.md, 020-focal-length-only-where-it-is-sure.md and 050-distortion-that-was-left.md.
 #pragma once
 
 #include <atomic>
@@ -17,7 +17,7 @@
 namespace covis {
 
 // The map is asked for it again as it grows, until it is large.
-class FocalSchedule {
+class RefinementSchedule {
  public:
   // When the map is to be asked now: the number of key frames after which the answer is applied.
   std::optional<int> ask(const Map& map);
@@ -33,28 +33,37 @@ class FocalSchedule {
   uint32_t next_ = kFirst;
 };
 
+// Which of a camera's parameters may be refined.
+struct RefinableCamera {
+  double given_fx = 0;  // focal length that the camera came with, pixels
+  bool focal = true;
+  bool distortion = false;  // of a monocular camera that was given without any
+};
+
 // Moves an adjusted problem to its best focal length, in a few steps of at most 2 % as an estimate is good only near:
 // each when it is known well, surely another one whatever part of the map and axis of the image is asked, within bounds
 // of the given one, and the cost really falls. False: the problem stays as it was.
 bool refine_focal(BundleProblem& problem, BundleAdjuster& adjuster, double given_fx,
                   const std::atomic<bool>* interrupt = nullptr);
 
-// Bundle adjustment of a submap with the focal length. Its result is applied to a map of one submap alone, and to its
-// camera, as the other submaps would have to follow.
-class FocalRefinement : public AdjustmentJob {
+// Bundle adjustment of a submap with the camera: with its residual distortion where that shows, otherwise with its
+// focal length. Its result is applied to a map of one submap alone, and to its camera and keypoints, as the other
+// submaps would have to follow.
+class CameraRefinement : public AdjustmentJob {
  public:
-  // Null when there is nothing to adjust. `given_fx`: the focal length the camera came with, pixels.
-  static std::unique_ptr<FocalRefinement> of(const Map& map, KeyFrameId key_frame, double given_fx);
+  // Null when there is nothing to adjust.
+  static std::unique_ptr<CameraRefinement> of(const Map& map, KeyFrameId key_frame, const RefinableCamera& refinable);
 
-  AdjustmentKind kind() const override { return AdjustmentKind::focal; }
+  AdjustmentKind kind() const override { return AdjustmentKind::camera; }
   bool run(const std::atomic<bool>& interrupt) override;
   bool apply(SharedMap& map) const override;
 
  private:
-  FocalRefinement(MapProblem submap, double given_fx) : submap_(std::move(submap)), given_fx_(given_fx) {}
+  CameraRefinement(MapProblem submap, const RefinableCamera& refinable)
+      : submap_(std::move(submap)), refinable_(refinable) {}
 
   MapProblem submap_;
-  const double given_fx_;
+  const RefinableCamera refinable_;
 };
 
 }  // namespace covis

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/features/straightening.h"
+
+namespace covis {
+namespace {
+
+bool same_residual(const Pinhole& a, const Pinhole& b) {
+  return a.residual == b.residual && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
+}
+
+template <class Change>
+ImageBounds changed(const ImageBounds& b, Change&& change) {
+  constexpr int kSteps = 8;
+  ImageBounds box{b.max_x, b.max_y, b.min_x, b.min_y};
+  for (int i = 0; i <= kSteps; ++i) {
+    for (int k = 0; k <= kSteps; ++k) {
+      if (i % kSteps != 0 && k % kSteps != 0) continue;
+      const float x = b.min_x + (b.max_x - b.min_x) * static_cast<float>(i) / kSteps;
+      const float y = b.min_y + (b.max_y - b.min_y) * static_cast<float>(k) / kSteps;
+      const Eigen::Vector2f at = change(Eigen::Vector2d(x, y)).template cast<float>();
+      box = {std::min(box.min_x, at.x()), std::min(box.min_y, at.y()), std::max(box.max_x, at.x()),
+             std::max(box.max_y, at.y())};
+    }
+  }
+  return box;
+}
+
+}  // namespace
+
+bool straight_for(const Features& features, const Pinhole& camera) {
+  if (!features.straightened_for) return !camera.residual.any();
+  return same_residual(*features.straightened_for, camera);
+}
+
+std::shared_ptr<Features> straightened(const Features& of, const Pinhole& camera) {
+  auto f = std::make_shared<Features>(of);
+  f->raw_x = of.image_x();
+  f->raw_y = of.image_y();
+  f->straightened_for = camera.residual.any() ? std::make_shared<const Pinhole>(camera) : nullptr;
+  const Pinhole before = of.straightened_for ? *of.straightened_for : Pinhole{};
+  const auto change = [&](const Eigen::Vector2d& at) { return camera.straightened(before.bent(at)); };
+  for (size_t i = 0; i < of.x.size(); ++i) {
+    const Eigen::Vector2f at = change({of.x[i], of.y[i]}).cast<float>();
+    f->x[i] = at.x();
+    f->y[i] = at.y();
+    f->u_right[i] = of.depth[i] > 0 ? f->x[i] - static_cast<float>(camera.bf) / of.depth[i] : -1.0f;
+  }
+  f->grid.build(changed(of.grid.bounds, change), f->x, f->y);
+  return f;
+}
+
+ImageBounds straightened(const ImageBounds& bounds, const Pinhole& camera) {
+  return changed(bounds, [&](const Eigen::Vector2d& at) { return camera.straightened(at); });
+}
+
+}  // namespace covis

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/features/straightening.h"
+
+#include <gtest/gtest.h>
+
+#include "covis/core/random.h"
+
+namespace covis {
+namespace {
+
+constexpr Pinhole kGiven{.fx = 500, .fy = 510, .cx = 322, .cy = 238};
+
+Pinhole with_residual(double focal, double k1, double k2) {
+  Pinhole camera = kGiven;
+  camera.fx *= focal;
+  camera.fy *= focal;
+  camera.residual = {k1, k2};
+  return camera;
+}
+
+Features some_features() {
+  Features f;
+  Random random(1);
+  for (int i = 0; i < 300; ++i) {
+    f.x.push_back(static_cast<float>(random.uniform(0, 640)));
+    f.y.push_back(static_cast<float>(random.uniform(0, 480)));
+    f.depth.push_back(i % 2 == 0 ? 0 : 2);
+    f.u_right.push_back(-1);
+  }
+  f.grid.build({0, 0, 640, 480}, f.x, f.y);
+  return f;
+}
+
+// Their rays are those that Brown's model gives for the pixels of the image.
+TEST(Straightening, RaysAreThoseOfTheLens) {
+  const Features given = some_features();
+  const Pinhole refined = with_residual(1.02, -0.08, 0.03);
+  const auto straight = straightened(given, refined);
+  EXPECT_TRUE(straight_for(*straight, refined));
+  EXPECT_FALSE(straight_for(*straight, kGiven));
+  EXPECT_FALSE(straight_for(given, refined));
+  Camera lens{.width = 640, .height = 480, .pinhole = refined, .distortion = Distortion::brown_conrady};
+  lens.coefficients = {-0.08, 0.03};
+  for (size_t i = 0; i < given.x.size(); ++i) {
+    const auto undistorted = lens.undistort({given.x[i], given.y[i]});
+    ASSERT_TRUE(undistorted);
+    EXPECT_NEAR(straight->x[i], undistorted->x(), 1e-3);
+    EXPECT_NEAR(straight->y[i], undistorted->y(), 1e-3);
+    EXPECT_TRUE(straight->grid.bounds.contains(straight->x[i], straight->y[i]));
+  }
+  EXPECT_EQ(straight->image_x(), given.x) << "they stay where they are in the image";
+}
+
+TEST(Straightening, IsTheSameOnWhateverWay) {
+  const Features given = some_features();
+  const Pinhole first = with_residual(1, 0.05, -0.02), second = with_residual(0.98, -0.03, 0.01);
+  const auto direct = straightened(given, second), over = straightened(*straightened(given, first), second);
+  const auto back = straightened(*over, kGiven);
+  EXPECT_TRUE(straight_for(*back, kGiven));
+  for (size_t i = 0; i < given.x.size(); ++i) {
+    EXPECT_NEAR(over->x[i], direct->x[i], 1e-3);
+    EXPECT_NEAR(over->y[i], direct->y[i], 1e-3);
+    EXPECT_NEAR(back->x[i], given.x[i], 1e-3);
+    EXPECT_NEAR(back->y[i], given.y[i], 1e-3);
+  }
+}
+
+// With no residual distortion the focal length leaves pixels where they are.
+TEST(Straightening, WithoutDistortionNothingMoves) {
+  const Features given = some_features();
+  const Pinhole longer = with_residual(1.1, 0, 0);
+  EXPECT_TRUE(straight_for(given, longer));
+  EXPECT_EQ(straightened(given, longer)->x, given.x);
+}
+
+TEST(Straightening, ColumnsOfDepthFollow) {
+  Pinhole refined = with_residual(1, 0.1, 0);
+  refined.bf = 50;
+  const auto straight = straightened(some_features(), refined);
+  EXPECT_FLOAT_EQ(straight->u_right[1], straight->x[1] - 25);
+  EXPECT_EQ(straight->u_right[0], -1);
+}
+
+}  // namespace
+}  // namespace covis

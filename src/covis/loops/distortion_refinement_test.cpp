@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/loops/distortion_refinement.h"
+
+#include <gtest/gtest.h>
+
+#include "covis/optimization/test_lens_problem.h"
+
+namespace covis {
+namespace {
+
+using lens_test::camera_with;
+using lens_test::kFocal;
+using lens_test::Motion;
+using lens_test::seen_through;
+
+constexpr int kManyViews = 36;
+
+// The problem of a map that was made without distortion, through a lens of this focal length; the map claims 500.
+BundleProblem problem_of(const Lens& lens, uint64_t seed, int views = kManyViews) {
+  BundleProblem problem = seen_through(camera_with(lens), 1, Motion::sideways, seed, views);
+  problem.camera.fx = problem.camera.fy = kFocal;
+  return problem;
+}
+
+bool refine(BundleProblem& problem) {
+  BundleAdjuster adjuster;
+  return refine_distortion(problem, adjuster, kFocal);
+}
+
+TEST(DistortionRefinement, FindsWhatWasLeft) {
+  BundleProblem problem = problem_of({.focal = kFocal, .k1 = 0.03, .k2 = -0.01}, 1);
+  const BundleProblem before = problem;
+  ASSERT_TRUE(refine(problem));
+  EXPECT_EQ(problem.camera.fx, kFocal) << "the focal length that was given";
+  EXPECT_NEAR(problem.camera.residual.k1, 0.03, 0.005);
+  EXPECT_NEAR(problem.camera.residual.k2, -0.01, 0.005);
+  double squares = 0;
+  for (size_t k = 0; k < problem.observations.size(); ++k) {
+    const BundleObservation &o = problem.observations[k], &was = before.observations[k];
+    const Eigen::Vector2d straight = problem.camera.straightened({was.u, was.v});
+    EXPECT_NEAR(o.u, straight.x(), 1e-3);
+    EXPECT_NEAR(o.v, straight.y(), 1e-3);
+    const auto& pose = problem.poses[static_cast<size_t>(o.pose)];
+    const Eigen::Vector2d at = problem.camera.project(pose * problem.points[static_cast<size_t>(o.point)]);
+    squares += (at - Eigen::Vector2d(o.u, o.v)).squaredNorm();
+  }
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(problem.observations.size())), 2 * lens_test::kPixelNoise);
+}
+
+// Asked again, it goes on from what it found.
+TEST(DistortionRefinement, GoesOnFromWhatItFound) {
+  BundleProblem problem = problem_of({.focal = kFocal, .k1 = 0.03, .k2 = -0.01}, 2);
+  ASSERT_TRUE(refine(problem));
+  const ResidualDistortion first = problem.camera.residual;
+  ASSERT_TRUE(refine(problem));
+  EXPECT_NEAR(problem.camera.residual.k1, first.k1, 0.002);
+  EXPECT_NEAR(problem.camera.residual.k2, first.k2, 0.002);
+}
+
+// A focal length that had made up for a part of it goes back to the one given.
+TEST(DistortionRefinement, GivesBackTheFocalLengthThatMadeUpForIt) {
+  BundleProblem problem = problem_of({.focal = kFocal, .k1 = 0.03, .k2 = -0.01}, 3);
+  problem.camera.fx = problem.camera.fy = 0.985 * kFocal;
+  ASSERT_TRUE(refine(problem));
+  EXPECT_EQ(problem.camera.fx, kFocal);
+  EXPECT_EQ(problem.camera.fy, kFocal);
+}
+
+TEST(DistortionRefinement, RowsOfAnotherSizeStaySo) {
+  Camera lens = camera_with({.focal = kFocal, .k1 = 0.03, .k2 = -0.01});
+  lens.pinhole.fy = 1.03 * kFocal;
+  BundleProblem problem = seen_through(lens, 1, Motion::sideways, 4, kManyViews);
+  ASSERT_TRUE(refine(problem));
+  EXPECT_NEAR(problem.camera.fy, 1.03 * kFocal, 1e-9);
+  EXPECT_NEAR(problem.camera.residual.k1, 0.03, 0.005);
+}
+
+TEST(DistortionRefinement, AnExactCameraKeepsNone) {
+  for (uint64_t seed = 10; seed < 16; ++seed) {
+    BundleProblem problem = problem_of({.focal = kFocal}, seed);
+    EXPECT_FALSE(refine(problem)) << seed;
+    EXPECT_FALSE(problem.camera.residual.any());
+  }
+}
+
+// Distortion could make up for a wrong focal length as well: observations say which of both it is.
+TEST(DistortionRefinement, AWrongFocalLengthIsNoDistortion) {
+  for (const double wrong : {0.97, 1.03}) {
+    BundleProblem problem = problem_of({.focal = wrong * kFocal}, 5);
+    EXPECT_FALSE(refine(problem)) << wrong;
+  }
+}
+
+TEST(DistortionRefinement, FewViewsSayTooLittle) {
+  BundleProblem problem = problem_of({.focal = kFocal, .k1 = 0.03, .k2 = -0.01}, 6, 29);
+  EXPECT_FALSE(refine(problem));
+}
+
+TEST(DistortionRefinement, InterruptedItLeavesTheProblem) {
+  BundleProblem problem = problem_of({.focal = kFocal, .k1 = 0.03, .k2 = -0.01}, 7);
+  const Eigen::Vector3d point = problem.points.front();
+  BundleAdjuster adjuster;
+  const std::atomic<bool> interrupt = true;
+  EXPECT_FALSE(refine_distortion(problem, adjuster, kFocal, &interrupt));
+  EXPECT_EQ(problem.points.front(), point);
+  EXPECT_FALSE(problem.camera.residual.any());
+}
+
+}  // namespace
+}  // namespace covis

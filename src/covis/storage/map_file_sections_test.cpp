@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sections that only some map files have.
+#include "covis/features/straightening.h"
+#include "covis/map/camera_change.h"
+#include "covis/storage/map_cameras.h"
+#include "covis/storage/map_file.h"
+#include "covis/storage/test_map_files.h"
+
+namespace covis::storage {
+namespace {
+
+TEST_F(MapFile, PixelSizesAreInFilesOfSeveralCamerasAlone) {
+  constexpr uint32_t kPixelSizes = 8;
+  MapState state = random_map(3, 60, 12).state();
+  Pinhole other = state.camera;
+  other.fx *= 2;
+  other.fy *= 2;
+  MapHeader header = test_header();
+  ASSERT_TRUE(express_in(state, header.camera, {header.camera, other}));
+  header.camera.pinhole = other;
+  // Files of version 1.4 did not name cameras.
+  for (KeyFrameState& k : state.key_frames) {
+    auto unnamed = k.features->for_key_frame();
+    unnamed->made_by = nullptr;
+    k.features = unnamed;
+  }
+  ASSERT_TRUE(save_map(file(), state, header));
+  auto opened = SectionFile::open(file());
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ(opened->minor(), kMapFileMinorWithSizes);
+  const auto loaded = load_map(file());
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  for (const KeyFrameId& id : loaded->map.key_frames()) EXPECT_EQ(loaded->map.at(id).features->pyramid->base, 2);
+  const std::string sizes = *opened->read(kPixelSizes, "sizes");
+  const auto with = [&](const std::string& bytes) { return with_section(*opened, kPixelSizes, bytes); };
+  expect_refused(with(sizes + "x"), "length");
+  expect_refused(with(std::string(sizes.size(), '\0')), "no valid size of its pixels");
+  expect_refused(with(std::string(sizes.size(), '\xff')), "no valid size of its pixels");
+}
+
+TEST_F(MapFile, CamerasOfKeyFramesAreInFilesOfSeveralAlone) {
+  MapState state = random_map(3, 60, 12).state();
+  const MapHeader made_by = test_header();
+  MapHeader header = made_by;
+  header.camera.distortion = Distortion::none;
+  header.camera.width += 100;
+  const Pinhole before = state.camera;
+  ASSERT_TRUE(express_in(state, made_by.camera, {header.camera, before}));  // another lens, pixels of the same size
+  ASSERT_TRUE(save_map(file(), state, header));
+  const std::string bytes = read_file(file());
+  auto opened = SectionFile::open(file());
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ(opened->minor(), kMapFileMinorWithCameras);
+  auto loaded = load_map(file());
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(other_cameras(loaded->map.state()), (std::vector<RefinedCamera>{{made_by.camera, before}}));
+  ASSERT_TRUE(save_map(file(), loaded->map.state(), header));
+  EXPECT_EQ(read_file(file()), bytes);
+  const auto info = read_map_info(file());
+  ASSERT_TRUE(info) << info.error().message;
+  ASSERT_EQ(info->other_cameras.size(), 1u);
+  EXPECT_EQ(info->other_cameras[0].given, made_by.camera);
+  EXPECT_EQ(info->other_cameras[0].key_frames, info->key_frames);
+  const std::string cameras = *opened->read(kCameras, "cameras");
+  const auto with = [&](const std::string& changed) { return with_section(*opened, kCameras, changed); };
+  expect_refused(with(cameras + "x"), "length");
+  expect_refused(with(cameras.substr(0, cameras.size() - 1) + '\x7f'), "a camera that is not there");
+  expect_refused(with(std::string(4, '\xff') + cameras.substr(4)), "more than a map can have");
+  const size_t camera = (cameras.size() - 4 - 4 * state.key_frames.size());
+  expect_refused(with(std::string("\2\0\0\0", 4) + cameras.substr(4, camera) + cameras.substr(4)), "made no key frame");
+  expect_refused(with(cameras.substr(0, 4) + std::string(8, '\0') + cameras.substr(12)),
+                 "a key frame's camera: its camera has no image size");
+}
+
+TEST_F(MapFile, ColoursAreInFilesOfColouredMapsAlone) {
+  constexpr uint32_t kColours = 7;
+  bytes_of(random_map(3, 60, 12));
+  EXPECT_FALSE(SectionFile::open(file())->has(kColours));
+  EXPECT_EQ(SectionFile::open(file())->minor(), kMapFileMinorLeast) << "earlier versions know all of it";
+  bytes_of(random_map(4, 60, 12));
+  auto opened = SectionFile::open(file());
+  EXPECT_EQ(opened->minor(), kMapFileMinorWithColours);
+  std::vector<Section> sections;
+  for (uint32_t i = 1; i <= 5; ++i) sections.push_back({i, *opened->read(i, "any")});
+  const std::string colours = *opened->read(kColours, "colours");
+  const auto with = [&](std::string bytes) {
+    std::vector<Section> all = sections;
+    all.push_back({kColours, std::move(bytes)});
+    return *pack_sections(all);
+  };
+  write_file(folder / "same.covis", with(colours));
+  EXPECT_TRUE(load_map(folder / "same.covis"));
+  expect_refused(with(colours + "x"), "length");
+  expect_refused(with(colours.substr(1)), "");
+  expect_refused(with("\2" + colours.substr(1)), "neither yes nor no");
+}
+
+TEST_F(MapFile, TheNoiseOfDepthIsKept) {
+  Map map = random_map(7, 60, 12);
+  bytes_of(map);
+  EXPECT_FALSE(SectionFile::open(file())->has(6)) << "of other sensors there is none to keep";
+  Pinhole camera = refined_camera();
+  camera.depth_noise = {0.0005, 0.0012};
+  map.set_camera(camera);
+  bytes_of(map);
+  EXPECT_TRUE(SectionFile::open(file())->has(6));
+  EXPECT_EQ(load_map(file())->map.camera(), camera);
+}
+
+TEST_F(MapFile, ResidualDistortionsAreInFilesOfCamerasThatHaveOne) {
+  MapState state = random_map(3, 60, 12).state();
+  MapHeader header = test_header();
+  header.camera.distortion = Distortion::none;
+  header.camera.coefficients = {};
+  ASSERT_TRUE(save_map(file(), state, header));
+  EXPECT_FALSE(SectionFile::open(file())->has(kResiduals));
+  state.camera.residual = {0.02, -0.01};
+  ASSERT_TRUE(save_map(file(), state, header));
+  const std::string bytes = read_file(file());
+  auto opened = SectionFile::open(file());
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ(opened->minor(), kMapFileMinor);
+  auto loaded = load_map(file());
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->map.camera(), state.camera);
+  for (const KeyFrameId& id : loaded->map.key_frames())
+    EXPECT_TRUE(straight_for(*loaded->map.at(id).features, state.camera));
+  ASSERT_TRUE(save_map(file(), loaded->map.state(), header));
+  EXPECT_EQ(read_file(file()), bytes);
+  const std::string residuals = *opened->read(kResiduals, "residuals");
+  const auto with = [&](const std::string& changed) { return with_section(*opened, kResiduals, changed); };
+  expect_refused(with(residuals + "x"), "length");
+  expect_refused(with(std::string(6, '\0') + "\xf0\x7f" + residuals.substr(8)), "residual distortion is not valid");
+
+  // Key frames of another camera keep what was found of theirs.
+  MapState other = state;
+  MapHeader wider = header;
+  wider.camera.width += 100;
+  ASSERT_TRUE(express_in(other, header.camera, {wider.camera, refined_camera()}));
+  ASSERT_TRUE(save_map(file(), other, wider));
+  loaded = load_map(file());
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_FALSE(loaded->map.camera().residual.any());
+  EXPECT_EQ(other_cameras(loaded->map.state()), (std::vector<RefinedCamera>{{header.camera, state.camera}}));
+}
+
+}  // namespace
+}  // namespace covis::storage
