@@ -13,7 +13,7 @@ import {EmbeddedSource, SocketSource} from './source.js';
 
 const CLICK_PIXELS = 4;
 // The time between two pictures of a run that goes on, where the processor draws: it may be the one that tracks.
-const PAUSE_MS = 250;
+const PAUSE_MS = 500;
 
 class Page {
   constructor(root, embedded) {
