@@ -137,7 +137,7 @@ TEST(FocalLengthWithDepth, IsRefinedForRgbdNotForStereoLong) {
 
 TEST_F(FocalLength, StaysAsGivenWhenToldToLong) {
   SystemOptions fixed = options();
-  fixed.mapper.refine_focal = false;
+  fixed.mapper.refine_focal = fixed.mapper.refine_distortion = false;
   System system(claimed(), fixed, vocabulary());
   track(system, 0, kFrames);
   system.finish();
@@ -164,7 +164,7 @@ TEST_F(FocalLength, IsKeptWithASavedMapLong) {
     for (const bool refine : {false, true}) {
       SystemOptions on = options();
       on.localize = localize;
-      on.mapper.refine_focal = refine;
+      on.mapper.refine_focal = on.mapper.refine_distortion = refine;
       System system(claimed(), on, vocabulary());
       storage::SavedMap map = saved();
       ASSERT_TRUE(system.set_map(std::move(map.map), map.header.camera));

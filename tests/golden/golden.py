@@ -55,7 +55,7 @@ RUNS = {
     'desk_rgbd': ('desk_rgbd', []),
     'desk_mono': ('desk_mono', []),
     'corridor_mono': ('corridor_mono', []),
-    'corridor_mono_plain': ('corridor_mono', ['--vocabulary', 'none', '--set', 'mapper.refine_focal=false']),
+    'corridor_mono_plain': ('corridor_mono', ['--vocabulary', 'none', '--set', 'mapper.refine_focal=false', '--set', 'mapper.refine_distortion=false']),
     'street_stereo': ('street_stereo', []),
     'room_stereo_stride': ('room_stereo', ['--count', '20', '--stride', '3']),
     'posters_cut': ('posters_cut', []),

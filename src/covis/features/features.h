@@ -96,7 +96,7 @@ struct Features {
   // Removes all keypoints and makes room for `room` of them, and for their raw pixels where those differ.
   void start(size_t room, RawPixels raw);
 
-  AlignedVector<float> x, y;          // undistorted pixels, level-0 scale, in the given camera's pinhole model
+  AlignedVector<float> x, y;          // undistorted pixels, level-0 scale, in the pinhole model of the map's camera
   AlignedVector<float> raw_x, raw_y;  // distorted pixels of the input image; empty when equal to x, y: see image_x()
   AlignedVector<float> angle;         // radians in [0, 2 pi)
   AlignedVector<float> u_right;       // column in the (real or virtual) right image; negative: no measurement
@@ -105,7 +105,8 @@ struct Features {
   AlignedVector<Descriptor> descriptor;
   FeatureGrid grid;
   std::shared_ptr<const ScalePyramid> pyramid;
-  std::shared_ptr<const Pinhole> straightened_for;  // whose residual distortion x, y are free of; null: they have it
+  std::shared_ptr<const Pinhole> straightened_for;  // the camera whose residual distortion was
+                                                    // taken out of x and y; null: none was
   std::shared_ptr<const RefinedCamera> made_by;     // the camera, where it is another one than the map's; else null
   SmallImage small;                                 // for the next frame alone
 

@@ -119,9 +119,10 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
   for (size_t i = 0; i < n; ++i) {
     Eigen::Vector2f at(k.x[i], k.y[i]);
     if (distorted() || refined) {
-      const auto u = camera.undistort(at.cast<double>());
+      auto u = camera.undistort(at.cast<double>());
+      if (u && refined) u = refined->straightened(*u);
       if (!u) continue;
-      at = (refined ? refined->straightened(*u) : *u).cast<float>();
+      at = u->cast<float>();
       if (!bounds.contains(at.x(), at.y())) continue;
       f->raw_x.push_back(k.x[i]);
       f->raw_y.push_back(k.y[i]);

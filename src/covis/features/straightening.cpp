@@ -38,7 +38,11 @@ std::shared_ptr<Features> straightened(const Features& of, const Pinhole& camera
   f->raw_y = of.image_y();
   f->straightened_for = camera.residual.any() ? std::make_shared<const Pinhole>(camera) : nullptr;
   const Pinhole before = of.straightened_for ? *of.straightened_for : Pinhole{};
-  const auto change = [&](const Eigen::Vector2d& at) { return camera.straightened(before.bent(at)); };
+  constexpr double kFarthest = 1e6;  // pixels
+  const auto change = [&](const Eigen::Vector2d& at) {
+    const Eigen::Vector2d straight = camera.straightened(before.bent(at)).value_or(at);
+    return straight.cwiseAbs().maxCoeff() < kFarthest ? straight : at;  // also for what is not a number
+  };
   for (size_t i = 0; i < of.x.size(); ++i) {
     const Eigen::Vector2f at = change({of.x[i], of.y[i]}).cast<float>();
     f->x[i] = at.x();
@@ -49,8 +53,12 @@ std::shared_ptr<Features> straightened(const Features& of, const Pinhole& camera
   return f;
 }
 
+std::shared_ptr<Features> key_frame_features(const Features& features, const Pinhole& camera) {
+  return straight_for(features, camera) ? features.for_key_frame() : straightened(*features.for_key_frame(), camera);
+}
+
 ImageBounds straightened(const ImageBounds& bounds, const Pinhole& camera) {
-  return changed(bounds, [&](const Eigen::Vector2d& at) { return camera.straightened(at); });
+  return changed(bounds, [&](const Eigen::Vector2d& at) { return camera.straightened(at).value_or(at); });
 }
 
 }  // namespace covis

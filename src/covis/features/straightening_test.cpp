@@ -73,6 +73,29 @@ TEST(Straightening, WithoutDistortionNothingMoves) {
   EXPECT_EQ(straightened(given, longer)->x, given.x);
 }
 
+// A lens that folds its image has no ray far out: keypoints stay there, and the frontend makes none.
+TEST(Straightening, WhereNoRayShowsNothingMoves) {
+  const Features given = some_features();
+  const Pinhole folds = with_residual(1, -1, 0);
+  const auto straight = straightened(given, folds);
+  int stayed = 0;
+  for (size_t i = 0; i < given.x.size(); ++i) {
+    const auto at = folds.straightened({given.x[i], given.y[i]});
+    stayed += !at;
+    EXPECT_NEAR(straight->x[i], at ? at->x() : given.x[i], 1e-3);
+  }
+  EXPECT_GT(stayed, 10);
+  const Camera camera{.width = 640, .height = 480, .pinhole = kGiven};
+  EXPECT_TRUE(image_pixel(camera, folds, {0.1, 0, 1}));
+  EXPECT_FALSE(image_pixel(camera, folds, {0.7, 0, 1}));
+}
+
+TEST(Straightening, NonsenseStaysWithinBounds) {
+  Pinhole absurd{.fx = 1e-3, .fy = 1e-3, .residual = {10, 10}};
+  const auto straight = straightened(*straightened(some_features(), absurd), kGiven);
+  for (const float x : straight->x) EXPECT_LT(std::abs(x), 1e6);
+}
+
 TEST(Straightening, ColumnsOfDepthFollow) {
   Pinhole refined = with_residual(1, 0.1, 0);
   refined.bf = 50;

@@ -64,10 +64,11 @@ std::optional<double> undo_kannala_brandt(const std::array<double, 5>& k, double
 
 }  // namespace
 
-Eigen::Vector2d Pinhole::straightened(const Eigen::Vector2d& pixel) const {
+std::optional<Eigen::Vector2d> Pinhole::straightened(const Eigen::Vector2d& pixel) const {
   if (!residual.any()) return pixel;
   const auto m = undo_brown_conrady({residual.k1, residual.k2}, unproject(pixel.x(), pixel.y()).head<2>());
-  return m ? project(m->homogeneous()) : pixel;
+  if (!m || !residual.unfolds(m->squaredNorm())) return std::nullopt;
+  return project(m->homogeneous());
 }
 
 Eigen::Vector2d Pinhole::bent(const Eigen::Vector2d& pixel) const {
@@ -146,7 +147,8 @@ std::optional<Eigen::Vector2d> Camera::undistort(const Eigen::Vector2d& pixel) c
 }
 
 std::optional<Eigen::Vector2d> image_pixel(const Camera& given, const Pinhole& refined, const Eigen::Vector3d& p_c) {
-  if (!(p_c.z() > 0)) return std::nullopt;
+  if (!(p_c.z() > 0) || !refined.residual.unfolds(p_c.head<2>().squaredNorm() / (p_c.z() * p_c.z())))
+    return std::nullopt;
   const Eigen::Vector2d undistorted = refined.bent(refined.project(p_c));
   return given.project(given.pinhole.unproject(undistorted.x(), undistorted.y()));
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras. Keypoints are undistorted once, when features are made, into the pinhole model `Pinhole` of the same camera;
-// all later stages use Pinhole only. Pixel centres lie at integer coordinates; x right, y down, z forward.
-// Sources: Brown, "Close-range camera calibration", 1971; Kannala and Brandt, "A generic camera model and calibration
-// method for conventional, wide-angle, and fish-eye lenses", PAMI 2006, eq. 6 with odd powers to theta^9.
+// Cameras. Keypoints are undistorted when features are made, into the pinhole model `Pinhole` of the same camera; all
+// later stages use Pinhole only. A distortion that is found later is taken out of them too (features/straightening.h).
+// Pixel centres lie at integer coordinates; x right, y down, z forward. Sources: Brown, "Close-range camera
+// calibration", 1971; Kannala and Brandt, "A generic camera model and calibration method for conventional, wide-angle,
+// and fish-eye lenses", PAMI 2006, eq. 6 with odd powers to theta^9.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,6 +20,8 @@ namespace covis {
 struct ResidualDistortion {
   double k1 = 0, k2 = 0;
   bool any() const { return k1 != 0 || k2 != 0; }
+  // The image of a ray at this squared radius lies farther out than those of rays within: it is not folded over them.
+  bool unfolds(double r2) const { return 1 + (3 * k1 + 5 * k2 * r2) * r2 > 0; }
   friend bool operator==(const ResidualDistortion&, const ResidualDistortion&) = default;
 };
 
@@ -27,7 +30,7 @@ struct Pinhole {
   double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
   double bf = 0;                          // fx times the (real or virtual) baseline in metres; 0: no stereo or depth
   DepthNoise depth_noise{};               // RGB-D; not known: depth is measured as a disparity between two images
-  ResidualDistortion residual{};          // as it was found; keypoints are free of it
+  ResidualDistortion residual{};          // what was found; it has been taken out of all keypoints
 
   double baseline() const { return bf / fx; }
   // As if it measured none, where depths are in another unit than the map's.
@@ -37,9 +40,9 @@ struct Pinhole {
   }
   // Returns the ray through a pixel, with z = 1.
   Eigen::Vector3d unproject(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1.0}; }
-  // From an undistorted pixel of the camera as it was given to that without the residual distortion, and back. Of a
-  // pixel so far out that no ray shows there the first gives the pixel itself.
-  Eigen::Vector2d straightened(const Eigen::Vector2d& pixel) const;
+  // From an undistorted pixel of the camera as it was given to that without the residual distortion, and back. nullopt:
+  // no ray shows so far out.
+  std::optional<Eigen::Vector2d> straightened(const Eigen::Vector2d& pixel) const;
   Eigen::Vector2d bent(const Eigen::Vector2d& pixel) const;
   friend bool operator==(const Pinhole&, const Pinhole&) = default;
 };
@@ -86,8 +89,8 @@ struct RefinedCamera {
   friend bool operator==(const RefinedCamera&, const RefinedCamera&) = default;
 };
 
-// Where the image of a given camera shows a point in camera coordinates, by what was refined of it: pixels. nullopt: it
-// does not show there.
+// The pixel of a given camera's image that shows a point in camera coordinates, with its focal length and residual
+// distortion as they were refined. nullopt: none does.
 std::optional<Eigen::Vector2d> image_pixel(const Camera& given, const Pinhole& refined, const Eigen::Vector3d& p_c);
 
 // Lists as text how `other` differs from `camera` by more than the rounding of a file ("fx 718.9 instead of 707.1, …");

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
+#include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -12,11 +15,15 @@
 namespace covis {
 namespace {
 
-constexpr size_t kLeastPoses = 30;  // fewer are too alike: their scatter says too little
-constexpr int kLeastObservers = 3;  // two views fit nearly any point
-constexpr double kShown = 5;        // standard deviations
-constexpr double kMostBent = 0.25;  // greatest shift at the images' border, as a share of the distance to the middle
+constexpr size_t kLeastPoses = 30;            // fewer are too alike: their scatter says too little
+constexpr int kLeastObservers = 3;            // two views fit nearly any point
+constexpr double kMaxChange = 0.05;           // of the focal length, as a share of the one given
+constexpr double kLeastShift = 0.3;           // pixels: worth moving the map for
 constexpr Lens kUsual{.k1 = 0.3, .k2 = 0.1};  // standard deviations over lenses
+
+// Standard deviations.
+constexpr double kShown = 5;   // of a coefficient that is there, and of a focal length that is another one
+constexpr double kAgrees = 3;  // of a focal length that may be the one given
 
 // The problem in pixels of the images as they were given, with one focal length for columns and rows, and without
 // points that few see.
@@ -35,23 +42,18 @@ BundleProblem as_given(const BundleProblem& problem) {
   return given;
 }
 
-// Keypoints straightened for `camera` instead of the problem's camera, which becomes it.
-void straighten(BundleProblem& problem, const Pinhole& camera) {
+// Keypoints straightened for `camera` instead of the problem's camera, which becomes it. Returns by how much the
+// farthest was shifted, pixels; nothing where a keypoint has no ray, so that no lens is like that.
+std::optional<double> straighten(BundleProblem& problem, const Pinhole& camera) {
+  double most = 0;
   for (BundleObservation& o : problem.observations) {
-    const Eigen::Vector2d at = camera.straightened(problem.camera.bent({o.u, o.v}));
-    o.u = static_cast<float>(at.x());
-    o.v = static_cast<float>(at.y());
+    const auto at = camera.straightened(problem.camera.bent({o.u, o.v}));
+    if (!at) return std::nullopt;
+    most = std::max(most, (*at - Eigen::Vector2d(o.u, o.v)).norm());
+    o.u = static_cast<float>(at->x());
+    o.v = static_cast<float>(at->y());
   }
   problem.camera = camera;
-}
-
-// By how much the distortion shifts what is farthest out, as a share of its distance from the middle.
-double most_bent(const BundleProblem& problem, const Lens& lens) {
-  double most = 0;
-  for (const BundleObservation& o : problem.observations) {
-    const double r2 = problem.camera.unproject(o.u, o.v).head<2>().squaredNorm();
-    most = std::max(most, std::abs(lens.k1 * r2 + lens.k2 * r2 * r2));
-  }
   return most;
 }
 
@@ -60,30 +62,61 @@ bool shows(const LensAdjustment& found) {
   return std::abs(found.lens.k1) > kShown * deviation.k1 || std::abs(found.lens.k2) > kShown * deviation.k2;
 }
 
+// Asks a problem for its lens.
+class LensQuestion {
+ public:
+  LensQuestion(const BundleProblem& problem, const std::atomic<bool>* interrupt)
+      : problem_(as_given(problem)), interrupted_([interrupt] { return interrupt && *interrupt; }) {}
+
+  bool interrupted() const { return interrupted_(); }
+  // Tells the lens, with the distortion and the focal length free or held; not ok: no answer. The problem as it is
+  // then is in `adjusted`.
+  LensAdjustment ask(const Lens& begin, const Lens& usual, double usual_focal, BundleProblem& adjusted) const {
+    adjusted = problem_;
+    return adjust_lens(adjusted, begin, {.usual = usual, .usual_focal = usual_focal, .interrupted = interrupted_});
+  }
+
+ private:
+  BundleProblem problem_;
+  std::function<bool()> interrupted_;
+};
+
 }  // namespace
 
 bool refine_distortion(BundleProblem& problem, BundleAdjuster& adjuster, double given_fx,
                        const std::atomic<bool>* interrupt) {
+  constexpr double kHeld = 0, kFree = std::numeric_limits<double>::infinity();
   if (problem.poses.size() < kLeastPoses) return false;
-  const auto interrupted = [&] { return interrupt && *interrupt; };
   const Pinhole& before = problem.camera;
-  BundleProblem with_lens = as_given(problem), with_focal = with_lens;
+  const LensQuestion question(problem, interrupt);
   const Lens begin{.focal = given_fx, .k1 = before.residual.k1, .k2 = before.residual.k2};
-  const LensAdjustment found =
-      adjust_lens(with_lens, begin, {.usual = kUsual, .usual_focal = 0, .interrupted = interrupted});
-  if (!found.ok || !shows(found) || most_bent(problem, found.lens) > kMostBent) return false;
-  // Another focal length may explain the same.
-  const LensAdjustment plain = adjust_lens(with_focal, {.focal = before.fx}, {.usual = {}, .interrupted = interrupted});
-  if (interrupted() || (plain.ok && plain.variance <= found.variance)) return false;
+  BundleProblem adjusted, other;
+  LensAdjustment found = question.ask(begin, kUsual, kHeld, adjusted);
+  if (!found.ok || !shows(found)) return false;
+  found.lens.focal = given_fx;  // to the last digit
+  // Another focal length may explain the same, alone or together with a distortion.
+  const LensAdjustment plain = question.ask({.focal = before.fx}, {}, kFree, other);
+  if (!plain.ok || plain.variance <= found.variance) return false;
+  const LensAdjustment free = question.ask(found.lens, kUsual, kFree, other);
+  if (!free.ok || question.interrupted()) return false;
+  const double off = std::abs(std::log(free.lens.focal / given_fx)) / free.deviation().focal;
+  if (off > kShown && shows(free)) {
+    found = free;
+    adjusted = std::move(other);
+  } else if (off > kAgrees) {
+    return false;
+  }
+  if (std::abs(found.lens.focal / given_fx - 1) > kMaxChange) return false;
 
   Pinhole camera = before;
-  camera.fx = given_fx;
-  camera.fy = before.fy / before.fx * given_fx;
+  camera.fx = found.lens.focal;
+  camera.fy = before.fy / before.fx * camera.fx;
   camera.residual = {found.lens.k1, found.lens.k2};
   BundleProblem moved = problem;
-  moved.poses = std::move(with_lens.poses);
-  moved.points = std::move(with_lens.points);
-  straighten(moved, camera);
+  moved.poses = std::move(adjusted.poses);
+  moved.points = std::move(adjusted.points);
+  const auto shift = straighten(moved, camera);
+  if (!shift || (*shift < kLeastShift && camera.fx == before.fx)) return false;
   const BundleSummary summary = adjuster.solve(moved, {.iterations = 20, .interrupt = interrupt});
   if (!summary.ok || summary.interrupted) return false;
   classify_observations(moved);

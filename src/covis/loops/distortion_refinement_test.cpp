@@ -37,7 +37,7 @@ TEST(DistortionRefinement, FindsWhatWasLeft) {
   double squares = 0;
   for (size_t k = 0; k < problem.observations.size(); ++k) {
     const BundleObservation &o = problem.observations[k], &was = before.observations[k];
-    const Eigen::Vector2d straight = problem.camera.straightened({was.u, was.v});
+    const Eigen::Vector2d straight = problem.camera.straightened({was.u, was.v}).value();
     EXPECT_NEAR(o.u, straight.x(), 1e-3);
     EXPECT_NEAR(o.v, straight.y(), 1e-3);
     const auto& pose = problem.poses[static_cast<size_t>(o.pose)];
@@ -47,14 +47,53 @@ TEST(DistortionRefinement, FindsWhatWasLeft) {
   EXPECT_LT(std::sqrt(squares / static_cast<double>(problem.observations.size())), 2 * lens_test::kPixelNoise);
 }
 
-// Asked again, it goes on from what it found.
+// Asked again, it goes on from what it found: what has not changed moves nothing.
 TEST(DistortionRefinement, GoesOnFromWhatItFound) {
   BundleProblem problem = problem_of({.focal = kFocal, .k1 = 0.03, .k2 = -0.01}, 2);
   ASSERT_TRUE(refine(problem));
-  const ResidualDistortion first = problem.camera.residual;
+  const Pinhole first = problem.camera;
+  EXPECT_FALSE(refine(problem));
+  Pinhole worse = first;
+  worse.residual = {0.05, -0.02};
+  for (BundleObservation& o : problem.observations) {
+    const Eigen::Vector2d at = worse.straightened(first.bent({o.u, o.v})).value();
+    o.u = static_cast<float>(at.x());
+    o.v = static_cast<float>(at.y());
+  }
+  problem.camera = worse;
   ASSERT_TRUE(refine(problem));
-  EXPECT_NEAR(problem.camera.residual.k1, first.k1, 0.002);
-  EXPECT_NEAR(problem.camera.residual.k2, first.k2, 0.002);
+  EXPECT_NEAR(problem.camera.residual.k1, first.residual.k1, 0.002);
+  EXPECT_NEAR(problem.camera.residual.k2, first.residual.k2, 0.002);
+}
+
+// A phone whose focal length was looked up, and nothing else.
+TEST(DistortionRefinement, FindsAnotherFocalLengthWithIt) {
+  for (const double wrong : {0.97, 1.03}) {
+    BundleProblem problem = problem_of({.focal = wrong * kFocal, .k1 = -0.1, .k2 = 0.03}, 8);
+    ASSERT_TRUE(refine(problem)) << wrong;
+    EXPECT_NEAR(problem.camera.fx, wrong * kFocal, 0.005 * kFocal);
+    EXPECT_NEAR(problem.camera.residual.k1, -0.1, 0.01);
+  }
+}
+
+// Points that two views see fit any lens.
+TEST(DistortionRefinement, PointsThatFewSeeDoNotMatter) {
+  BundleProblem problem = problem_of({.focal = kFocal, .k1 = 0.03, .k2 = -0.01}, 9);
+  Random random(1);
+  for (int k = 0; k < 12000; ++k) {
+    const int32_t pose = k % 30, point = static_cast<int32_t>(problem.points.size());
+    const double u = random.uniform(200, 440), v = random.uniform(150, 330);
+    const auto T_wc = problem.poses[static_cast<size_t>(pose)].inverse();
+    problem.points.push_back(T_wc * (random.uniform(4, 10) * problem.camera.unproject(u, v)));
+    for (const int32_t view : {pose, pose + 1}) {
+      const Eigen::Vector3d p_c = problem.poses[static_cast<size_t>(view)] * problem.points.back();
+      const Eigen::Vector2d at = problem.camera.project(p_c);
+      problem.observations.push_back(
+          {.pose = view, .point = point, .u = static_cast<float>(at.x()), .v = static_cast<float>(at.y())});
+    }
+  }
+  ASSERT_TRUE(refine(problem));
+  EXPECT_NEAR(problem.camera.residual.k1, 0.03, 0.005);
 }
 
 // A focal length that had made up for a part of it goes back to the one given.

@@ -18,9 +18,9 @@ size_t best_camera(const std::vector<MergeSource>& maps) {
   const auto rank = [](const MergeSource& source) {
     const MapState& map = source.map;
     const bool depth = source.sensor != Sensor::monocular, stereo = source.sensor == Sensor::stereo;
-    const ResidualDistortion& residual = map.camera.residual;
-    return std::tuple(depth, stereo, map.key_frames.size(), map.points.size(), map.camera.fx, map.camera.fy,
-                      residual.k1, residual.k2);
+    const ResidualDistortion& residual = map.camera.residual;  // what was found is not thrown away
+    return std::tuple(depth, stereo, residual.any(), map.key_frames.size(), map.points.size(), map.camera.fx,
+                      map.camera.fy, residual.k1, residual.k2);
   };
   const auto best = std::max_element(maps.begin(), maps.end(),
                                      [&](const MergeSource& a, const MergeSource& b) { return rank(a) < rank(b); });

@@ -74,6 +74,18 @@ std::optional<SubmapPlaces> places_of(const Map& map, const MapProblem& adjusted
   return places;
 }
 
+using StraightFeatures = std::vector<std::pair<KeyFrameId, FeaturesPtr>>;
+
+// The keypoints of key frames whose present ones are not free of this camera's residual distortion.
+StraightFeatures straight_features(const Map& map, const Pinhole& camera) {
+  StraightFeatures made;
+  map.for_each_key_frame([&](KeyFrameId id, const KeyFrame& key_frame) {
+    const Features& features = *key_frame.features;
+    if (!straight_for(features, camera)) made.emplace_back(id, straightened(features, camera));
+  });
+  return made;
+}
+
 }  // namespace
 
 std::optional<MapProblem> copy_submap(const Map& map, KeyFrameId key_frame) {
@@ -87,18 +99,14 @@ std::optional<MapProblem> copy_submap(const Map& map, KeyFrameId key_frame) {
 bool apply_submap(const MapProblem& adjusted, SharedMap& shared, const std::optional<Pinhole>& camera) {
   const std::optional<SubmapPlaces> places = places_of(*shared.read(), adjusted);
   if (!places) return false;
+  const auto straight = camera ? straight_features(*shared.read(), *camera) : StraightFeatures();
   MapEdit map(shared);  // all of it at once: poses, points and camera belong together
   map.map().count_move();
   for (const auto& [id, T_cw] : places->poses) map.map().set_pose(id, T_cw);
   for (const auto& [id, position] : places->points) map.set_position(id, position);
   adjusted.erase_outliers(map);
-  if (camera) {
-    for (const KeyFrameId& id : map->key_frames()) {
-      const Features& features = *map->at(id).features;
-      if (!straight_for(features, *camera)) map.map().set_features(id, straightened(features, *camera));
-    }
-    map.map().set_camera(*camera);
-  }
+  for (const auto& [id, features] : straight) map.map().set_features(id, features);
+  if (camera) map.map().set_camera(*camera);
   return true;
 }
 

@@ -3,6 +3,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "covis/features/straightening.h"
 #include "covis/map/map.h"
 
 namespace covis {
@@ -44,6 +45,7 @@ std::string check_key_frame(const Map& map, KeyFrameId id, const KeyFrame& key_f
   if (!key_frame.T_cw.all_finite()) return name(id) + " has a pose that is not finite";
   if (key_frame.points.size() != static_cast<size_t>(key_frame.features->size()))
     return name(id) + " has not a place for each feature";
+  if (!straight_for(*key_frame.features, map.camera())) return name(id) + " has keypoints with another distortion";
   int64_t total = 0;
   for (size_t i = 0; i < key_frame.points.size(); ++i) {
     const MapPointId point_id = key_frame.points[i];

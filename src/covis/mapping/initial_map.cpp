@@ -8,13 +8,15 @@
 
 #include "covis/core/log.h"
 #include "covis/core/quantile.h"
+#include "covis/features/straightening.h"
 #include "covis/map/map_edit.h"
 
 namespace covis {
 namespace {
 
 // Two poses, the first of which stays, and all points. Pose and point k are those of the request.
-BundleProblem problem_of(const InitialMapRequest& request, const Pinhole& camera) {
+BundleProblem problem_of(const InitialMapRequest& request, const Pinhole& camera, const Features& first,
+                         const Features& second) {
   BundleProblem problem;
   problem.camera = camera;
   problem.poses = {SE3(), request.T_21};
@@ -30,8 +32,8 @@ BundleProblem problem_of(const InitialMapRequest& request, const Pinhole& camera
                                       .inv_sigma2 = f.pyramid->inv_sigma2[f.level[i]],
                                       .disparity = {}});
     };
-    add(0, *request.first.features, point.feature_first);
-    add(1, *request.second.features, point.feature_second);
+    add(0, first, point.feature_first);
+    add(1, second, point.feature_second);
   }
   return problem;
 }
@@ -59,7 +61,10 @@ std::optional<double> unit_scale(const BundleProblem& problem, const std::vector
 std::optional<InitialMap> make_initial_map(SharedMap& shared, const InitialMapRequest& request,
                                            BundleAdjuster& adjuster, RecentPoints& recent) {
   constexpr int kIterations = 20;
-  BundleProblem problem = problem_of(request, shared.read()->camera());
+  const Pinhole camera = shared.read()->camera();
+  const FeaturesPtr first = key_frame_features(*request.first.features, camera);
+  const FeaturesPtr second = key_frame_features(*request.second.features, camera);
+  BundleProblem problem = problem_of(request, camera, *first, *second);
   adjuster.solve(problem, {.iterations = kIterations});
   classify_observations(problem);
   std::vector<uint8_t> good(problem.points.size(), 1);  // no observation is an outlier
@@ -72,11 +77,9 @@ std::optional<InitialMap> make_initial_map(SharedMap& shared, const InitialMapRe
   MapEdit map(shared);
   const SE3 T_21(problem.poses[1].R(), Eigen::Vector3d(problem.poses[1].t() * *scale));
   InitialMap made;
-  made.first =
-      map.map().begin_submap(request.first.frame, request.first.stamp, SE3(), request.first.features->for_key_frame());
+  made.first = map.map().begin_submap(request.first.frame, request.first.stamp, SE3(), first);
   const uint32_t submap = map->at(made.first).submap;
-  made.second = map.map().add_key_frame(request.second.frame, request.second.stamp, T_21,
-                                        request.second.features->for_key_frame(), submap);
+  made.second = map.map().add_key_frame(request.second.frame, request.second.stamp, T_21, second, submap);
   if (!made.second.valid()) {
     map.map().erase_submap(submap);
     return std::nullopt;

@@ -12,9 +12,8 @@
 namespace covis {
 
 KeyFrameId insert_key_frame(SharedMap& shared, const KeyFrameRequest& request, RecentPoints& recent) {
-  std::shared_ptr<Features> features = request.features->for_key_frame();
+  const FeaturesPtr features = key_frame_features(*request.features, shared.read()->camera());
   MapEdit map(shared);
-  if (!straight_for(*features, map->camera())) features = straightened(*features, map->camera());
   SE3 T_cw = request.pose.T_cr;
   std::optional<RelativePose> reference;
   if (request.pose.key_frame.valid()) {
@@ -28,9 +27,9 @@ KeyFrameId insert_key_frame(SharedMap& shared, const KeyFrameRequest& request, R
     map.map().count_visible(point, count.visible);
     map.map().count_found(point, count.found);
   }
-  const KeyFrameId id = reference ? map.map().add_key_frame(request.frame, request.stamp, T_cw, std::move(features),
+  const KeyFrameId id = reference ? map.map().add_key_frame(request.frame, request.stamp, T_cw, features,
                                                             map->at(reference->key_frame).submap)
-                                  : map.map().begin_submap(request.frame, request.stamp, T_cw, std::move(features));
+                                  : map.map().begin_submap(request.frame, request.stamp, T_cw, features);
   if (!id.valid()) return id;
   for (uint32_t feature = 0; feature < request.points.size(); ++feature) {
     const MapPointId point = map->forwarded(request.points[feature]);
@@ -39,8 +38,7 @@ KeyFrameId insert_key_frame(SharedMap& shared, const KeyFrameRequest& request, R
   const SE3 T_wc = T_cw.inverse();
   const uint32_t serial = map->at(id).serial;
   for (const uint32_t feature : request.new_points) {
-    const MapPointId point =
-        map.add_point(T_wc * unproject_depth(map->camera(), *request.features, feature), id, feature);
+    const MapPointId point = map.add_point(T_wc * unproject_depth(map->camera(), *features, feature), id, feature);
     if (point.valid()) recent.add(point, serial);
   }
   map.map().attach_to_tree(id);

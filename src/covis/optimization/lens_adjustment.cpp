@@ -328,8 +328,9 @@ void measure_variance(const LensProblem& problem, const State& state, LensAdjust
     chi2 += row.cost;
     ++found.observations;
   }
-  const double freedom = 2.0 * static_cast<double>(found.observations) -
-                         3.0 * static_cast<double>(state.points.size()) - static_cast<double>(problem.unknowns());
+  int points = 0;  // those that have an observation
+  problem.for_each_point([&](size_t, size_t) { ++points; });
+  const double freedom = 2.0 * static_cast<double>(found.observations) - 3.0 * points - problem.unknowns();
   found.variance = freedom > 0 ? chi2 / freedom : 0;
 }
 

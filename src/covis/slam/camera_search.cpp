@@ -120,7 +120,7 @@ class CameraSearch {
                const std::function<void(const std::string&)>& tell, const std::atomic<int>* interrupt)
       : shrink_(width, height), play_(play), options_(options), tell_(tell), interrupt_(interrupt) {
     options_.sensor = Sensor::monocular;
-    options_.mapper.refine_focal = false;
+    options_.mapper.refine_focal = options_.mapper.refine_distortion = false;
     options_.realtime = options_.localize = false;
   }
 

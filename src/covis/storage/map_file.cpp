@@ -278,8 +278,8 @@ Result<MapInfo> read_map_info(const std::filesystem::path& path) {
   info.points = c.points;
   info.observations = c.observations;
   info.features = c.features;
-  Pinhole own = info.header.camera.pinhole;
-  const auto cameras = read_key_frame_cameras(*file, key_frames->size(), own);
+  info.camera = records.empty() ? info.header.camera.pinhole : records.front().camera;
+  const auto cameras = read_key_frame_cameras(*file, key_frames->size(), info.camera);
   if (!cameras) return tl::unexpected(cameras.error());
   for (const RefinedCamera& camera : cameras->cameras) info.other_cameras.push_back({camera.given, 0});
   for (const uint32_t k : cameras->of) {

@@ -41,6 +41,7 @@ struct OtherCamera {
 
 struct MapInfo {
   MapHeader header;
+  Pinhole camera;                 // the header's, as it was refined
   uint16_t major = 0, minor = 0;  // version of the format
   uint64_t file_size = 0;         // bytes
   uint64_t key_frames = 0, points = 0, observations = 0, features = 0;

@@ -123,6 +123,7 @@ TEST_F(MapFile, ResidualDistortionsAreInFilesOfCamerasThatHaveOne) {
   auto loaded = load_map(file());
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_EQ(loaded->map.camera(), state.camera);
+  EXPECT_EQ(read_map_info(file())->camera, state.camera);
   for (const KeyFrameId& id : loaded->map.key_frames())
     EXPECT_TRUE(straight_for(*loaded->map.at(id).features, state.camera));
   ASSERT_TRUE(save_map(file(), loaded->map.state(), header));

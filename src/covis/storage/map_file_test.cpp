@@ -153,6 +153,7 @@ TEST_F(MapFile, InfoSaysWhatIsInIt) {
   EXPECT_EQ(info->file_size, bytes.size());
   EXPECT_EQ(info->major, kMapFileMajor);
   EXPECT_DOUBLE_EQ(info->seconds, 2.5);
+  EXPECT_EQ(info->camera, refined_camera());
   EXPECT_TRUE(info->extent.isApprox(Eigen::Vector3d(3, 0, 2)));
   for (const MapHeader& h : {info->header, load_map(file())->header}) {
     EXPECT_EQ(h.camera.width, 640);

@@ -6,7 +6,6 @@
 #include <memory>
 #include <utility>
 
-#include "covis/features/straightening.h"
 #include "covis/matching/point_geometry.h"
 
 namespace covis {
@@ -105,11 +104,7 @@ FeaturesPtr DepthBelief::receive(FeaturesPtr measured) {
 void DepthBelief::straighten_for(const Pinhole& camera, TrackedFrame& frame) {
   const bool as_measured = frame.features == measured_;
   frame.straighten_for(camera);
-  if (as_measured) {
-    measured_ = frame.features;
-  } else if (measured_ && !straight_for(*measured_, camera)) {
-    measured_ = straightened(*measured_, camera);
-  }
+  if (as_measured) measured_ = frame.features;
 }
 
 double DepthBelief::judge(const TrackedFrame& frame, const Pinhole& camera) {

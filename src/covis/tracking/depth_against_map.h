@@ -79,7 +79,8 @@ class DepthBelief {
   void trust_depth() {
     if (!contradicts()) doubted_.reset();
   }
-  // The frame's keypoints are made free of this camera's residual distortion, with depth and without.
+  // The frame's keypoints are made free of this camera's residual distortion. That of a camera with depth stays, so
+  // that depth is not doubted then.
   void straighten_for(const Pinhole& camera, TrackedFrame& frame);
   // The frame is done: nothing is kept of it.
   void release() { measured_.reset(); }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "covis/core/random.h"
+#include "covis/features/straightening.h"
 #include "covis/geometry/two_view.h"
 #include "covis/matching/descriptor_match.h"
 
@@ -50,6 +51,7 @@ std::optional<InitialMapRequest> MonoInitializer::offer(const Pinhole& camera, c
                                                         int64_t frame, Timestamp stamp) {
   const StartOptions& o = options_;
   matches_ = 0;
+  if (reference_.features && !straight_for(*reference_.features, camera)) reset();  // the camera was refined meanwhile
   if (!reference_.features) {
     if (features->size() <= o.init_min_matches) {
       reason_ = NoPoseReason::few_features;

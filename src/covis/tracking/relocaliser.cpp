@@ -20,6 +20,7 @@ std::optional<Relocaliser::Located> Relocaliser::locate(FeaturesPtr features, in
   search.refresh_camera(*map_.read());
   TrackedFrame image;
   image.start(std::move(features), frame, 0);
+  image.straighten_for(search.camera);
   TrackFigures figures;
   if (!find(image, search, &map_, {}, figures)) return std::nullopt;
   return Located{image.T_cw, search.local_map.reference.submap, figures.inliers, image.information};

@@ -294,7 +294,7 @@ void Tracker::key_frame_made(const KeyFrameMade& made) {
     backlog_.found_at(made.key_frame);
     last_.become(*map, made.key_frame);
     search_.place.restart_at(last_.frame, last_.submap);
-    last_.map_changed = false;  // the frame is as new as the submap
+    last_.map_changed = search_.camera != map->camera();  // else the frame is as new as the submap
   }
   last_.new_reference = made.key_frame;
   if (last_.frame.index == made.frame) last_.take_points(*map, made.key_frame);
