@@ -27,7 +27,9 @@ Enum choose(const char* what, const std::string& text, const std::vector<std::pa
     if (text == name) return choice;
     known += (known.empty() ? "" : ", ") + std::string(name);
   }
-  throw py::value_error(std::string(what) + ": '" + text + "' is none of " + known);
+  std::string message = what;  // piece by piece: GCC 12 warns of a sum of strings here, wrongly
+  for (const std::string& piece : {std::string(": '"), text, std::string("' is none of "), known}) message += piece;
+  throw py::value_error(message);
 }
 
 // ---- Trajectories ----

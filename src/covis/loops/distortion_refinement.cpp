@@ -18,7 +18,7 @@ namespace {
 constexpr size_t kLeastPoses = 30;            // fewer are too alike: their scatter says too little
 constexpr int kLeastObservers = 3;            // two views fit nearly any point
 constexpr double kMaxChange = 0.05;           // of the focal length, as a share of the one given
-constexpr double kLeastShift = 0.3;           // pixels: worth moving the map for
+constexpr double kLeastShift = 0.05;          // pixels: worth moving the map for
 constexpr Lens kUsual{.k1 = 0.3, .k2 = 0.1};  // standard deviations over lenses
 
 // Standard deviations.
