@@ -14,7 +14,7 @@ namespace covis {
 namespace {
 
 constexpr int kFrames = 320;
-constexpr double kStrength = 0.3;  // of the lens
+constexpr double kStrength = 0.3;  // strength of the lens, as covis synth counts it
 constexpr double kLeft = 0.5;      // pixels: greatest error of a keypoint's place at the end; at first it is 3
 
 class LeftDistortion : public testing::Test {

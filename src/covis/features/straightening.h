@@ -11,8 +11,8 @@ namespace covis {
 // The keypoints are free of this camera's residual distortion.
 bool straight_for(const Features& features, const Pinhole& camera);
 
-// The same keypoints, free of this camera's residual distortion instead of another one's. A keypoint that it takes out
-// of all bounds, as no ray shows there, stays where it is.
+// The same keypoints, free of this camera's residual distortion instead of another one's. A keypoint stays where it is
+// when no ray shows there, so that it would leave all bounds.
 std::shared_ptr<Features> straightened(const Features& features, const Pinhole& camera);
 
 // A copy for a key frame of a map with this camera.

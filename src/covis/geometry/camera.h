@@ -30,7 +30,7 @@ struct Pinhole {
   double fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
   double bf = 0;                          // fx times the (real or virtual) baseline in metres; 0: no stereo or depth
   DepthNoise depth_noise{};               // RGB-D; not known: depth is measured as a disparity between two images
-  ResidualDistortion residual{};          // what was found; it has been taken out of all keypoints
+  ResidualDistortion residual{};          // as a run found it, and took it out of all keypoints
 
   double baseline() const { return bf / fx; }
   // As if it measured none, where depths are in another unit than the map's.

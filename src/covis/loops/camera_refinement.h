@@ -37,7 +37,7 @@ class RefinementSchedule {
 struct RefinableCamera {
   double given_fx = 0;  // focal length that the camera came with, pixels
   bool focal = true;
-  bool distortion = false;  // of a monocular camera that was given without any
+  bool distortion = false;  // for a monocular camera that was given without any
 };
 
 // Moves an adjusted problem to its best focal length, in a few steps of at most 2 % as an estimate is good only near:

@@ -17,13 +17,13 @@ namespace {
 
 constexpr size_t kLeastPoses = 30;            // fewer are too alike: their scatter says too little
 constexpr int kLeastObservers = 3;            // two views fit nearly any point
-constexpr double kMaxChange = 0.05;           // of the focal length, as a share of the one given
+constexpr double kMaxChange = 0.05;           // greatest change of the focal length, as a share
 constexpr double kLeastShift = 0.05;          // pixels: worth moving the map for
 constexpr Lens kUsual{.k1 = 0.3, .k2 = 0.1};  // standard deviations over lenses
 
 // Standard deviations.
-constexpr double kShown = 5;   // of a coefficient that is there, and of a focal length that is another one
-constexpr double kAgrees = 3;  // of a focal length that may be the one given
+constexpr double kShown = 5;   // a coefficient is there, or the focal length is another one
+constexpr double kAgrees = 3;  // the focal length may be the one given
 
 // The problem in pixels of the images as they were given, with one focal length for columns and rows, and without
 // points that few see.

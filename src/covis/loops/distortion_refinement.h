@@ -13,9 +13,9 @@ namespace covis {
 // Moves an adjusted problem to the residual distortion that its observations show, when the problem is large enough, a
 // coefficient differs from 0 by five standard deviations, observations agree better than with any focal length without
 // distortion, and keypoints are elsewhere by 0.05 pixels. The focal length becomes the one that was given where that
-// agrees with the observations; within 5 % of it another one where that is as sure as the distortion; in between
-// nothing is done. Observations become those of straightened keypoints. Without disparities. False: the problem stays
-// as it was.
+// agrees with the observations, or another one, within 5 % of it, that is as sure as the distortion; between the two
+// the problem stays. Observations become those of straightened keypoints; they have no disparities. False: the problem
+// stays as it was.
 bool refine_distortion(BundleProblem& problem, BundleAdjuster& adjuster, double given_fx,
                        const std::atomic<bool>* interrupt = nullptr);
 

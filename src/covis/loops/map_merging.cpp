@@ -18,7 +18,7 @@ size_t best_camera(const std::vector<MergeSource>& maps) {
   const auto rank = [](const MergeSource& source) {
     const MapState& map = source.map;
     const bool depth = source.sensor != Sensor::monocular, stereo = source.sensor == Sensor::stereo;
-    const ResidualDistortion& residual = map.camera.residual;  // what was found is not thrown away
+    const ResidualDistortion& residual = map.camera.residual;  // a distortion that was found is kept
     return std::tuple(depth, stereo, residual.any(), map.key_frames.size(), map.points.size(), map.camera.fx,
                       map.camera.fy, residual.k1, residual.k2);
   };

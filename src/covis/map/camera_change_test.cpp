@@ -120,6 +120,27 @@ TEST_F(CameraChange, AResidualDistortionStaysWithItsCamera) {
   EXPECT_FALSE(state.key_frames.front().features->made_by);
 }
 
+// Maps of one camera that was refined in two ways, before they are merged.
+TEST_F(CameraChange, StraighteningGivesAMapTheCameraRefinedInAnotherWay) {
+  MapState state = world.shared.read()->state();
+  const FeaturesPtr before = state.key_frames.front().features;
+  Pinhole found = state.camera;
+  found.residual = {0.05, -0.01};
+  straighten(state, found);
+  const auto map = Map::from_state(state);
+  ASSERT_TRUE(map) << map.error().message;
+  EXPECT_EQ(map->check(), "");
+  EXPECT_EQ(map->camera(), found);
+  const Features& straight = *state.key_frames.front().features;
+  for (size_t i = 0; i < straight.x.size(); ++i) {
+    EXPECT_NEAR(straight.x[i], found.straightened({before->x[i], before->y[i]})->x(), 1e-3);
+  }
+  straighten(state, scene.camera);
+  for (size_t i = 0; i < before->x.size(); ++i) {
+    EXPECT_NEAR(state.key_frames.front().features->x[i], before->x[i], 1e-3);
+  }
+}
+
 TEST_F(CameraChange, CamerasThatDifferByTooMuchAreRefused) {
   MapState state = world.shared.read()->state();
   for (const Pinhole& camera :
