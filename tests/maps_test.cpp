@@ -306,7 +306,7 @@ TEST(Jump, IsNotToAnotherPosterInRealTimeEitherLong) {
 // and retracted. What these frames show is located afterwards, from the right place.
 TEST(Jump, ThatProvesWrongIsTakenBack) {
   Recording& recording = shared_recording(Sensor::rgbd, 160, 10, "posters");
-  Walk walk = cut(recording, 10, 80, 120, 150);
+  Walk walk = cut(recording, 10, 80, 122, 150);
   Walked run(walk, options_for(Sensor::rgbd));
   EXPECT_GT(run.tentative.size(), 0u);
   EXPECT_EQ(run.system.snapshot()->online.size(), run.reported - run.tentative.size());

@@ -82,7 +82,7 @@ TEST_P(Merging, TwoWalksBecomeOneMap) {
   const JoinedPair& pair = merged.report.join.pairs.at(0);
   EXPECT_EQ(pair.refusal, JoinRefusal::none);
   EXPECT_GE(pair.claims, 3);
-  EXPECT_EQ(pair.contrary, 0);
+  EXPECT_LT(2 * pair.contrary, pair.claims);
   EXPECT_GT(pair.fused, 100);
   EXPECT_EQ(pair.S_older_younger.scale() == 1, !monocular());
   const double error = merged.error_of(recording);

@@ -183,7 +183,7 @@ AroundTheRoom around_the_room(Recording& recording, bool close_loops) {
 }
 
 Recording& once_around(Sensor sensor) {
-  return sensor == Sensor::monocular ? shared_recording(sensor, 190, 10.0) : shared_recording(sensor, 128, 6.0);
+  return sensor == Sensor::monocular ? shared_recording(sensor, 190, 10.0) : shared_recording(sensor, 128, 5.0);
 }
 
 // Once around the room, with a loop closed at the end.

@@ -43,8 +43,8 @@ TEST(RunJson, SummaryHasTheKeysThatScriptsRead) {
   EXPECT_EQ(s["camera_given"], json({{"fx", 500.0}, {"fy", 501.0}, {"cx", 320.0}, {"cy", 240.0}}));
   EXPECT_EQ(s["interrupted"], false);
   EXPECT_EQ(s["frame_ms"]["median"], 40);
-  EXPECT_EQ(s["stage_ms"].size(), 8u);
-  EXPECT_EQ(s["mapping_ms"].size(), 8u);
+  EXPECT_EQ(s["stage_ms"].size(), 9u);
+  EXPECT_EQ(s["mapping_ms"].size(), 9u);
   EXPECT_EQ(s["maps"][1]["loaded"], true);
   EXPECT_EQ(s["not_tracked"][1], json({{"first", 5}, {"last", 6}, {"state", "lost"}, {"reason", "reason 5"}}));
   EXPECT_EQ(s["loops"], json::array());

@@ -53,13 +53,14 @@ struct Stage {
   const char* name;
   double (*ms)(const FrameStats&);
 };
-inline constexpr std::array<Stage, 8> kStages{
+inline constexpr std::array<Stage, 9> kStages{
     {{"extract", [](const FrameStats& f) { return f.timing.extract_ms; }},
      {"depth", [](const FrameStats& f) { return f.timing.depth_ms; }},
      {"motion", [](const FrameStats& f) { return f.track.ms.motion; }},
      {"local_update", [](const FrameStats& f) { return f.track.ms.local_update; }},
      {"local_search", [](const FrameStats& f) { return f.track.ms.local_search; }},
      {"pose", [](const FrameStats& f) { return f.track.ms.pose; }},
+     {"align", [](const FrameStats& f) { return f.track.ms.align; }},
      {"mapping_wait", [](const FrameStats& f) { return f.timing.wait_ms; }},
      {"decode_wait", [](const FrameStats& f) { return f.decode_ms; }}}};
 

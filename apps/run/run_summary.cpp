@@ -68,6 +68,7 @@ FrameTimes times_of(const RunRecord& run) {
   mapping("cull_points", [](const MappingReport& m) { return m.ms.cull_points; });
   mapping("create", [](const MappingReport& m) { return m.ms.create; });
   mapping("fuse", [](const MappingReport& m) { return m.ms.fuse; });
+  mapping("align", [](const MappingReport& m) { return m.ms.align; });
   mapping("local_ba", [](const MappingReport& m) { return m.ms.adjust; });
   mapping("cull_key_frames", [](const MappingReport& m) { return m.ms.cull_key_frames; });
   mapping("loop", [](const MappingReport& m) { return m.loop_ms; });

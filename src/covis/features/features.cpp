@@ -43,6 +43,7 @@ void Features::start(size_t room, RawPixels raw) {
 std::shared_ptr<Features> Features::for_key_frame() const {
   auto copy = std::make_shared<Features>(*this);
   copy->small = {};
+  if (patches) copy->patches = std::make_shared<Patches>(*patches);
   return copy;
 }
 

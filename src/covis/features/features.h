@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "covis/core/aligned.h"
+#include "covis/features/patches.h"
 #include "covis/features/small_image.h"
 #include "covis/geometry/camera.h"
 
@@ -108,9 +109,12 @@ struct Features {
   std::shared_ptr<const Pinhole> straightened_for;  // the camera whose residual distortion was
                                                     // taken out of x and y; null: none was
   std::shared_ptr<const RefinedCamera> made_by;     // the camera, where it is another one than the map's; else null
-  SmallImage small;                                 // for the next frame alone
+  std::shared_ptr<const Camera> lens;               // null: raw pixels are undistorted ones
+  std::shared_ptr<Patches> patches;                 // null: none were cut, or none are kept
+  AlignedVector<uint32_t> anchor;  // key frames: 1 + anchor_of() (map/anchors.h), 0: not aligned; empty: none is
+  SmallImage small;                // for the next frame alone
 
-  // A copy for a key frame: without the small image, and without room for more keypoints.
+  // A copy for a key frame: without the small image, without room for more keypoints, and with patches of its own.
   std::shared_ptr<Features> for_key_frame() const;
 
   int size() const { return static_cast<int>(x.size()); }

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/features/frontend.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "covis/core/time.h"
 #include "covis/features/depth_lookup.h"
 #include "covis/features/extractor.h"
 #include "covis/features/features_ring.h"
+#include "covis/features/orb.h"
 #include "covis/features/staged_work.h"
 #include "covis/features/stereo_matcher.h"
 #include "covis/features/straightening.h"
@@ -67,6 +70,29 @@ ImageBounds find_bounds(const Camera& camera) {
   return {std::max(box.min_x, -w), std::max(box.min_y, -h), std::min(box.max_x, 2 * w), std::min(box.max_y, 2 * h)};
 }
 
+void cut_patches(const OrbExtractor& from, Features& f) {
+  constexpr int kSide = Patch::kSide;
+  static_assert(kSide / 2 < kEdgeBorder, "a keypoint's patch lies within its level");
+  f.patches = held_alone(std::move(f.patches));
+  Patches& patches = *f.patches;
+  patches.stretch.clear();
+  for (int l = 0; l < from.levels(); ++l) patches.stretch.push_back(from.to_image(l, 1, 1) - from.to_image(l, 0, 0));
+  patches.at.reserve(from.most_keypoints());
+  patches.at.resize(f.x.size());
+  const AlignedVector<float>&x = f.image_x(), &y = f.image_y();
+  for (size_t i = 0; i < patches.at.size(); ++i) {
+    const int l = f.level[i];
+    const Eigen::Vector2f centre = from.to_level(l, x[i], y[i]);
+    const int left = static_cast<int>(std::lround(centre.x())) - kSide / 2;
+    const int top = static_cast<int>(std::lround(centre.y())) - kSide / 2;
+    Patch& patch = patches.at[i];
+    patch.origin = from.to_image(l, static_cast<float>(left), static_cast<float>(top));
+    const ImageView<const uint8_t> level = from.level(l);
+    for (int row = 0; row < kSide; ++row)
+      std::copy_n(level.row(top + row) + left, kSide, patch.grey.data() + static_cast<ptrdiff_t>(row) * kSide);
+  }
+}
+
 }  // namespace
 
 Fields fields(OrbOptions& o) {
@@ -80,12 +106,18 @@ Fields fields(OrbOptions& o) {
            "monocular: corners whose structure tensor has a greater ratio of eigenvalues lie on edges and are left "
            "out; 0: none",
            0, 1000},
-          {"orb.subpixel", &o.subpixel, "place keypoints at the top of the corner score's parabola, not at the pixel"}};
+          {"orb.subpixel", &o.subpixel, "place keypoints at the top of the corner score's parabola, not at the pixel"},
+          {"orb.patches", &o.patches,
+           "keep the grey levels around keypoints, with which the places of matches are refined"}};
 }
 
 struct Frontend::Impl {
   Impl(const Camera& c, const OrbOptions& options, Sensor sensor)
-      : camera(c), bounds(find_bounds(c)), left(options, sensor == Sensor::monocular ? options.edge_ratio_mono : 0) {
+      : camera(c),
+        lens(distorted() ? std::make_shared<const Camera>(c) : nullptr),
+        cuts_patches(options.patches),
+        bounds(find_bounds(c)),
+        left(options, sensor == Sensor::monocular ? options.edge_ratio_mono : 0) {
     if (sensor == Sensor::stereo) {
       right.emplace(options);
       pair.emplace(left, *right);
@@ -96,6 +128,8 @@ struct Frontend::Impl {
   std::shared_ptr<Features> finish(ImageView<const float> depth_image);
 
   const Camera camera;
+  const std::shared_ptr<const Camera> lens;  // null: no distortion
+  const bool cuts_patches;
   ImageBounds bounds;
   std::shared_ptr<const Pinhole> refined;  // null: undistorted keypoints stay as they are
   OrbExtractor left;
@@ -113,6 +147,7 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
   std::shared_ptr<Features> f = ring.next();
   f->pyramid = left.pyramid();
   f->straightened_for = refined;
+  f->lens = lens;
   const size_t n = k.size();
   f->start(std::max(n, left.most_keypoints()),
            distorted() || refined ? Features::RawPixels::different : Features::RawPixels::same);
@@ -141,6 +176,7 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
   }
   f->grid.build(bounds, f->x, f->y);
   small.make(left.level(0), f->small);
+  if (cuts_patches) cut_patches(left, *f);
   return f;
 }
 

@@ -23,6 +23,7 @@ struct OrbOptions {
   // left out (gradients.h). 0: any ratio.
   double edge_ratio_mono = 18;
   bool subpixel = true;  // place keypoints at the maximum of the corner score's parabola, not at the pixel
+  bool patches = true;   // keep the grey levels around keypoints, with which the places of matches are refined
 };
 Fields fields(OrbOptions& options);
 

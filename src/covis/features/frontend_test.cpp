@@ -51,6 +51,40 @@ TEST(Frontend, StereoFindsTheDisparity) {
   }
 }
 
+TEST(Frontend, PatchesAreTheGreyLevelsAroundKeypoints) {
+  const ImageU8 image = texture(640, 480, 12);
+  Frontend frontend(pinhole_camera(500, 0), {}, Sensor::monocular);
+  const FeaturesPtr f = frontend.monocular(image.view());
+  ASSERT_TRUE(f->patches);
+  ASSERT_EQ(f->patches->at.size(), f->x.size());
+  constexpr int kSide = Patch::kSide;
+  for (size_t i = 0; i < f->x.size(); ++i) {
+    const Patch& patch = *f->patches->find(i);
+    const Eigen::Vector2f at =
+        (Eigen::Vector2f(f->x[i], f->y[i]) - patch.origin).cwiseQuotient(f->patches->stretch[f->level[i]]);
+    EXPECT_NEAR(at.x(), kSide / 2, 0.501);
+    EXPECT_NEAR(at.y(), kSide / 2, 0.501);
+    if (f->level[i] > 0) continue;
+    const int left = static_cast<int>(std::lround(patch.origin.x())),
+              top = static_cast<int>(std::lround(patch.origin.y()));
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x)
+        ASSERT_EQ(patch.grey[static_cast<size_t>(y * kSide + x)], image(left + x, top + y));
+  }
+  OrbOptions without;
+  without.patches = false;
+  EXPECT_FALSE(Frontend(pinhole_camera(500, 0), without, Sensor::monocular).monocular(image.view())->patches);
+}
+
+// A key frame keeps its patches while the frames to come get theirs.
+TEST(Frontend, PatchesOfAKeyFrameAreItsOwn) {
+  Frontend frontend(pinhole_camera(500, 0), {}, Sensor::monocular);
+  const std::shared_ptr<Features> kept = frontend.monocular(texture(640, 480, 13).view())->for_key_frame();
+  const std::vector<Patch> before(kept->patches->at.begin(), kept->patches->at.end());
+  for (uint64_t seed = 14; seed < 20; ++seed) frontend.monocular(texture(640, 480, seed).view());
+  for (size_t i = 0; i < before.size(); ++i) ASSERT_EQ(kept->patches->at[i].grey, before[i].grey);
+}
+
 // Two threads share the levels of both images: it must not show.
 TEST(Frontend, AnImageOfAPairGivesTheFeaturesItGivesAlone) {
   OrbOptions with_edges;

@@ -60,6 +60,10 @@ struct MapPoint {
     const auto at = std::ranges::lower_bound(observations, key_frame, {}, &Observation::key_frame);
     return at != observations.end() && at->key_frame == key_frame;
   }
+  // The feature by which an observer sees it.
+  uint32_t feature_in(KeyFrameId observer) const {
+    return std::ranges::lower_bound(observations, observer, {}, &Observation::key_frame)->feature;
+  }
 };
 
 // The members of MapPoint that follow from its observations, under the same names.

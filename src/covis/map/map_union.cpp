@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -10,6 +11,14 @@ namespace covis {
 namespace {
 
 bool fits(size_t a, size_t b) { return a + b < MapState::kNone; }
+
+// Anchors are serials, which grow.
+FeaturesPtr with_anchors_shifted(const FeaturesPtr& features, uint32_t by) {
+  if (features->anchor.empty() || by == 0) return features;
+  auto made = std::make_shared<Features>(*features);
+  for (uint32_t& anchor : made->anchor) anchor += anchor > 0 ? by : 0;
+  return made;
+}
 
 }  // namespace
 
@@ -27,6 +36,7 @@ Result<void> append_map(MapState& map, MapState other) {
   };
   for (KeyFrameState& k : other.key_frames) {
     k.serial += map.next_serial;
+    k.features = with_anchors_shifted(k.features, map.next_serial);
     shift(k.parent, frames);
     for (uint32_t& point : k.points) shift(point, points);
     for (uint32_t& edge : k.loop_edges) edge += frames;

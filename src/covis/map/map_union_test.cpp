@@ -42,6 +42,19 @@ TEST_F(MapUnion, HasTheSubmapsOfBothSideBySide) {
   EXPECT_EQ(both->at(frames[4]).loop_edges, std::vector<KeyFrameId>{frames[9]});
 }
 
+TEST_F(MapUnion, AnchorsNameTheSameKeyFrames) {
+  MapState one = mapped(scene, 4, 0), second = mapped(scene, 6, 8);
+  auto features = second.key_frames[3].features->for_key_frame();
+  features->anchor.resize(features->x.size(), 0);
+  features->anchor[5] = second.key_frames[1].serial + 1;
+  second.key_frames[3].features = features;
+  ASSERT_TRUE(append_map(one, second));
+  const AlignedVector<uint32_t>& anchor = one.key_frames[4 + 3].features->anchor;
+  EXPECT_EQ(anchor[5], one.key_frames[4 + 1].serial + 1);
+  EXPECT_EQ(anchor[6], 0u) << "what is not aligned stays so";
+  EXPECT_TRUE(one.key_frames[4 + 2].features->anchor.empty());
+}
+
 TEST_F(MapUnion, AnEmptyMapAddsNothingAndGetsEverything) {
   MapState map = mapped(scene, 3, 0);
   ASSERT_TRUE(append_map(map, MapState{}));

@@ -19,6 +19,7 @@
 
 #include "covis/core/sensor.h"
 #include "covis/features/test_features.h"
+#include "covis/features/test_patches.h"
 #include "covis/map/map_requests.h"
 #include "covis/map/shared_map.h"
 
@@ -43,6 +44,7 @@ struct PointScene {
   ImageBounds bounds{0, 0, 640, 480};
   double noise = 0;       // pixels, standard deviation of each coordinate of a keypoint
   int flipped_bits = 0;   // bits of each descriptor, at random, in each view
+  bool patches = false;   // views have patches, of a texture for each point
   double max_depth = 20;  // metres: points beyond have no depth in stereo and RGB-D views
 
   const SE3& T_wc_of(size_t i) const { return T_wc[i % T_wc.size()]; }
@@ -98,11 +100,13 @@ struct PointScene {
   View view(const SE3& T_cw, Sensor sensor = Sensor::rgbd, uint64_t seed = 0) const {
     Random random(hash_seed(0, 1, seed));
     Features f = no_features();
+    if (patches) start_patches(f);
     View seen;
     for (size_t p = 0; p < points.size(); ++p) {
       const Eigen::Vector3d p_c = T_cw * points[p].position_w;
       if (p_c.z() < 0.1) continue;
-      Eigen::Vector2d pixel = camera.project(p_c);
+      const Eigen::Vector2d truth = camera.project(p_c);
+      Eigen::Vector2d pixel = truth;
       if (noise > 0) pixel += noise * Eigen::Vector2d(random.normal(), random.normal());
       if (!bounds.contains(static_cast<float>(pixel.x()), static_cast<float>(pixel.y()))) continue;
       Descriptor descriptor = points[p].descriptor;
@@ -115,6 +119,8 @@ struct PointScene {
       add(f,
           {.x = pixel.x(), .y = pixel.y(), .level = level, .descriptor = descriptor, .depth = has_depth ? p_c.z() : 0},
           camera.bf);
+      if (patches)
+        f.patches->at.push_back(test_patch(pixel, truth, f.pyramid->scale[static_cast<size_t>(level)], TestTexture(p)));
       seen.point.push_back(p);
     }
     finish(f, bounds);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "covis/map/map_edit.h"
@@ -15,14 +16,19 @@ struct MapProblem {
   BundleProblem problem;
   std::vector<KeyFrameId> key_frames;  // for each pose
   std::vector<MapPointId> points;      // for each point
+  std::vector<uint8_t> aligned;        // for each observation: it weighs as one whose place was refined
 
   // Takes the points that the first `moving` of `frames` see, with all observations from any of `frames`. Key frames
   // from the `moving`th on, and roots, stay fixed.
   void gather(const Map& map, const std::vector<KeyFrameId>& frames, size_t moving);
-  // Writes the result to what still exists; observations found to be outliers go.
+  // Writes the result to what still exists; observations found to be outliers go. Aligned ones are left out sooner than
+  // others, but go no sooner: where a rolling shutter bends the image, say, all of them are farther off.
   void commit(MapEdit& map) const;
   // Only these.
   void erase_outliers(MapEdit& map) const;
+
+ private:
+  bool fits_as_keypoint(size_t observation) const;
 };
 
 }  // namespace covis

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "covis/map/test_point_scene.h"
+#include "covis/matching/patch_alignment.h"
 #include "covis/matching/point_set.h"
 
 namespace covis {
@@ -36,6 +39,63 @@ TEST_F(MapProblemTest, HoldsThePointsOfThoseThatMove) {
     for (const Observation& o : map->at(id).observations) observations += o.key_frame != k[0] && o.key_frame != k[4];
   }
   EXPECT_EQ(problem.problem.observations.size(), observations);
+}
+
+// Aligned observations of one anchor are close to each other; a single one is close to nothing.
+TEST_F(MapProblemTest, ObservationsOfOneAnchorWeighMore) {
+  const std::vector<KeyFrameId>& k = world.frames;
+  const MapPointId pair = world.shared.read()->at(k[1]).points[0], alone = world.shared.read()->at(k[1]).points[1];
+  const auto align = [&](MapPointId id, KeyFrameId view, uint32_t anchor) {
+    const auto map = world.shared.write();
+    auto features = map->at(view).features->for_key_frame();
+    features->anchor.resize(features->x.size(), 0);
+    features->anchor[map->at(id).feature_in(view)] = anchor + 1;
+    map->set_features(view, features);
+  };
+  const auto serial_of_reference = [&](MapPointId id) {
+    const auto map = world.shared.read();
+    return map->at(map->at(id).reference).serial;
+  };
+  align(pair, k[1], serial_of_reference(pair));
+  align(pair, k[2], serial_of_reference(pair));
+  align(alone, k[1], serial_of_reference(alone) + 100);
+  const MapProblem problem = gather(k, k.size());
+  const auto map = world.shared.read();
+  int closer = 0;
+  for (const BundleObservation& o : problem.problem.observations) {
+    const MapPointId id = problem.points[static_cast<size_t>(o.point)];
+    const KeyFrameId view = problem.key_frames[static_cast<size_t>(o.pose)];
+    const Features& f = *map->at(view).features;
+    const float weight = o.inv_sigma2 / f.pyramid->inv_sigma2[f.level[map->at(id).feature_in(view)]];
+    const bool aligned = id == pair && (view == k[1] || view == k[2] || view == map->at(id).reference);
+    EXPECT_FLOAT_EQ(weight, aligned ? aligned_weight(map->camera()) : 1);
+    closer += aligned;
+  }
+  EXPECT_EQ(closer, 3);
+}
+
+// Where an image is bent by more than aligned places err, observations are left out but stay.
+TEST_F(MapProblemTest, AlignedOutliersStayWhileTheyFitAsKeypoints) {
+  MapProblem problem = gather(world.frames, world.frames.size());
+  constexpr size_t kObservation = 5;
+  BundleObservation& o = problem.problem.observations[kObservation];
+  const KeyFrameId view = problem.key_frames[static_cast<size_t>(o.pose)];
+  const MapPointId id = problem.points[static_cast<size_t>(o.point)];
+  const auto is_seen_after = [&](bool aligned, float off) {
+    problem.aligned[kObservation] = aligned;
+    o.u += off;
+    o.active = 0;
+    {
+      MapEdit edit(world.shared);
+      problem.erase_outliers(edit);
+    }
+    o.u -= off;
+    return world.shared.read()->at(id).seen_by(view);
+  };
+  o.inv_sigma2 *= aligned_weight(problem.problem.camera);
+  const float sigma = std::sqrt(aligned_weight(problem.problem.camera) / o.inv_sigma2);
+  EXPECT_TRUE(is_seen_after(true, 1.8f * sigma));
+  EXPECT_FALSE(is_seen_after(true, 3 * sigma));
 }
 
 TEST_F(MapProblemTest, RootsStay) {

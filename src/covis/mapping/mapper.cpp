@@ -6,6 +6,7 @@
 #include "covis/mapping/key_frame_culling.h"
 #include "covis/mapping/key_frame_insertion.h"
 #include "covis/mapping/local_adjustment.h"
+#include "covis/mapping/observation_alignment.h"
 #include "covis/mapping/point_creation.h"
 #include "covis/mapping/point_fusion.h"
 
@@ -25,6 +26,8 @@ MapperReport Mapper::process(const KeyFrameRequest& request, const std::atomic<b
   report.ms.create = watch.lap();
   report.counts.points_fused = fuse_neighbours(map_, current, sensor_, options_, fuser_);
   report.ms.fuse = watch.lap();
+  align_observations(map_, current);
+  report.ms.align = watch.lap();
   if (!enough_to_adjust(current) || (interrupt && interrupt->load())) return report;
   const bool learns_noise = options_.estimate_depth_noise && !request.doubted_depth;
   report.adjustment =

@@ -20,7 +20,7 @@ struct AdjustmentReport {
 
 // Milliseconds of each stage.
 struct MappingTimes {
-  double insert = 0, cull_points = 0, create = 0, fuse = 0, adjust = 0, cull_key_frames = 0;
+  double insert = 0, cull_points = 0, create = 0, fuse = 0, align = 0, adjust = 0, cull_key_frames = 0;
 };
 
 struct MapperReport : KeyFrameMade {

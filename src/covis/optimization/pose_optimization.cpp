@@ -2,6 +2,7 @@
 #include "covis/optimization/pose_optimization.h"
 
 #include <Eigen/Cholesky>
+#include <array>
 #include <cmath>
 
 #include "covis/optimization/reprojection.h"
@@ -14,6 +15,61 @@ struct PoseSystem {
   Vector6d b;
   double cost = 0;
   int used = 0;
+};
+
+// H and b of many observations. The Jacobian of one is J = P [I | -[p]x], for T <- exp(xi) T moves the point p by
+// rho - p x phi; so all follows from M = P' W P and g = P' W r.
+class NormalEquations {
+ public:
+  // m: the elements 00, 02, 11, 12, 22 of M, whose element 01 is 0.
+  void add(const Eigen::Vector3d& p, const std::array<double, 5>& m, const Eigen::Vector3d& g) {
+    const auto [m00, m02, m11, m12, m22] = m;
+    const double x = p.x(), y = p.y(), z = p.z();
+    // N = M [p]x, and the lower right block [p]x' N.
+    const double n00 = -y * m02, n01 = x * m02 - z * m00, n02 = y * m00;
+    const double n10 = z * m11 - y * m12, n11 = x * m12, n12 = -x * m11;
+    const double n20 = z * m12 - y * m22, n21 = x * m22 - z * m02, n22 = y * m02 - x * m12;
+    const std::array<double, 26> terms{m00,
+                                       m02,
+                                       m11,
+                                       m12,
+                                       m22,
+                                       n00,
+                                       n01,
+                                       n02,
+                                       n10,
+                                       n11,
+                                       n12,
+                                       n20,
+                                       n21,
+                                       n22,
+                                       z * n10 - y * n20,
+                                       z * n11 - y * n21,
+                                       z * n12 - y * n22,
+                                       x * n21 - z * n01,
+                                       x * n22 - z * n02,
+                                       y * n02 - x * n12,
+                                       g.x(),
+                                       g.y(),
+                                       g.z(),
+                                       y * g.z() - z * g.y(),
+                                       z * g.x() - x * g.z(),
+                                       x * g.y() - y * g.x()};
+    for (size_t k = 0; k < terms.size(); ++k) sums_[k] += terms[k];
+  }
+  void store(PoseSystem& s) const {
+    const std::array<double, 26>& t = sums_;
+    s.H << t[0], 0, t[1], -t[5], -t[6], -t[7],      //
+        0, t[2], t[3], -t[8], -t[9], -t[10],        //
+        t[1], t[3], t[4], -t[11], -t[12], -t[13],   //
+        -t[5], -t[8], -t[11], t[14], t[15], t[16],  //
+        -t[6], -t[9], -t[12], t[15], t[17], t[18],  //
+        -t[7], -t[10], -t[13], t[16], t[18], t[19];
+    s.b << t[20], t[21], t[22], t[23], t[24], t[25];
+  }
+
+ private:
+  std::array<double, 26> sums_{};
 };
 
 // The residual of observation i, and the terms its Jacobian shares with it: the measurement model of
@@ -43,8 +99,7 @@ template <bool kWithJacobian>
 PoseSystem accumulate(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera,
                       const std::vector<uint8_t>& use, Loss loss) {
   PoseSystem s;
-  s.H.setZero();
-  s.b.setZero();
+  NormalEquations equations;
   const auto n = static_cast<size_t>(o.size());
   for (size_t i = 0; i < n; ++i) {
     if (!use[i]) continue;
@@ -55,29 +110,28 @@ PoseSystem accumulate(const SE3& T_cw, const PoseObservations& o, const Pinhole&
     s.cost += robust.cost;
     ++s.used;
     if constexpr (kWithJacobian) {
-      // d(pixel)/d(xi) for T <- exp(xi) T: dp = rho - p x phi.
-      Eigen::Matrix<double, 2, 6> J;
       const double iz = residual.iz, x = residual.x, y = residual.y;
-      const double a = camera.fx * iz, b = camera.fy * iz;
-      J.row(0) << a, 0, -a * x, -camera.fx * x * y, camera.fx * (1 + x * x), -camera.fx * y;
-      J.row(1) << 0, b, -b * y, -camera.fy * (1 + y * y), camera.fy * x * y, camera.fy * x;
-      const double w = robust.pixel * static_cast<double>(o.inv_sigma2[i]);
-      s.H.noalias() += w * J.transpose() * J;
-      s.b.noalias() += J.transpose() * (w * residual.r.head<2>());
-      if (!disparity.measured()) continue;
-      const double c = camera.bf * iz * iz, w_d = robust.disparity * static_cast<double>(disparity.inv_sigma2);
-      const Eigen::Vector3d J_d(-c, -c * residual.p.y(), c * residual.p.x());  // derivatives by t_z, phi_x, phi_y
-      if (camera.depth_noise.known()) {
-        s.H.block<3, 3>(2, 2).noalias() += w_d * J_d * J_d.transpose();
-        s.b.segment<3>(2).noalias() += (w_d * residual.r.z()) * J_d;
-      } else {
-        Vector6d J_r = J.row(0).transpose();
-        J_r.segment<3>(2) -= J_d;
-        s.H.noalias() += w_d * J_r * J_r.transpose();
-        s.b.noalias() += (w_d * residual.r.z()) * J_r;
+      const double a = camera.fx * iz, b = camera.fy * iz, w = robust.pixel * static_cast<double>(o.inv_sigma2[i]);
+      const double w_aa = w * a * a, w_bb = w * b * b, g_u = w * a * residual.r.x(), g_v = w * b * residual.r.y();
+      std::array<double, 5> m{w_aa, -w_aa * x, w_bb, -w_bb * y, w_aa * x * x + w_bb * y * y};
+      Eigen::Vector3d g(g_u, g_v, -x * g_u - y * g_v);
+      if (disparity.measured()) {
+        const double w_d = robust.disparity * static_cast<double>(disparity.inv_sigma2), r = residual.r.z();
+        // The third row of P: (0, 0, by_z), or (a, 0, by_z) where it is that of the right column.
+        const bool alone = camera.depth_noise.known();
+        const double c = camera.bf * iz * iz, by_z = alone ? -c : c - a * x;
+        m[4] += w_d * by_z * by_z;
+        g.z() += w_d * by_z * r;
+        if (!alone) {
+          m[0] += w_d * a * a;
+          m[1] += w_d * a * by_z;
+          g.x() += w_d * a * r;
+        }
       }
+      equations.add(residual.p, m, g);
     }
   }
+  if constexpr (kWithJacobian) equations.store(s);
   return s;
 }
 
@@ -146,7 +200,7 @@ PoseResult optimize_pose(const SE3& T_cw_start, const PoseObservations& observat
       const SE3 candidate = SE3::exp(step) * T;
       PoseSystem next = accumulate<true>(candidate, observations, camera, inlier, loss);
       if (next.used >= s.used && next.cost <= s.cost) {
-        const bool small = s.cost - next.cost <= 1e-6 * s.cost;
+        const bool small = s.cost - next.cost <= 1e-4 * s.cost;
         T = candidate;
         s = next;
         lambda = std::max(lambda * 0.1, 1e-9);

@@ -10,6 +10,7 @@
 #include "covis/core/atomic_file.h"
 #include "covis/core/log.h"
 #include "covis/storage/load_cost.h"
+#include "covis/storage/map_anchors.h"
 #include "covis/storage/map_cameras.h"
 #include "covis/storage/map_colours.h"
 #include "covis/storage/map_file_format.h"
@@ -108,14 +109,30 @@ Result<KeyFrameCameras> read_key_frame_cameras(SectionFile& file, size_t key_fra
   return cameras;
 }
 
-// `camera`: the map's, which gets its residual distortion.
-Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& records,
-                           std::vector<KeyFrameState>& key_frames, Pinhole& camera) {
+// Those of each key frame; empty lists for files without anchors.
+Result<std::vector<AlignedVector<uint32_t>>> read_all_anchors(SectionFile& file,
+                                                              const std::vector<FrameRecord>& records,
+                                                              uint32_t next_serial) {
+  std::vector<AlignedVector<uint32_t>> anchors;
+  if (!file.has(kAnchors)) return std::vector<AlignedVector<uint32_t>>(records.size());
+  const auto bytes = file.read(kAnchors, "anchors");
+  if (!bytes) return tl::unexpected(bytes.error());
+  std::vector<uint32_t> features;
+  for (const FrameRecord& record : records) features.push_back(record.features);
+  if (const std::string problem = read_anchors(*bytes, features, next_serial, anchors); !problem.empty())
+    return fail(file.error(problem));
+  return anchors;
+}
+
+// The map gets key frames' features, and its camera the residual distortion.
+Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& records, MapState& map) {
   const auto sizes = read_pixel_sizes(file, records.size());
   if (!sizes) return tl::unexpected(sizes.error());
-  const auto cameras = read_key_frame_cameras(file, records.size(), camera);
+  const auto cameras = read_key_frame_cameras(file, records.size(), map.camera);
   if (!cameras) return tl::unexpected(cameras.error());
-  const auto straightened_for = camera.residual.any() ? std::make_shared<const Pinhole>(camera) : nullptr;
+  auto anchors = read_all_anchors(file, records, map.next_serial);
+  if (!anchors) return tl::unexpected(anchors.error());
+  const auto straightened_for = map.camera.residual.any() ? std::make_shared<const Pinhole>(map.camera) : nullptr;
   std::vector<std::shared_ptr<const RefinedCamera>> made_by{nullptr};
   for (const RefinedCamera& other : cameras->cameras) made_by.push_back(std::make_shared<RefinedCamera>(other));
   const auto bytes = file.read(kFeatures, "features");
@@ -144,7 +161,8 @@ Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& re
     const std::string problem = covis::problem_of(*f, r.bounds);
     if (!problem.empty()) return fail(file.error(name + problem));
     f->grid.build(r.bounds, f->x, f->y);
-    key_frames[i].features = f;
+    f->anchor = std::move((*anchors)[i]);
+    map.key_frames[i].features = f;
   }
   if (!fields.whole()) return fail(file.error(kNotRightLength));
   return {};
@@ -216,7 +234,7 @@ Result<MapState> read_state(SectionFile& file, const Counts& counts, const MapHe
   const auto noise = read_depth_noise(file, header.sensor);
   if (!noise) return tl::unexpected(noise.error());
   state.camera.depth_noise = *noise;
-  Result<void> read = read_features(file, records, state.key_frames, state.camera);
+  Result<void> read = read_features(file, records, state);
   if (read) read = read_observations(file, state.key_frames);
   if (read) read = read_points(file, counts.points, state.points);
   if (read) read = read_colours(file, state.key_frames);

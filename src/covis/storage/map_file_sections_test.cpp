@@ -2,6 +2,7 @@
 // The sections that only some map files have.
 #include "covis/features/straightening.h"
 #include "covis/map/camera_change.h"
+#include "covis/storage/map_anchors.h"
 #include "covis/storage/map_cameras.h"
 #include "covis/storage/map_file.h"
 #include "covis/storage/test_map_files.h"
@@ -119,7 +120,7 @@ TEST_F(MapFile, ResidualDistortionsAreInFilesOfCamerasThatHaveOne) {
   const std::string bytes = read_file(file());
   auto opened = SectionFile::open(file());
   ASSERT_TRUE(opened) << opened.error().message;
-  EXPECT_EQ(opened->minor(), kMapFileMinor);
+  EXPECT_EQ(opened->minor(), kMapFileMinorWithResiduals);
   auto loaded = load_map(file());
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_EQ(loaded->map.camera(), state.camera);
@@ -143,6 +144,37 @@ TEST_F(MapFile, ResidualDistortionsAreInFilesOfCamerasThatHaveOne) {
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_FALSE(loaded->map.camera().residual.any());
   EXPECT_EQ(other_cameras(loaded->map.state()), (std::vector<RefinedCamera>{{header.camera, state.camera}}));
+}
+
+TEST_F(MapFile, AnchorsAreInFilesOfMapsWithAlignedFeatures) {
+  MapState state = random_map(3, 60, 12).state();
+  const MapHeader header = test_header();
+  ASSERT_TRUE(save_map(file(), state, header));
+  EXPECT_FALSE(SectionFile::open(file())->has(kAnchors));
+  const size_t last = state.key_frames.size() - 1;
+  auto features = state.key_frames[last].features->for_key_frame();
+  features->anchor.resize(features->x.size(), 0);
+  features->anchor[7] = state.key_frames[0].serial + 1;
+  state.key_frames[last].features = features;
+  ASSERT_TRUE(save_map(file(), state, header));
+  const std::string bytes = read_file(file());
+  auto opened = SectionFile::open(file());
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ(opened->minor(), kMapFileMinor);
+  const auto loaded = load_map(file());
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  const MapState again = loaded->map.state();
+  for (size_t k = 0; k < again.key_frames.size(); ++k)
+    EXPECT_EQ(again.key_frames[k].features->anchor, state.key_frames[k].features->anchor) << k;
+  ASSERT_TRUE(save_map(file(), again, header));
+  EXPECT_EQ(read_file(file()), bytes);
+  const std::string anchors = *opened->read(kAnchors, "anchors");
+  const auto with = [&](const std::string& changed) { return with_section(*opened, kAnchors, changed); };
+  expect_refused(with(anchors + "x"), "length");
+  expect_refused(with("\2" + anchors.substr(1)), "neither yes nor no");
+  const size_t first = last + 1;  // after the no of the others, and the yes of the last
+  expect_refused(with(anchors.substr(0, first) + "\xff\xff\xff\x7f" + anchors.substr(first + 4)),
+                 "a serial that is not given yet");
 }
 
 }  // namespace

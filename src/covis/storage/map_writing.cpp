@@ -5,6 +5,7 @@
 
 #include "covis/map/camera_change.h"
 #include "covis/storage/load_cost.h"
+#include "covis/storage/map_anchors.h"
 #include "covis/storage/map_cameras.h"
 #include "covis/storage/map_colours.h"
 #include "covis/storage/map_file_format.h"
@@ -86,12 +87,14 @@ Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& hea
   const bool noise = map.camera.depth_noise.known(), colours = has_colours(map), sizes = has_other_pixels(map);
   const KeyFrameCameras others = cameras_of(map);
   const bool cameras = !others.cameras.empty(), residuals = have_residuals(map.camera, others);
-  const uint16_t minor = residuals ? kMapFileMinor
-                         : cameras ? kMapFileMinorWithCameras
-                         : sizes   ? kMapFileMinorWithSizes
-                         : colours ? kMapFileMinorWithColours
-                                   : kMapFileMinorLeast;
-  SectionWriter file(sink, 5u + noise + colours + sizes + cameras + residuals, kMapFileMajor, minor);
+  const bool anchors = has_anchors(map);
+  const uint16_t minor = anchors     ? kMapFileMinor
+                         : residuals ? kMapFileMinorWithResiduals
+                         : cameras   ? kMapFileMinorWithCameras
+                         : sizes     ? kMapFileMinorWithSizes
+                         : colours   ? kMapFileMinorWithColours
+                                     : kMapFileMinorLeast;
+  SectionWriter file(sink, 5u + noise + colours + sizes + cameras + residuals + anchors, kMapFileMajor, minor);
   FieldWriter about;
   const Counts counts = counts_of(map);
   about_fields(about, header, counts);
@@ -112,6 +115,7 @@ Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& hea
   if (sizes) file.write(kPixelSizes, pixel_size_bytes(map));
   if (cameras) file.write(kCameras, bytes_of(others));
   if (residuals) file.write(kResiduals, bytes_of_residuals(map.camera, others));
+  if (anchors) file.write(kAnchors, anchor_bytes(map));
   const auto size = file.finish();
   return size ? check_readable(map, *size) : tl::unexpected(size.error());
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "covis/core/reserve.h"
 #include "covis/matching/point_geometry.h"
 
 namespace covis {
@@ -90,7 +91,13 @@ FeaturesPtr DepthRemover::without_depth(const Features& features) {
     using Raw = Features::RawPixels;
     image_alone->start(n + n / 2, features.raw_x.empty() ? Raw::same : Raw::different);
   }
+  std::shared_ptr<Patches> own = std::move(image_alone->patches);
   *image_alone = features;
+  if (features.patches) {
+    image_alone->patches = held_alone(std::move(own));
+    reserve_ahead(image_alone->patches->at, features.patches->at.size());
+    *image_alone->patches = *features.patches;
+  }
   std::fill(image_alone->depth.begin(), image_alone->depth.end(), -1.0f);
   std::fill(image_alone->u_right.begin(), image_alone->u_right.end(), -1.0f);
   return image_alone;

@@ -12,6 +12,7 @@
 #include "covis/tracking/expected_view.h"
 #include "covis/tracking/frame_matcher.h"
 #include "covis/tracking/local_map.h"
+#include "covis/tracking/match_alignment.h"
 #include "covis/tracking/match_belief.h"
 #include "covis/tracking/place_check.h"
 #include "covis/tracking/torn_image.h"
@@ -22,6 +23,7 @@ namespace covis {
 struct PoseSearch {
   Pinhole camera;
   FrameMatcher matcher;
+  MatchAlignment alignment;
   LocalMap local_map;
   ExpectedView view;
   PlaceCheck place;

@@ -54,6 +54,7 @@ struct TrackTimes {
   double local_update = 0;  // copying the local map
   double local_search = 0;  // searching it
   double pose = 0;          // last pose optimisation
+  double align = 0;         // refining the places of matches, and the pose by them
 };
 
 // What of a frame, or of its map, is not to be believed. While there is something the frame's pose is tentative.

@@ -63,6 +63,12 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
     outcome.retract_from = search_.place.take_retraction();
     if (found) {
       if (search_.local_map.reference.submap < last_.submap) depth_.change_map(current_);
+      if (live && result.method != TrackMethod::initialised) {
+        const Stopwatch watch;
+        const auto agree = search_.alignment.refine_pose(*live, search_.camera, current_);
+        result.inliers = agree.value_or(result.inliers);
+        result.ms.align = watch.ms();
+      }
       result.doubts.depth_contradiction = depth_.judge(current_, search_.camera);
       if (health_.leaves_map && depth_.blames_map(stamp) && !result.doubts.torn) begin_submap(outcome);
     }

@@ -276,7 +276,7 @@ TEST_F(MonocularTrackerTest, FramesBeforeTheMapWaitUntilItWillStay) {
 // known.
 TEST_F(MonocularTrackerTest, AFirstPoseThatIsAstrayIsSoughtAgainFromThePrediction) {
   constexpr int kPatchAlone = 14;
-  constexpr float kAside = 14, kHalfPatch = 50;  // pixels
+  constexpr float kAside = 14, kHalfPatch = 60;  // pixels
   for (int i = 0; i < kPatchAlone; ++i) track(i);
   const SE3 before = tracker.last_frame().T_cw;
   const auto in_patch = [&](const Features& f, size_t i) {
