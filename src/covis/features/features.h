@@ -111,7 +111,7 @@ struct Features {
   std::shared_ptr<const RefinedCamera> made_by;     // the camera, where it is another one than the map's; else null
   std::shared_ptr<const Camera> lens;               // null: raw pixels are undistorted ones
   std::shared_ptr<Patches> patches;                 // null: none were cut, or none are kept
-  AlignedVector<uint32_t> anchor;  // key frames: 1 + anchor_of() (map/anchors.h), 0: not aligned; empty: none is
+  AlignedVector<uint64_t> anchor;  // key frames: anchor_of() (map/anchors.h); 0: not aligned; empty: none is
   SmallImage small;                // for the next frame alone
 
   // A copy for a key frame: without the small image, without room for more keypoints, and with patches of its own.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Squares of grey levels around keypoints, cut from the pyramid levels they were found on, in which the place of a
 // match is refined (matching/patch_alignment.h). A frame has one for every keypoint; so have new key frames, and older
-// ones keep those of the points whose reference they are.
+// ones keep those of the points whose reference they are for a while.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,7 +23,7 @@ struct Patch {
 
 struct Patches {
   std::vector<Eigen::Vector2f> stretch;  // by level: image pixels for a pixel of the level
-  AlignedVector<Patch> at;               // one for each feature or, where there are some, for each of `features`
+  AlignedVector<Patch> at;               // one for each feature; if `features` is not empty, for each it lists
   std::vector<uint16_t> features;        // sorted
 
   // Null: it has none.
@@ -37,8 +37,8 @@ struct Patches {
   }
 };
 
-// These, where nobody else holds them, else others of any content. (Copying the shared pointer synchronises with the
-// release by its last other owner, as in FeaturesRing.)
+// These where nobody else holds them, else new ones; their content is to be overwritten. (Copying the shared pointer
+// synchronises with the release by its last other owner, as in FeaturesRing.)
 inline std::shared_ptr<Patches> held_alone(std::shared_ptr<Patches> patches) {
   const std::shared_ptr<Patches> copy = patches;
   return copy.use_count() == 2 ? patches : std::make_shared<Patches>();

@@ -99,8 +99,8 @@ bool refine_distortion(BundleProblem& problem, BundleAdjuster& adjuster, double 
   if (!plain.ok || plain.variance <= found.variance) return false;
   const LensAdjustment free = question.ask(found.lens, kUsual, kFree, other);
   if (!free.ok || question.interrupted()) return false;
-  // Another focal length was taken before. Of an exact camera a distortion shows while the wrong focal length is held,
-  // and not once it is free.
+  // Another focal length than the given one was taken before. If that was right, a distortion shows all the same while
+  // the given one is held, but not once the focal length is free.
   if (before.fx != given_fx && !shows(free)) return false;
   const double off = std::abs(std::log(free.lens.focal / given_fx)) / free.deviation().focal;
   if (off > kShown && shows(free)) {

@@ -9,10 +9,18 @@
 
 namespace covis {
 
-// The serial of the key frame with whose patch a feature of a point was aligned: its own where it was not.
-inline uint32_t anchor_of(const KeyFrame& key_frame, uint32_t feature) {
-  const AlignedVector<uint32_t>& anchor = key_frame.features->anchor;
-  return anchor.empty() || anchor[feature] == 0 ? key_frame.serial : anchor[feature] - 1;
+inline constexpr int kAnchorFeatureBits = 16;  // kMaxFeatures fits
+
+// Names a keypoint by its key frame's serial and its index; never 0.
+inline uint64_t anchor_at(uint32_t serial, uint32_t feature) {
+  return (uint64_t{serial} + 1) << kAnchorFeatureBits | feature;
+}
+
+// The keypoint at which the chain of alignments that a feature's place comes from began: itself where it was not
+// aligned. Its key frame may have been erased since.
+inline uint64_t anchor_of(const KeyFrame& key_frame, uint32_t feature) {
+  const AlignedVector<uint64_t>& anchor = key_frame.features->anchor;
+  return anchor.empty() || anchor[feature] == 0 ? anchor_at(key_frame.serial, feature) : anchor[feature];
 }
 
 }  // namespace covis

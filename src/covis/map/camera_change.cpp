@@ -37,6 +37,7 @@ std::shared_ptr<Features> changed(const Features& of, const PixelChange& change,
                                   const std::shared_ptr<const Pinhole>& straightened_for) {
   auto f = std::make_shared<Features>(of);
   f->straightened_for = straightened_for;
+  f->patches = nullptr;     // their places are those of another camera
   f->raw_x = of.image_x();  // they stay where they are in their image
   f->raw_y = of.image_y();
   for (size_t i = 0; i < of.x.size(); ++i) {

@@ -7,16 +7,18 @@
 #include <string>
 #include <utility>
 
+#include "covis/map/anchors.h"
+
 namespace covis {
 namespace {
 
 bool fits(size_t a, size_t b) { return a + b < MapState::kNone; }
 
-// Anchors are serials, which grow.
+// Anchors name key frames by their serials, which are shifted by `by`.
 FeaturesPtr with_anchors_shifted(const FeaturesPtr& features, uint32_t by) {
   if (features->anchor.empty() || by == 0) return features;
   auto made = std::make_shared<Features>(*features);
-  for (uint32_t& anchor : made->anchor) anchor += anchor > 0 ? by : 0;
+  for (uint64_t& anchor : made->anchor) anchor += anchor > 0 ? uint64_t{by} << kAnchorFeatureBits : 0;
   return made;
 }
 

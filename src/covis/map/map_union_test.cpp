@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "covis/map/anchors.h"
 #include "covis/map/test_point_scene.h"
 
 namespace covis {
@@ -46,11 +47,11 @@ TEST_F(MapUnion, AnchorsNameTheSameKeyFrames) {
   MapState one = mapped(scene, 4, 0), second = mapped(scene, 6, 8);
   auto features = second.key_frames[3].features->for_key_frame();
   features->anchor.resize(features->x.size(), 0);
-  features->anchor[5] = second.key_frames[1].serial + 1;
+  features->anchor[5] = anchor_at(second.key_frames[1].serial, 3);
   second.key_frames[3].features = features;
   ASSERT_TRUE(append_map(one, second));
-  const AlignedVector<uint32_t>& anchor = one.key_frames[4 + 3].features->anchor;
-  EXPECT_EQ(anchor[5], one.key_frames[4 + 1].serial + 1);
+  const AlignedVector<uint64_t>& anchor = one.key_frames[4 + 3].features->anchor;
+  EXPECT_EQ(anchor[5], anchor_at(one.key_frames[4 + 1].serial, 3));
   EXPECT_EQ(anchor[6], 0u) << "what is not aligned stays so";
   EXPECT_TRUE(one.key_frames[4 + 2].features->anchor.empty());
 }

@@ -29,7 +29,7 @@ class AlignedObservations {
   }
 
  private:
-  uint32_t anchor_;
+  uint64_t anchor_;
   bool several_ = false;
 };
 

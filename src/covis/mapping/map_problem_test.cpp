@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "covis/map/anchors.h"
 #include "covis/map/test_point_scene.h"
 #include "covis/matching/patch_alignment.h"
 #include "covis/matching/point_set.h"
@@ -45,20 +46,21 @@ TEST_F(MapProblemTest, HoldsThePointsOfThoseThatMove) {
 TEST_F(MapProblemTest, ObservationsOfOneAnchorWeighMore) {
   const std::vector<KeyFrameId>& k = world.frames;
   const MapPointId pair = world.shared.read()->at(k[1]).points[0], alone = world.shared.read()->at(k[1]).points[1];
-  const auto align = [&](MapPointId id, KeyFrameId view, uint32_t anchor) {
+  const auto align = [&](MapPointId id, KeyFrameId view, uint64_t anchor) {
     const auto map = world.shared.write();
     auto features = map->at(view).features->for_key_frame();
     features->anchor.resize(features->x.size(), 0);
-    features->anchor[map->at(id).feature_in(view)] = anchor + 1;
+    features->anchor[map->at(id).feature_in(view)] = anchor;
     map->set_features(view, features);
   };
-  const auto serial_of_reference = [&](MapPointId id) {
+  const auto anchor_of_reference = [&](MapPointId id) {
     const auto map = world.shared.read();
-    return map->at(map->at(id).reference).serial;
+    const MapPoint& point = map->at(id);
+    return anchor_of(map->at(point.reference), point.feature_in(point.reference));
   };
-  align(pair, k[1], serial_of_reference(pair));
-  align(pair, k[2], serial_of_reference(pair));
-  align(alone, k[1], serial_of_reference(alone) + 100);
+  align(pair, k[1], anchor_of_reference(pair));
+  align(pair, k[2], anchor_of_reference(pair));
+  align(alone, k[1], anchor_of_reference(pair));  // a keypoint of the same key frame, but not its own
   const MapProblem problem = gather(k, k.size());
   const auto map = world.shared.read();
   int closer = 0;

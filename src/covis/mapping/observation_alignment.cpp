@@ -12,8 +12,9 @@
 namespace covis {
 namespace {
 
-// Key frames of whatever submap that keep all their patches.
-constexpr uint32_t kNew = 16;
+// The newest key frames of whatever submap that keep all their patches, and those that keep some: so the memory of
+// patches is bounded.
+constexpr uint32_t kNew = 16, kKeepSome = 256;
 
 // The features of a key frame with new places for those that can be aligned; null where there is nothing new.
 FeaturesPtr aligned(const Map& map, KeyFrameId id) {
@@ -26,7 +27,7 @@ FeaturesPtr aligned(const Map& map, KeyFrameId id) {
     if (point.reference == id) continue;
     const KeyFrame& reference = map.at(point.reference);
     const uint32_t seen = point.feature_in(point.reference);
-    const uint32_t anchor = anchor_of(reference, seen);
+    const uint64_t anchor = anchor_of(reference, seen);
     if (anchor_of(key_frame, i) == anchor) continue;
     const auto question = PatchQuestion::of(map.camera(), *reference.features, seen, reference.T_cw * point.position_w,
                                             key_frame.T_cw * reference.T_cw.inverse(), f, i);
@@ -36,7 +37,7 @@ FeaturesPtr aligned(const Map& map, KeyFrameId id) {
       made = std::make_shared<Features>(f);
       made->anchor.resize(f.x.size(), 0);
     }
-    made->anchor[i] = anchor + 1;
+    made->anchor[i] = anchor;
     made->x[i] = place->undistorted.x();
     made->y[i] = place->undistorted.y();
     if (!made->raw_x.empty()) {
@@ -62,7 +63,15 @@ FeaturesPtr with_few_patches(const Map& map, KeyFrameId id) {
     kept->at.push_back(all.at[i]);
   }
   kept->stretch = all.stretch;
+  kept->at.shrink_to_fit();
+  kept->features.shrink_to_fit();
   if (!kept->at.empty()) made->patches = std::move(kept);
+  return made;
+}
+
+FeaturesPtr without_patches(const Features& features) {
+  auto made = std::make_shared<Features>(features);
+  made->patches = nullptr;
   return made;
 }
 
@@ -73,10 +82,12 @@ NewFeatures new_features(const Map& map, KeyFrameId newest) {
   const uint32_t serial = map.at(newest).serial;
   map.for_each_key_frame([&](KeyFrameId id, const KeyFrame& key_frame) {
     const std::shared_ptr<Patches>& patches = key_frame.features->patches;
-    if (!patches || !patches->features.empty()) return;
-    if (key_frame.serial + kNew > serial) {
+    if (!patches) return;
+    if (key_frame.serial + kKeepSome <= serial) {
+      made.emplace_back(id, without_patches(*key_frame.features));
+    } else if (key_frame.serial + kNew > serial) {
       if (FeaturesPtr features = aligned(map, id)) made.emplace_back(id, std::move(features));
-    } else {
+    } else if (patches->features.empty()) {
       made.emplace_back(id, with_few_patches(map, id));
     }
   });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Refines the places of keypoints that show map points (matching/patch_alignment.h), each by the patch of its point's
-// reference. Key frames have patches for all their keypoints while they are new, and keep those of points whose
-// reference they are.
+// reference. Key frames have patches for all their keypoints while they are new, keep those of points whose reference
+// they are, and lose these once many others have come.
 #pragma once
 
 #include "covis/map/shared_map.h"

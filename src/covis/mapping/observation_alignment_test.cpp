@@ -56,9 +56,10 @@ TEST_F(ObservationAlignment, BringsObservationsToWhereTheirReferencesAre) {
   for (const KeyFrameId& id : world.frames) {
     const KeyFrame& k = map->at(id);
     for (uint32_t i = 0; i < k.points.size(); ++i) {
-      const KeyFrame& reference = map->at(map->at(k.points[i]).reference);
-      all += reference.serial != k.serial;
-      aligned += reference.serial != k.serial && anchor_of(k, i) == reference.serial;
+      const MapPoint& point = map->at(k.points[i]);
+      if (point.reference == id) continue;
+      ++all;
+      aligned += anchor_of(k, i) == anchor_of(map->at(point.reference), point.feature_in(point.reference));
     }
   }
   EXPECT_GT(aligned, all * 8 / 10);
@@ -92,6 +93,15 @@ TEST_F(ObservationAlignment, OldKeyFramesKeepFewPatches) {
   EXPECT_EQ(old.features->patches->at.size(), references);
   EXPECT_EQ(map->at(world.frames[21]).features->patches->at.size(), map->at(world.frames[21]).points.size());
   EXPECT_LT(displacement(), 0.4);
+}
+
+TEST_F(ObservationAlignment, AfterManyOthersAKeyFrameHasNone) {
+  world.add_key_frames(18);
+  align_observations(world.shared, world.frames.back());
+  ASSERT_TRUE(world.shared.read()->at(world.frames[0]).features->patches);
+  world.add_key_frames(256);
+  align_observations(world.shared, world.frames.back());
+  EXPECT_FALSE(world.shared.read()->at(world.frames[0]).features->patches);
 }
 
 TEST_F(ObservationAlignment, WithoutPatchesEverythingStays) {

@@ -19,8 +19,8 @@ namespace covis {
 // The weight of an aligned match, in that of a keypoint.
 inline float aligned_weight(const Pinhole& camera) {
   constexpr double kSigma = 0.3;  // in those of a keypoint
-  // What a depth sensor's pixels err is alike around a point as well as what its depths err: a rolling shutter,
-  // the registration of the images.
+  // With a depth sensor the errors of neighbouring pixels are alike, by a rolling shutter or the registration of the
+  // images; those of its depths are weighted for that too.
   const double sigma = camera.depth_noise.known() ? kAlikeErrors * kSigma : kSigma;
   return static_cast<float>(1 / (sigma * sigma));
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "covis/map/anchors.h"
 #include "covis/storage/map_file_format.h"
 
 namespace covis::storage {
@@ -15,7 +16,7 @@ bool has_anchors(const MapState& map) {
 std::string anchor_bytes(const MapState& map) {
   FieldWriter fields;
   for (const KeyFrameState& k : map.key_frames) {
-    const AlignedVector<uint32_t>& anchor = k.features->anchor;
+    const AlignedVector<uint64_t>& anchor = k.features->anchor;
     fields(static_cast<uint8_t>(!anchor.empty()));
     if (!anchor.empty()) fields.array(anchor.data(), anchor.size());
   }
@@ -23,16 +24,16 @@ std::string anchor_bytes(const MapState& map) {
 }
 
 std::string read_anchors(std::string_view bytes, const std::vector<uint32_t>& features, uint32_t next_serial,
-                         std::vector<AlignedVector<uint32_t>>& anchors) {
+                         std::vector<AlignedVector<uint64_t>>& anchors) {
   FieldReader fields(bytes);
   for (const uint32_t count : features) {
-    AlignedVector<uint32_t>& anchor = anchors.emplace_back();
+    AlignedVector<uint64_t>& anchor = anchors.emplace_back();
     uint8_t has = 0;
     fields(has);
     if (has > 1) return "its section of anchors says neither yes nor no for a key frame";
     if (has == 0) continue;
     fields.sized_list(anchor, count);
-    if (std::any_of(anchor.begin(), anchor.end(), [&](uint32_t a) { return a > next_serial; }))
+    if (std::any_of(anchor.begin(), anchor.end(), [&](uint64_t a) { return a >> kAnchorFeatureBits > next_serial; }))
       return "a feature was aligned with a key frame of a serial that is not given yet";
   }
   return fields.whole() ? "" : kNotRightLength;

@@ -19,6 +19,6 @@ std::string anchor_bytes(const MapState& map);
 // Reads Features::anchor of each key frame; `features`: how many it has. Returns what is wrong with the bytes, or
 // nothing.
 std::string read_anchors(std::string_view bytes, const std::vector<uint32_t>& features, uint32_t next_serial,
-                         std::vector<AlignedVector<uint32_t>>& anchors);
+                         std::vector<AlignedVector<uint64_t>>& anchors);
 
 }  // namespace covis::storage

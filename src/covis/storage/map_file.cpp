@@ -110,11 +110,11 @@ Result<KeyFrameCameras> read_key_frame_cameras(SectionFile& file, size_t key_fra
 }
 
 // Those of each key frame; empty lists for files without anchors.
-Result<std::vector<AlignedVector<uint32_t>>> read_all_anchors(SectionFile& file,
+Result<std::vector<AlignedVector<uint64_t>>> read_all_anchors(SectionFile& file,
                                                               const std::vector<FrameRecord>& records,
                                                               uint32_t next_serial) {
-  std::vector<AlignedVector<uint32_t>> anchors;
-  if (!file.has(kAnchors)) return std::vector<AlignedVector<uint32_t>>(records.size());
+  std::vector<AlignedVector<uint64_t>> anchors;
+  if (!file.has(kAnchors)) return std::vector<AlignedVector<uint64_t>>(records.size());
   const auto bytes = file.read(kAnchors, "anchors");
   if (!bytes) return tl::unexpected(bytes.error());
   std::vector<uint32_t> features;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sections that only some map files have.
 #include "covis/features/straightening.h"
+#include "covis/map/anchors.h"
 #include "covis/map/camera_change.h"
 #include "covis/storage/map_anchors.h"
 #include "covis/storage/map_cameras.h"
@@ -154,7 +155,7 @@ TEST_F(MapFile, AnchorsAreInFilesOfMapsWithAlignedFeatures) {
   const size_t last = state.key_frames.size() - 1;
   auto features = state.key_frames[last].features->for_key_frame();
   features->anchor.resize(features->x.size(), 0);
-  features->anchor[7] = state.key_frames[0].serial + 1;
+  features->anchor[7] = anchor_at(state.key_frames[0].serial, 2);
   state.key_frames[last].features = features;
   ASSERT_TRUE(save_map(file(), state, header));
   const std::string bytes = read_file(file());
@@ -173,7 +174,7 @@ TEST_F(MapFile, AnchorsAreInFilesOfMapsWithAlignedFeatures) {
   expect_refused(with(anchors + "x"), "length");
   expect_refused(with("\2" + anchors.substr(1)), "neither yes nor no");
   const size_t first = last + 1;  // after the no of the others, and the yes of the last
-  expect_refused(with(anchors.substr(0, first) + "\xff\xff\xff\x7f" + anchors.substr(first + 4)),
+  expect_refused(with(anchors.substr(0, first) + std::string(7, '\xff') + "\x7f" + anchors.substr(first + 8)),
                  "a serial that is not given yet");
 }
 

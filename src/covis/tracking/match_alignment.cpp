@@ -32,6 +32,7 @@ void MatchAlignment::observe(const Pinhole& camera, const TrackedFrame& frame) {
   const Features& f = *frame.features;
   const float closer = aligned_weight(camera);
   observations_.clear();
+  if (const size_t n = frame.source.size(); observations_.u.capacity() < n) observations_.reserve(n + n / 2);
   auto next = questions_.begin();
   for (size_t i = 0; i < frame.source.size(); ++i) {
     if (frame.source[i] == PointSource::none) continue;
@@ -43,26 +44,29 @@ void MatchAlignment::observe(const Pinhole& camera, const TrackedFrame& frame) {
   }
 }
 
-std::optional<int> MatchAlignment::refine_pose(const SharedMap& map, const Pinhole& camera, TrackedFrame& frame) {
+std::optional<int> MatchAlignment::refine_pose(const SharedMap& map, const Pinhole& camera, int least,
+                                               std::optional<uint64_t> moves, TrackedFrame& frame) {
   if (!frame.features->patches) return std::nullopt;
-  ask(*map.read(), frame);
+  {
+    const auto now = map.read();
+    if (moves && now->moves() != *moves) return std::nullopt;
+    ask(*now, frame);
+  }
   if (questions_.empty()) return std::nullopt;
   observe(camera, frame);
   reserve_ahead(inlier_, static_cast<size_t>(observations_.size()));
   const PoseResult pose = optimize_pose(frame.T_cw, observations_, camera, {.rounds = 2}, inlier_);
   if (!pose.ok || 2 * pose.inliers < observations_.size()) return std::nullopt;
+  int on_map = 0;
+  auto fits = inlier_.begin();
+  for (size_t i = 0; i < frame.source.size(); ++i)
+    if (frame.source[i] != PointSource::none) on_map += *fits++ && frame.on_map(i);
+  if (on_map < least) return std::nullopt;
   frame.T_cw = pose.T_cw;
   frame.information = pose.information;
-  int on_map = 0;
-  size_t k = 0;
-  for (size_t i = 0; i < frame.source.size(); ++i) {
-    if (frame.source[i] == PointSource::none) continue;
-    if (!inlier_[k++]) {
-      frame.drop_match(i);
-    } else if (frame.on_map(i)) {
-      ++on_map;
-    }
-  }
+  fits = inlier_.begin();
+  for (size_t i = 0; i < frame.source.size(); ++i)
+    if (frame.source[i] != PointSource::none && !*fits++) frame.drop_match(i);
   return on_map;
 }
 

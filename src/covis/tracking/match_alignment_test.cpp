@@ -24,6 +24,7 @@ struct MatchAlignmentTest : testing::Test {
     matcher.fit_pose(frame, scene.camera);
     return frame;
   }
+  void refine(TrackedFrame& frame) { alignment.refine_pose(world.shared, scene.camera, 30, {}, frame); }
   double error_of(const TrackedFrame& frame) const { return (frame.T_cw * scene.T_wc_of(3)).log().norm(); }
 
   PointScene scene = PointScene::wall();
@@ -39,7 +40,7 @@ TEST_F(MatchAlignmentTest, ThePoseIsCloser) {
     TrackedFrame frame = fitted(seed);
     before += error_of(frame);
     const double information = frame.information.trace();
-    alignment.refine_pose(world.shared, scene.camera, frame);
+    refine(frame);
     after += error_of(frame);
     EXPECT_GT(frame.information.trace(), information);
   }
@@ -55,7 +56,7 @@ TEST_F(MatchAlignmentTest, WhatDoesNotFitIsDropped) {
     frame.positions[i].x() += 0.04;  // some three pixels
     ++moved;
   }
-  alignment.refine_pose(world.shared, scene.camera, frame);
+  refine(frame);
   EXPECT_LE(frame.matches(), matches - moved * 3 / 4);
   EXPECT_GE(frame.matches(), (matches - moved) * 9 / 10);
 }
@@ -66,24 +67,34 @@ TEST_F(MatchAlignmentTest, APoseThatMostMatchesDenyStays) {
   for (Eigen::Vector3d& position : frame.positions) position.x() += 0.1 * random.normal();
   const SE3 before = frame.T_cw;
   const int matches = frame.matches();
-  alignment.refine_pose(world.shared, scene.camera, frame);
+  refine(frame);
   EXPECT_EQ(frame.T_cw.t(), before.t());
   EXPECT_EQ(frame.matches(), matches);
+}
+
+TEST_F(MatchAlignmentTest, InAMapThatHasMovedEverythingStays) {
+  TrackedFrame frame = fitted(100);
+  const SE3 before = frame.T_cw;
+  const uint64_t moves = world.shared.read()->moves();
+  EXPECT_FALSE(alignment.refine_pose(world.shared, scene.camera, 30, moves + 1, frame));
+  EXPECT_FALSE(alignment.refine_pose(world.shared, scene.camera, 10000, moves, frame)) << "too few are left";
+  EXPECT_EQ(frame.T_cw.t(), before.t());
+  EXPECT_TRUE(alignment.refine_pose(world.shared, scene.camera, 30, moves, frame));
 }
 
 TEST_F(MatchAlignmentTest, WithoutPatchesEverythingStays) {
   scene.patches = noisy.patches = false;
   TrackedFrame frame = fitted(100);
   const SE3 before = frame.T_cw;
-  alignment.refine_pose(world.shared, scene.camera, frame);
+  refine(frame);
   EXPECT_EQ(frame.T_cw.t(), before.t());
 }
 
 TEST_F(MatchAlignmentTest, AllocatesNothingInTheSteadyState) {
   TrackedFrame frame = fitted(100);
-  alignment.refine_pose(world.shared, scene.camera, frame);
+  refine(frame);
   const long before = own_allocations;
-  alignment.refine_pose(world.shared, scene.camera, frame);
+  refine(frame);
   EXPECT_EQ(own_allocations, before);
 }
 

@@ -65,7 +65,9 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       if (search_.local_map.reference.submap < last_.submap) depth_.change_map(current_);
       if (live && result.method != TrackMethod::initialised) {
         const Stopwatch watch;
-        const auto agree = search_.alignment.refine_pose(*live, search_.camera, current_);
+        const auto moves = realtime ? std::optional(last_.moves) : std::nullopt;
+        const int least = settings_.options.local_map.min_inliers;
+        const auto agree = search_.alignment.refine_pose(*live, search_.camera, least, moves, current_);
         result.inliers = agree.value_or(result.inliers);
         result.ms.align = watch.ms();
       }
