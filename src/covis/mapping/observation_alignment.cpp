@@ -16,15 +16,16 @@ namespace {
 // patches is bounded.
 constexpr uint32_t kNew = 16, kKeepSome = 256;
 
-// The features of a key frame with new places for those that can be aligned; null where there is nothing new.
-FeaturesPtr aligned(const Map& map, KeyFrameId id) {
+// The features of a key frame with new places for those that can be aligned; null where there is nothing new. What key
+// frames show anew are points that the newest one shows too.
+FeaturesPtr aligned(const Map& map, KeyFrameId id, KeyFrameId newest) {
   const KeyFrame& key_frame = map.at(id);
   const Features& f = *key_frame.features;
   std::shared_ptr<Features> made;
   for (uint32_t i = 0; i < key_frame.points.size(); ++i) {
     if (!key_frame.points[i].valid()) continue;
     const MapPoint& point = map.at(key_frame.points[i]);
-    if (point.reference == id) continue;
+    if (point.reference == id || (id != newest && !point.seen_by(newest))) continue;
     const KeyFrame& reference = map.at(point.reference);
     const uint32_t seen = point.feature_in(point.reference);
     const uint64_t anchor = anchor_of(reference, seen);
@@ -86,7 +87,7 @@ NewFeatures new_features(const Map& map, KeyFrameId newest) {
     if (key_frame.serial + kKeepSome <= serial) {
       made.emplace_back(id, without_patches(*key_frame.features));
     } else if (key_frame.serial + kNew > serial) {
-      if (FeaturesPtr features = aligned(map, id)) made.emplace_back(id, std::move(features));
+      if (FeaturesPtr features = aligned(map, id, newest)) made.emplace_back(id, std::move(features));
     } else if (patches->features.empty()) {
       made.emplace_back(id, with_few_patches(map, id));
     }

@@ -5,6 +5,8 @@
 // Source: Baker and Matthews, "Lucas-Kanade 20 years on: a unifying framework", IJCV 2004, section 3.2 (inverse
 // compositional), with gain and offset of the grey levels; the distortion of a plane that faces the reference camera:
 // Klein and Murray, "Parallel tracking and mapping for small AR workspaces", ISMAR 2007, section 5.3.
+// Patches are of the image as it is, with its distortion; the warp is that of pinhole cameras, as neighbours are
+// distorted alike in both views.
 #pragma once
 
 #include <Eigen/Core>

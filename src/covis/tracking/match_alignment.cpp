@@ -1,18 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/tracking/match_alignment.h"
 
-#include <algorithm>
 #include <optional>
 
-#include "covis/core/reserve.h"
 #include "covis/matching/point_geometry.h"
 
 namespace covis {
 
+// Reserves room in advance; its memory is used only when matches come.
+MatchAlignment::MatchAlignment() {
+  constexpr size_t kFeatures = 1 << 12;
+  questions_.reserve(kFeatures);
+  observations_.reserve(kFeatures);
+  inlier_.reserve(kFeatures);
+}
+
 // Copies what the map knows, so that no guard is held while matches are aligned.
 void MatchAlignment::ask(const Map& map, const TrackedFrame& frame) {
   questions_.clear();
-  reserve_ahead(questions_, frame.source.size());
   KeyFrameId last;  // the reference of the last match
   SE3 T_vr;
   for (size_t i = 0; i < frame.source.size(); ++i) {
@@ -32,7 +37,6 @@ void MatchAlignment::observe(const Pinhole& camera, const TrackedFrame& frame) {
   const Features& f = *frame.features;
   const float closer = aligned_weight(camera);
   observations_.clear();
-  if (const size_t n = frame.source.size(); observations_.u.capacity() < n) observations_.reserve(n + n / 2);
   auto next = questions_.begin();
   for (size_t i = 0; i < frame.source.size(); ++i) {
     if (frame.source[i] == PointSource::none) continue;
@@ -44,30 +48,20 @@ void MatchAlignment::observe(const Pinhole& camera, const TrackedFrame& frame) {
   }
 }
 
-std::optional<int> MatchAlignment::refine_pose(const SharedMap& map, const Pinhole& camera, int least,
-                                               std::optional<uint64_t> moves, TrackedFrame& frame) {
-  if (!frame.features->patches) return std::nullopt;
+void MatchAlignment::refine_pose(const SharedMap& map, const Pinhole& camera, std::optional<uint64_t> moves,
+                                 TrackedFrame& frame) {
+  if (!frame.features->patches) return;
   {
     const auto now = map.read();
-    if (moves && now->moves() != *moves) return std::nullopt;
+    if (moves && now->moves() != *moves) return;
     ask(*now, frame);
   }
-  if (questions_.empty()) return std::nullopt;
+  if (questions_.empty()) return;
   observe(camera, frame);
-  reserve_ahead(inlier_, static_cast<size_t>(observations_.size()));
   const PoseResult pose = optimize_pose(frame.T_cw, observations_, camera, {.rounds = 2}, inlier_);
-  if (!pose.ok || 2 * pose.inliers < observations_.size()) return std::nullopt;
-  int on_map = 0;
-  auto fits = inlier_.begin();
-  for (size_t i = 0; i < frame.source.size(); ++i)
-    if (frame.source[i] != PointSource::none) on_map += *fits++ && frame.on_map(i);
-  if (on_map < least) return std::nullopt;
+  if (!pose.ok || 2 * pose.inliers < observations_.size()) return;
   frame.T_cw = pose.T_cw;
   frame.information = pose.information;
-  fits = inlier_.begin();
-  for (size_t i = 0; i < frame.source.size(); ++i)
-    if (frame.source[i] != PointSource::none && !*fits++) frame.drop_match(i);
-  return on_map;
 }
 
 }  // namespace covis

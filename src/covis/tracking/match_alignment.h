@@ -16,11 +16,12 @@ namespace covis {
 // Keeps its work space between frames.
 class MatchAlignment {
  public:
-  // Refines frame.T_cw, which its matches were fitted with, and its information, and drops matches that do not fit as
-  // closely as aligned ones should. Returns how many map points are left; nothing, and everything stays as it was,
-  // where these are fewer than `least` or than half of the matches fit, or where the map has moved since `moves`.
-  std::optional<int> refine_pose(const SharedMap& map, const Pinhole& camera, int least, std::optional<uint64_t> moves,
-                                 TrackedFrame& frame);
+  MatchAlignment();
+
+  // Refines frame.T_cw, which its matches were fitted with, and its information. The matches stay, also those that do
+  // not fit as closely as aligned ones should. The pose stays too where these are more than half, or where the map has
+  // moved since `moves`.
+  void refine_pose(const SharedMap& map, const Pinhole& camera, std::optional<uint64_t> moves, TrackedFrame& frame);
 
  private:
   struct Question {

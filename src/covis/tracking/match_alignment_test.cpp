@@ -24,7 +24,7 @@ struct MatchAlignmentTest : testing::Test {
     matcher.fit_pose(frame, scene.camera);
     return frame;
   }
-  void refine(TrackedFrame& frame) { alignment.refine_pose(world.shared, scene.camera, 30, {}, frame); }
+  void refine(TrackedFrame& frame) { alignment.refine_pose(world.shared, scene.camera, {}, frame); }
   double error_of(const TrackedFrame& frame) const { return (frame.T_cw * scene.T_wc_of(3)).log().norm(); }
 
   PointScene scene = PointScene::wall();
@@ -47,18 +47,19 @@ TEST_F(MatchAlignmentTest, ThePoseIsCloser) {
   EXPECT_LT(after, before / 3);
 }
 
-TEST_F(MatchAlignmentTest, WhatDoesNotFitIsDropped) {
+TEST_F(MatchAlignmentTest, WhatDoesNotFitIsLeftOutAndStaysAMatch) {
   TrackedFrame frame = fitted(100);
-  const int matches = frame.matches();
-  int moved = 0;
-  for (size_t i = 0; i < frame.source.size() && moved < 20; i += 3) {
-    if (!frame.on_map(i)) continue;
-    frame.positions[i].x() += 0.04;  // some three pixels
+  TrackedFrame other = frame;
+  size_t moved = 0;
+  for (size_t i = 0; i < other.source.size() && moved < 60; i += 3) {
+    if (!other.on_map(i)) continue;
+    other.positions[i].x() += 0.04;  // some three pixels, all to one side
     ++moved;
   }
   refine(frame);
-  EXPECT_LE(frame.matches(), matches - moved * 3 / 4);
-  EXPECT_GE(frame.matches(), (matches - moved) * 9 / 10);
+  refine(other);
+  EXPECT_EQ(other.matches(), frame.matches());
+  EXPECT_LT((other.T_cw * frame.T_cw.inverse()).log().norm(), 1e-3);
 }
 
 TEST_F(MatchAlignmentTest, APoseThatMostMatchesDenyStays) {
@@ -66,20 +67,18 @@ TEST_F(MatchAlignmentTest, APoseThatMostMatchesDenyStays) {
   Random random(3);
   for (Eigen::Vector3d& position : frame.positions) position.x() += 0.1 * random.normal();
   const SE3 before = frame.T_cw;
-  const int matches = frame.matches();
   refine(frame);
   EXPECT_EQ(frame.T_cw.t(), before.t());
-  EXPECT_EQ(frame.matches(), matches);
 }
 
-TEST_F(MatchAlignmentTest, InAMapThatHasMovedEverythingStays) {
+TEST_F(MatchAlignmentTest, InAMapThatHasMovedThePoseStays) {
   TrackedFrame frame = fitted(100);
   const SE3 before = frame.T_cw;
   const uint64_t moves = world.shared.read()->moves();
-  EXPECT_FALSE(alignment.refine_pose(world.shared, scene.camera, 30, moves + 1, frame));
-  EXPECT_FALSE(alignment.refine_pose(world.shared, scene.camera, 10000, moves, frame)) << "too few are left";
+  alignment.refine_pose(world.shared, scene.camera, moves + 1, frame);
   EXPECT_EQ(frame.T_cw.t(), before.t());
-  EXPECT_TRUE(alignment.refine_pose(world.shared, scene.camera, 30, moves, frame));
+  alignment.refine_pose(world.shared, scene.camera, moves, frame);
+  EXPECT_NE(frame.T_cw.t(), before.t());
 }
 
 TEST_F(MatchAlignmentTest, WithoutPatchesEverythingStays) {

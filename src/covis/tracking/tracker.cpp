@@ -66,9 +66,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       if (live && result.method != TrackMethod::initialised) {
         const Stopwatch watch;
         const auto moves = realtime ? std::optional(last_.moves) : std::nullopt;
-        const int least = settings_.options.local_map.min_inliers;
-        const auto agree = search_.alignment.refine_pose(*live, search_.camera, least, moves, current_);
-        result.inliers = agree.value_or(result.inliers);
+        search_.alignment.refine_pose(*live, search_.camera, moves, current_);
         result.ms.align = watch.ms();
       }
       result.doubts.depth_contradiction = depth_.judge(current_, search_.camera);
