@@ -58,7 +58,7 @@ void print(const std::string& file, const storage::MapInfo& info, const nlohmann
   std::printf("size            %.2f MB\n", static_cast<double>(info.file_size) / 1e6);
   std::cout << "sensor          " << json["sensor"].get<std::string>() << "\n";
   std::cout << "camera          " << json["camera"].dump() << "\n";
-  if (info.camera.fx != info.header.camera.pinhole.fx || info.camera.residual.any())
+  if (info.camera.fx != info.header.camera.pinhole.fx || info.camera.residual.any() || info.camera.registration.any())
     std::cout << "refined to      " << json["refined"].dump() << "\n";
   for (const storage::OtherCamera& camera : info.other_cameras) {
     std::cout << "other camera    " << camera_json(camera.given).dump() << ", of " << camera.key_frames

@@ -18,7 +18,7 @@ TEST_P(Allocations, TrackingMakesNoneInASteadyState) {
   Recording recording(GetParam(), kFrames, 30);
   SystemOptions options = options_for(GetParam());
   // It has its own thread, which may allocate while mapping is idle.
-  options.mapper.refine_focal = options.mapper.refine_distortion = false;
+  options.mapper.refine_focal = options.mapper.refine_distortion = options.mapper.register_depth = false;
   System system(recording.synth.camera(), options);
   bool mapping = false;  // mapping of a key frame is in progress
   int counted = 0, quiet = 0, key_frames = 0;
@@ -57,7 +57,7 @@ TEST(AllocationsOfNonsense, DepthThatContradictsTheMapMakesNoneEither) {
   constexpr int kFrames = 110, kWrong = 70, kWarmUp = 80;  // the map is blamed after two seconds
   Recording recording(Sensor::rgbd, kFrames, 30);
   SystemOptions options = options_for(Sensor::rgbd);
-  options.mapper.refine_focal = options.mapper.refine_distortion = false;
+  options.mapper.refine_focal = options.mapper.refine_distortion = options.mapper.register_depth = false;
   System system(recording.synth.camera(), options);
   int counted = 0;
   for (int i = 0; i < kFrames; ++i) {

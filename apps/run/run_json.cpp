@@ -189,6 +189,10 @@ void append_stats(const RunRecord& run, const Snapshot& snapshot, FileSink& sink
 json pinhole_json(const Pinhole& camera) {
   json figures{{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}};
   if (camera.residual.any()) figures.update({{"k1", camera.residual.k1}, {"k2", camera.residual.k2}});
+  if (const DepthRegistration& r = camera.registration; r.any()) {
+    figures["depth_registration"] = {
+        {"scale", r.scale}, {"shift", {r.shift_x, r.shift_y}}, {"parallax", {r.parallax_x, r.parallax_y}}};
+  }
   if (camera.depth_noise.known())
     figures.update({{"depth_sigma_a", camera.depth_noise.a}, {"depth_sigma_b", camera.depth_noise.b}});
   return figures;

@@ -33,13 +33,15 @@ def fields():
                         ('fps', ('nan', '0', '-8', '1e9', 'fast')),
                         ('depth_scale', ('nan', '0', '-5000', '1e308', 'mm')), ('baseline', ('nan', '0', '-0.1', '1e308', 'ten')),
                         ('depth_sigma_a', ('nan', '-1', '2')),
-                        ('depth_noise', ('kinekt', '', '[1, 2]'))):
+                        ('depth_noise', ('kinekt', '', '[1, 2]')), ('depth_fx', ('nan', '0', '-585', '1e308', '5'))):
         for value in values:
             yield kind(f'{key}: {value}', text(**{key: value}), r'yaml:\d+', key, 'must|single value|principal point')
     yield kind('bf: -40', text(baseline=None, bf='-40'), ':10', 'bf', 'must be')
     yield kind('width as a fraction', text(width='320.5'), ':1', 'width', 'whole number')
     yield kind('baseline and bf', text(bf='20'), 'baseline', 'bf', 'not both')
     yield kind('depth_noise and depth_sigma_a', text(depth_noise='kinect', depth_sigma_a='0.001'), 'depth_noise', 'not both')
+    yield kind('depth_x without depth_fx', text(depth_x='0.02'), r'yaml:\d+', 'depth_x', 'depth_fx')
+    yield kind('depth_x of a kilometre', text(depth_fx='300', depth_x='1000'), r'yaml:\d+', 'depth_x', 'must be')
     yield kind('no noise at all', text(depth_sigma_a='0', depth_sigma_b='0'), 'depth_sigma_a', 'greater than 0')
     yield kind('an unknown key', text(focal='250'), r'yaml:\d+', 'focal', 'nearest')
     yield kind('a key in capitals', text(fx=None, FX='250'), r'yaml:\d+', 'FX', 'nearest')

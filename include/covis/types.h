@@ -44,7 +44,8 @@ struct GreyImage {
   int width = 0, height = 0;
   ptrdiff_t stride = 0;
 };
-// Metres along z, registered to the grey image; 0 or not finite: no measurement.
+// Metres along z, of the grey image's size; 0 or not finite: no measurement. Best registered to the grey image; where
+// it is not, a run finds that out as the map grows.
 struct DepthImage {
   const float* data = nullptr;
   int width = 0, height = 0;

@@ -49,4 +49,22 @@ float depth_at(ImageView<const float> depth, float at_x, float at_y, float scale
   return between_pixels(depth, at_x, at_y, z);
 }
 
+float depth_at(ImageView<const float> depth, const DepthRegistration& registration, const Eigen::Vector2d& centre,
+               float x, float y, float scale) {
+  constexpr float kSettled = 0.05f;  // as a share: what is left of the parallax is less than a pixel
+  constexpr int kSteps = 4;
+  float z = 0;
+  for (int k = 0; k < kSteps; ++k) {
+    const Eigen::Vector2f at =
+        registration.pixel(Eigen::Vector2d(x, y), centre, z > 0 ? 1 / static_cast<double>(z) : 0).cast<float>();
+    const int column = static_cast<int>(std::lround(at.x())), row = static_cast<int>(std::lround(at.y()));
+    if (column < 0 || row < 0 || column >= depth.width || row >= depth.height) return 0;
+    const float there = depth(column, row);
+    if (!(there > 0) || !std::isfinite(there)) return 0;
+    if (std::abs(there - z) <= kSettled * z) return depth_at(depth, at.x(), at.y(), scale);
+    z = there;
+  }
+  return 0;
+}
+
 }  // namespace covis

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "covis/core/image.h"
+#include "covis/geometry/depth_registration.h"
 
 namespace covis {
 
@@ -12,5 +13,10 @@ namespace covis {
 // the image, or close to an occluding edge). Between pixels of one surface the inverse depth is interpolated, which is
 // right for planes. scale: image pixels per pixel of the keypoint's level.
 float depth_at(ImageView<const float> depth, float x, float y, float scale);
+
+// The same in a depth image that is registered so to the image of the keypoint. 0 also where its place lies outside, or
+// is not clear, as nearer and farther surfaces compete for it. centre: the image's principal point.
+float depth_at(ImageView<const float> depth, const DepthRegistration& registration, const Eigen::Vector2d& centre,
+               float x, float y, float scale);
 
 }  // namespace covis

@@ -93,5 +93,29 @@ TEST(DepthLookup, StepsOfDisparityAreNoOutlines) {
   }
 }
 
+TEST(DepthLookup, FollowsTheRegistration) {
+  const auto plane = [](double x, double y) { return 2 + 0.01 * x + 0.005 * y; };
+  const ImageF image = make(plane);
+  const DepthRegistration registration{1.1, 4, -3, 5, 2};
+  const Eigen::Vector2d centre(38, 31);
+  for (const Eigen::Vector2d& at : {Eigen::Vector2d(38, 31), Eigen::Vector2d(20, 40), Eigen::Vector2d(50, 20)}) {
+    const float z =
+        depth_at(image.view(), registration, centre, static_cast<float>(at.x()), static_cast<float>(at.y()), 1);
+    const Eigen::Vector2d there = registration.pixel(at, centre, 1 / static_cast<double>(z));
+    EXPECT_NEAR(z, plane(there.x(), there.y()), 0.01);
+  }
+  EXPECT_EQ(depth_at(image.view(), registration, centre, 79, 30, 1), 0) << "it lies outside of the depth image";
+  EXPECT_EQ(depth_at(image.view(), {}, centre, 40, 30, 1), depth_at(image.view(), 40, 30, 1));
+}
+
+// Of a near surface on the one side and a far one on the other, each says that the other one is there.
+TEST(DepthLookup, NoDepthWhereSurfacesContradictEachOther) {
+  const ImageF image = make([](int x, int) { return x < 40 ? 4 : 1; });
+  const DepthRegistration parallax{.parallax_x = -20};
+  EXPECT_NEAR(depth_at(image.view(), parallax, {40, 30}, 70, 30, 1), 1, 1e-6) << "seen 20 pixels to the left";
+  EXPECT_NEAR(depth_at(image.view(), parallax, {40, 30}, 30, 30, 1), 4, 1e-6);
+  EXPECT_EQ(depth_at(image.view(), parallax, {40, 30}, 52, 30, 1), 0);
+}
+
 }  // namespace
 }  // namespace covis

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "covis/core/aligned.h"
+#include "covis/features/kept_depth.h"
 #include "covis/features/patches.h"
 #include "covis/features/small_image.h"
 #include "covis/geometry/camera.h"
@@ -112,7 +113,8 @@ struct Features {
   std::shared_ptr<const Camera> lens;               // null: raw pixels are undistorted ones
   std::shared_ptr<Patches> patches;                 // null: none were cut, or none are kept
   AlignedVector<uint64_t> anchor;  // key frames: anchor_of() (map/anchors.h); 0: not aligned; empty: none is
-  SmallImage small;                // for the next frame alone
+  std::shared_ptr<const KeptDepth> kept_depth;  // key frames: null where depths are never looked up again
+  SmallImage small;                             // for the next frame alone
 
   // A copy for a key frame: without the small image, without room for more keypoints, and with patches of its own.
   std::shared_ptr<Features> for_key_frame() const;

@@ -132,6 +132,7 @@ struct Frontend::Impl {
   const bool cuts_patches;
   ImageBounds bounds;
   std::shared_ptr<const Pinhole> refined;  // null: undistorted keypoints stay as they are
+  DepthRegistration registration;
   OrbExtractor left;
   std::optional<OrbExtractor> right;
   std::optional<PairExtractor> pair;
@@ -144,6 +145,7 @@ struct Frontend::Impl {
 // Makes undistorted features from the left extractor's keypoints, without depth.
 std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_image) {
   const KeyPoints& k = left.keypoints();
+  const Eigen::Vector2d centre(camera.pinhole.cx, camera.pinhole.cy);
   std::shared_ptr<Features> f = ring.next();
   f->pyramid = left.pyramid();
   f->straightened_for = refined;
@@ -164,7 +166,9 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
     }
     float depth = 0;
     if (!depth_image.empty()) {
-      depth = depth_at(depth_image, k.x[i], k.y[i], f->pyramid->scale[k.level[i]]);
+      const float scale = f->pyramid->scale[k.level[i]];
+      depth = registration.any() ? depth_at(depth_image, registration, centre, k.x[i], k.y[i], scale)
+                                 : depth_at(depth_image, k.x[i], k.y[i], scale);
     }
     f->x.push_back(at.x());
     f->y.push_back(at.y());
@@ -186,6 +190,8 @@ Frontend::~Frontend() = default;
 
 const Frontend::Timing& Frontend::timing() const { return impl_->timing; }
 
+const DepthRegistration& Frontend::registration() const { return impl_->registration; }
+
 double Frontend::row_error() const { return impl_->matcher.row_error(); }
 
 void Frontend::set_feature_budget(int features) {
@@ -193,7 +199,8 @@ void Frontend::set_feature_budget(int features) {
   if (impl_->right) impl_->right->set_budget(features);
 }
 
-void Frontend::straighten_for(const Pinhole& refined) {
+void Frontend::follow(const Pinhole& refined) {
+  impl_->registration = refined.registration;
   if (impl_->refined ? *impl_->refined == refined : !refined.residual.any()) return;
   impl_->refined = refined.residual.any() ? std::make_shared<const Pinhole>(refined) : nullptr;
   impl_->bounds = straightened(find_bounds(impl_->camera), refined);

@@ -48,8 +48,10 @@ class Frontend {
   // Sets the number of keypoints wanted (the monocular initialiser uses more than tracking does).
   void set_feature_budget(int features);
 
-  // From now on keypoints are made free of this camera's residual distortion. Not for stereo, whose columns must stay.
-  void straighten_for(const Pinhole& refined);
+  // From now on keypoints are made free of this camera's residual distortion, and depths looked up by its registration.
+  // Not for stereo, whose columns must stay.
+  void follow(const Pinhole& refined);
+  const DepthRegistration& registration() const;
 
   // Images must have the camera's size (asserted; readers check it before).
   FeaturesPtr monocular(ImageView<const uint8_t> image);
@@ -57,7 +59,7 @@ class Frontend {
   FeaturesPtr stereo(ImageView<const uint8_t> left, ImageView<const uint8_t> right);
   // StereoMatcher::row_error() of the last pair.
   double row_error() const;
-  // depth: metres, registered to the image, same size; 0 or non-finite: no measurement.
+  // depth: metres, same size, registered to the image unless follow() said how it is; 0 or non-finite: no measurement.
   FeaturesPtr rgbd(ImageView<const uint8_t> image, ImageView<const float> depth);
 
  private:

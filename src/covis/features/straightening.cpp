@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/features/straightening.h"
 
+#include <utility>
+
 namespace covis {
 namespace {
+
+bool looked_up_for(const Features& features, const Pinhole& camera) {
+  return !features.kept_depth || features.kept_depth->looked_up_by() == camera.registration;
+}
 
 bool same_residual(const Pinhole& a, const Pinhole& b) {
   return a.residual == b.residual && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
@@ -25,36 +31,46 @@ ImageBounds changed(const ImageBounds& b, Change&& change) {
   return box;
 }
 
-}  // namespace
-
-bool straight_for(const Features& features, const Pinhole& camera) {
-  if (!features.straightened_for) return !camera.residual.any();
-  return same_residual(*features.straightened_for, camera);
-}
-
-std::shared_ptr<Features> straightened(const Features& of, const Pinhole& camera) {
-  auto f = std::make_shared<Features>(of);
-  f->raw_x = of.image_x();
-  f->raw_y = of.image_y();
-  f->straightened_for = camera.residual.any() ? std::make_shared<const Pinhole>(camera) : nullptr;
-  const Pinhole before = of.straightened_for ? *of.straightened_for : Pinhole{};
+void straighten(const Pinhole& camera, Features& f) {
+  f.raw_x = AlignedVector<float>(f.image_x());
+  f.raw_y = AlignedVector<float>(f.image_y());
+  const Pinhole before = f.straightened_for ? *f.straightened_for : Pinhole{};
+  f.straightened_for = camera.residual.any() ? std::make_shared<const Pinhole>(camera) : nullptr;
   constexpr double kFarthest = 1e6;  // pixels
   const auto change = [&](const Eigen::Vector2d& at) {
     const Eigen::Vector2d straight = camera.straightened(before.bent(at)).value_or(at);
     return straight.cwiseAbs().maxCoeff() < kFarthest ? straight : at;  // also for what is not a number
   };
-  for (size_t i = 0; i < of.x.size(); ++i) {
-    const Eigen::Vector2f at = change({of.x[i], of.y[i]}).cast<float>();
-    f->x[i] = at.x();
-    f->y[i] = at.y();
-    f->u_right[i] = of.depth[i] > 0 ? f->x[i] - static_cast<float>(camera.bf) / of.depth[i] : -1.0f;
+  for (size_t i = 0; i < f.x.size(); ++i) {
+    const Eigen::Vector2f at = change({f.x[i], f.y[i]}).cast<float>();
+    f.x[i] = at.x();
+    f.y[i] = at.y();
+    f.u_right[i] = f.depth[i] > 0 ? f.x[i] - static_cast<float>(camera.bf) / f.depth[i] : -1.0f;
   }
-  f->grid.build(changed(of.grid.bounds, change), f->x, f->y);
+  const ImageBounds bounds = changed(f.grid.bounds, change);
+  f.grid.build(bounds, f.x, f.y);
+}
+
+}  // namespace
+
+bool straight_for(const Features& features, const Pinhole& camera) {
+  const bool straight =
+      features.straightened_for ? same_residual(*features.straightened_for, camera) : !camera.residual.any();
+  return straight && looked_up_for(features, camera);
+}
+
+std::shared_ptr<Features> straightened(const Features& of, const Pinhole& camera) {
+  auto f = std::make_shared<Features>(of);
+  if (camera.residual.any() || of.straightened_for) straighten(camera, *f);
+  if (!looked_up_for(*f, camera)) f->kept_depth->look_up(camera, *f);
   return f;
 }
 
-std::shared_ptr<Features> key_frame_features(const Features& features, const Pinhole& camera) {
-  return straight_for(features, camera) ? features.for_key_frame() : straightened(*features.for_key_frame(), camera);
+std::shared_ptr<Features> key_frame_features(const Features& features, std::shared_ptr<const KeptDepth> depth,
+                                             const Pinhole& camera) {
+  std::shared_ptr<Features> copy = features.for_key_frame();
+  copy->kept_depth = std::move(depth);
+  return straight_for(*copy, camera) ? copy : straightened(*copy, camera);
 }
 
 ImageBounds straightened(const ImageBounds& bounds, const Pinhole& camera) {

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "covis/geometry/depth_noise.h"
+#include "covis/geometry/depth_registration.h"
 
 namespace covis {
 
@@ -31,6 +32,7 @@ struct Pinhole {
   double bf = 0;                          // fx times the (real or virtual) baseline in metres; 0: no stereo or depth
   DepthNoise depth_noise{};               // RGB-D; not known: depth is measured as a disparity between two images
   ResidualDistortion residual{};          // as a run found it, and took it out of all keypoints
+  DepthRegistration registration{};       // as a run found it, and looks depths up by it
 
   double baseline() const { return bf / fx; }
   // As if it measured none, where depths are in another unit than the map's.
@@ -82,7 +84,7 @@ struct Camera {
   std::optional<Eigen::Vector2d> undistort(const Eigen::Vector2d& pixel) const;
 };
 
-// A camera as it was given, and the model of its undistorted pixels as it was refined. Without a noise of depth.
+// A camera as it was given, and the model of its undistorted pixels as it was refined. Without what is of depth.
 struct RefinedCamera {
   Camera given;
   Pinhole pinhole;

@@ -32,6 +32,7 @@ struct Values {
   int width = 0, height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0, baseline = 0, bf = 0, fps = 0, depth_scale = 0, depth_sigma_a = 0,
          depth_sigma_b = 0;
+  double depth_fx = 0, depth_cx = 0, depth_cy = 0, depth_x = 0, depth_y = 0;
   std::string model = "pinhole", depth_noise;
 
   Fields fields() {
@@ -48,6 +49,12 @@ struct Values {
             {"depth_scale", &depth_scale, "units of a depth image per metre", 1e-3, 1e6},
             {"depth_sigma_a", &depth_sigma_a, "noise of a depth z: sigma = a + b z^2; a in metres", 0, 1},
             {"depth_sigma_b", &depth_sigma_b, "the same; b in 1 / metres", 0, 1},
+            {"depth_fx", &depth_fx, "focal length of depth images that are not registered, pixels", B::kLeastFocal,
+             B::kLargestFocal},
+            {"depth_cx", &depth_cx, "their principal point, pixels", 0, B::kLargestSide},
+            {"depth_cy", &depth_cy, "their principal point, pixels", 0, B::kLargestSide},
+            {"depth_x", &depth_x, "how far right of the image's camera theirs is, metres", -1, 1},
+            {"depth_y", &depth_y, "how far below the image's camera theirs is, metres", -1, 1},
             {"depth_noise", &depth_noise, "kinect, realsense or exact, instead of depth_sigma_a and depth_sigma_b"},
             {"model", &model, "pinhole, brown_conrady or kannala_brandt"}};
   }
@@ -87,6 +94,26 @@ Result<DepthNoise> read_depth_noise(const std::filesystem::path& file, const std
   if (noise != kDepthNoises.end()) return noise->second;
   return fail(yaml_place(file, given.at("depth_noise")) + ": depth_noise '" + values.depth_noise +
               "' is unknown; it must be kinect, realsense or exact");
+}
+
+// Reads where depth images show what images show, by their camera; where nothing is given they are registered.
+Result<DepthRegistration> read_registration(const std::filesystem::path& file,
+                                            const std::map<std::string, YAML::Node>& given, const Values& values) {
+  if (!given.contains("depth_fx")) {
+    for (const char* key : {"depth_cx", "depth_cy", "depth_x", "depth_y"}) {
+      if (given.contains(key))
+        return fail(yaml_place(file, given.at(key)) + ": " + key + " is of use with depth_fx only, which is missing");
+    }
+    return DepthRegistration{};
+  }
+  DepthRegistration registration{.scale = values.depth_fx / values.fx,
+                                 .parallax_x = 0 - values.depth_fx * values.depth_x,
+                                 .parallax_y = 0 - values.depth_fx * values.depth_y};
+  if (given.contains("depth_cx")) registration.shift_x = values.depth_cx - values.cx;
+  if (given.contains("depth_cy")) registration.shift_y = values.depth_cy - values.cy;
+  if (registration.valid()) return registration;
+  return fail(yaml_place(file, given.at("depth_fx")) + ": depth_fx: '" + given.at("depth_fx").Scalar() +
+              "' is not right; it must be from 0.1 to 10 times fx");
 }
 
 }  // namespace
@@ -138,6 +165,9 @@ Result<CameraFile> load_camera(const std::filesystem::path& file) {
   const auto depth_noise = read_depth_noise(file, given, values);
   if (!depth_noise) return tl::unexpected(depth_noise.error());
   result.camera.pinhole.depth_noise = *depth_noise;
+  const auto registration = read_registration(file, given, values);
+  if (!registration) return tl::unexpected(registration.error());
+  result.camera.pinhole.registration = *registration;
   result.camera.distortion = model->second;
   if (given.contains("distortion")) {
     if (auto read = read_distortion(file, given["distortion"], result.camera); !read)
@@ -166,6 +196,12 @@ std::string camera_text(const CameraFile& file) {
   if (file.depth_scale > 0) text << "depth_scale: " << file.depth_scale << "\n";
   if (const DepthNoise& noise = c.pinhole.depth_noise; noise.known())
     text << "depth_sigma_a: " << noise.a << "\ndepth_sigma_b: " << noise.b << "\n";
+  if (const DepthRegistration& r = c.pinhole.registration; r.any()) {
+    const double focal = r.scale * c.pinhole.fx;
+    text << "depth_fx: " << focal << "\ndepth_cx: " << c.pinhole.cx + r.shift_x
+         << "\ndepth_cy: " << c.pinhole.cy + r.shift_y << "\ndepth_x: " << 0 - r.parallax_x / focal
+         << "\ndepth_y: " << 0 - r.parallax_y / focal << "\n";
+  }
   return text.str();
 }
 

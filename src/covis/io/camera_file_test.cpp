@@ -19,6 +19,7 @@ TEST_F(CameraFiles, CamerasRoundTrip) {
   file.camera.distortion = Distortion::kannala_brandt;
   file.camera.coefficients = {0.1, 0.01, 0.001, 0.0001, 0};
   file.camera.pinhole.depth_noise = {0.001, 0.002};
+  file.camera.pinhole.registration = {1.1, 5, -3, 14, 0.5};
   file.baseline = 0.11;
   file.fps = 30;
   write("c.yaml", camera_text(file));
@@ -27,6 +28,9 @@ TEST_F(CameraFiles, CamerasRoundTrip) {
   EXPECT_EQ(loaded->camera.pinhole.fx, 500.5);
   EXPECT_EQ(loaded->camera.coefficients, file.camera.coefficients);
   EXPECT_EQ(loaded->camera.pinhole.depth_noise, file.camera.pinhole.depth_noise);
+  const Eigen::Vector2d centre(320, 240), pixel(600, 40);
+  const DepthRegistration &now = loaded->camera.pinhole.registration, &before = file.camera.pinhole.registration;
+  EXPECT_LT((now.pixel(pixel, centre, 0.7) - before.pixel(pixel, centre, 0.7)).norm(), 1e-9);
   EXPECT_NEAR(loaded->camera.pinhole.baseline(), 0.11, 1e-12);
   for (const auto& entry : fs::directory_iterator(fs::path(COVIS_SOURCE_DIR) / "cameras")) {
     EXPECT_TRUE(load_camera(entry.path())) << entry.path();
@@ -51,6 +55,8 @@ TEST_F(CameraFiles, CameraFilesThatContradictThemselves) {
               AllOf(HasSubstr("camera.yaml:7"), HasSubstr("kinect, realsense or exact")));
   EXPECT_THAT(error("depth_noise: exact\ndepth_sigma_b: 0.01\n"), HasSubstr("not both"));
   EXPECT_THAT(error("depth_sigma_a: 0\n"), HasSubstr("greater than 0"));
+  EXPECT_THAT(error("depth_x: 0.02\n"), AllOf(HasSubstr("camera.yaml:7"), HasSubstr("depth_fx only")));
+  EXPECT_THAT(error("depth_fx: 60000\n"), AllOf(HasSubstr("camera.yaml:7"), HasSubstr("from 0.1 to 10 times")));
   EXPECT_EQ(error("depth_noise: exact\n"), "");
   EXPECT_EQ(load_camera(folder / "camera.yaml")->camera.pinhole.depth_noise, DepthNoise::exact());
   EXPECT_EQ(error("bf: 5\n"), "");

@@ -37,7 +37,8 @@ std::shared_ptr<Features> changed(const Features& of, const PixelChange& change,
                                   const std::shared_ptr<const Pinhole>& straightened_for) {
   auto f = std::make_shared<Features>(of);
   f->straightened_for = straightened_for;
-  f->patches = nullptr;     // their places are those of another camera
+  f->patches = nullptr;  // their places are those of another camera
+  f->kept_depth = nullptr;
   f->raw_x = of.image_x();  // they stay where they are in their image
   f->raw_y = of.image_y();
   for (size_t i = 0; i < of.x.size(); ++i) {
@@ -75,6 +76,7 @@ Result<void> express_in(MapState& map, const Camera& made_by, const RefinedCamer
   }
   RefinedCamera from{made_by, map.camera};
   from.given.pinhole.depth_noise = from.pinhole.depth_noise = {};  // no file has them
+  from.given.pinhole.registration = from.pinhole.registration = {};
   const auto own = std::make_shared<const RefinedCamera>(from);
   Pyramids pyramids;
   const auto straightened_for = to.pinhole.residual.any() ? std::make_shared<const Pinhole>(to.pinhole) : nullptr;

@@ -10,7 +10,7 @@ size_t bytes_of(const Arrays&... arrays) {
 }
 
 size_t memory_of(const Features& f) {
-  return sizeof(f) + (f.patches ? f.patches->bytes() : 0) +
+  return sizeof(f) + (f.patches ? f.patches->bytes() : 0) + (f.kept_depth ? f.kept_depth->bytes() : 0) +
          bytes_of(f.x, f.y, f.raw_x, f.raw_y, f.angle, f.u_right, f.depth, f.level, f.descriptor, f.anchor,
                   f.grid.offsets, f.grid.indices);
 }

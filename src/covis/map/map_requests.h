@@ -34,6 +34,7 @@ struct KeyFrameRequest {
   int64_t frame = 0;
   Timestamp stamp = 0;
   FeaturesPtr features;
+  std::shared_ptr<const KeptDepth> depth;  // may be null
   RelativePose pose;  // relative to a key frame, which mapping may have moved; without one it begins a submap: T_cw
   std::vector<MapPointId> points;    // for each feature the point it was matched to, or an invalid handle
   std::vector<uint32_t> new_points;  // features whose depth makes a new point

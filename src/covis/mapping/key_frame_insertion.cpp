@@ -12,7 +12,7 @@
 namespace covis {
 
 KeyFrameId insert_key_frame(SharedMap& shared, const KeyFrameRequest& request, RecentPoints& recent) {
-  const FeaturesPtr features = key_frame_features(*request.features, shared.read()->camera());
+  const FeaturesPtr features = key_frame_features(*request.features, request.depth, shared.read()->camera());
   MapEdit map(shared);
   SE3 T_cw = request.pose.T_cr;
   std::optional<RelativePose> reference;

@@ -19,6 +19,8 @@ Fields fields(MapperOptions& o) {
       {"mapper.refine_focal", &o.refine_focal, "monocular, RGB-D: adjust the focal length too, when the map tells it"},
       {"mapper.refine_distortion", &o.refine_distortion,
        "monocular, camera given without distortion: find what distortion its images have, when the map tells it"},
+      {"mapper.register_depth", &o.register_depth,
+       "RGB-D: find how depth images are registered to images, when the map tells that they are not"},
       {"mapper.estimate_depth_noise", &o.estimate_depth_noise,
        "RGB-D: estimate the noise of depth from the map, when the camera says nothing of it"},
       {"mapper.cull_redundancy", &o.cull_redundancy,

@@ -16,7 +16,7 @@ TEST(MapperOptions, EverySettingHasANameOfItsOwn) {
     EXPECT_EQ(field.name.rfind("mapper.", 0), 0u) << field.name;
     EXPECT_TRUE(names.insert(field.name).second) << field.name;
   }
-  EXPECT_EQ(names.size(), 14u);
+  EXPECT_EQ(names.size(), 15u);
 }
 
 TEST(MapperOptions, OneCameraAsksMoreNeighbours) {

@@ -36,6 +36,7 @@ MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic
   apply_adjustment(report);
   close_loop(report);
   if (!request.doubted_depth) refine_camera(report.key_frame);
+  registration_.drop_depths(map_);
   forget_replaced_points(report.key_frame);
   report.loop_ms = watch.ms();
   report.counts.key_frames_thinned = keep_within_bound(report.key_frame);
@@ -76,11 +77,21 @@ void Backend::close_loop(MappingReport& report) {
 void Backend::refine_camera(KeyFrameId current) {
   const MapperOptions& o = options_.mapper;
   // Stereo's baseline times focal length would have to follow.
-  if (options_.sensor == Sensor::stereo || !(o.refine_focal || o.refine_distortion) || background_.running()) return;
+  if (options_.sensor == Sensor::stereo || background_.running()) return;
+  if (registers_depth(current) || !(o.refine_focal || o.refine_distortion)) return;
   const std::optional<int> key_frames = refinement_.ask(*map_.read());
   if (!key_frames) return;
   auto job = CameraRefinement::of(*map_.read(), current, {given_.fx, o.refine_focal, o.refine_distortion});
   background_.start(std::move(job), *key_frames);
+}
+
+// True: the map is asked for the registration of its depths.
+bool Backend::registers_depth(KeyFrameId current) {
+  constexpr int kKeyFrames = 2;  // after which the answer is applied
+  if (!options_.mapper.register_depth || !registration_.ask(*map_.read())) return false;
+  background_.start(
+      RegistrationRefinement::of(*map_.read(), current, {given_.fx, options_.mapper.estimate_depth_noise}), kKeyFrames);
+  return true;
 }
 
 int Backend::keep_within_bound(KeyFrameId current) {

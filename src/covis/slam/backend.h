@@ -12,6 +12,7 @@
 #include "covis/loops/camera_refinement.h"
 #include "covis/loops/loop_closer.h"
 #include "covis/loops/loop_options.h"
+#include "covis/loops/registration_refinement.h"
 #include "covis/map/shared_map.h"
 #include "covis/mapping/depth_against_motion.h"
 #include "covis/mapping/mapper.h"
@@ -51,6 +52,7 @@ class Backend {
   void apply_adjustment(MappingReport& report);
   void close_loop(MappingReport& report);
   void refine_camera(KeyFrameId current);
+  bool registers_depth(KeyFrameId current);
   std::vector<DepthAgainstMotion> check_depth(KeyFrameId current, MotionDepthCheck::Pace pace);
   void forget_replaced_points(KeyFrameId current);
   int keep_within_bound(KeyFrameId current);
@@ -61,6 +63,7 @@ class Backend {
   LoopCloser closer_;
   BackgroundAdjustment background_;
   RefinementSchedule refinement_;
+  RegistrationSchedule registration_;
   MotionDepthCheck depth_check_;
   const Pinhole given_;  // the camera as it came
   struct Told {

@@ -13,6 +13,7 @@ Result<void> check_continued(const Map& map, Sensor sensor) {
 Pinhole with_depth_noise(Pinhole camera, Sensor sensor) {
   if (sensor != Sensor::rgbd) {
     camera.depth_noise = {};
+    camera.registration = {};
   } else if (!camera.depth_noise.known()) {
     camera.depth_noise = DepthNoise::kinect();
   }
@@ -23,6 +24,8 @@ Pinhole camera_for(const Map& map, const Camera& made_by, const Camera& given, S
   const Pinhole saved = map.camera();
   Pinhole camera = same_lens(given, made_by) ? saved : given.pinhole;
   if (sensor == Sensor::stereo) camera.residual = {};  // the columns of rectified pairs stay as they are
+  // What was given for this recording goes before what the map learned.
+  if (given.pinhole.registration.any()) camera.registration = given.pinhole.registration;
   const bool stereo_made_it = saved.bf > 0 && !saved.depth_noise.known();
   if (sensor == Sensor::monocular || (sensor == Sensor::rgbd && stereo_made_it)) {
     camera.bf = saved.baseline() * camera.fx;
@@ -30,7 +33,6 @@ Pinhole camera_for(const Map& map, const Camera& made_by, const Camera& given, S
     return camera;
   }
   camera.bf = given.pinhole.baseline() * camera.fx;
-  // Noise given for this recording goes before the noise that the map learned.
   camera.depth_noise = given.pinhole.depth_noise.known() ? given.pinhole.depth_noise : saved.depth_noise;
   return with_depth_noise(camera, sensor);
 }

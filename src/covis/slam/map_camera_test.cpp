@@ -51,6 +51,23 @@ TEST_F(MapCamera, TheSameLensKeepsWhatWasRefined) {
   EXPECT_EQ(camera_for(map, camera_of(stereo), camera_of(other), Sensor::stereo).fx, 600);
 }
 
+TEST_F(MapCamera, ARegistrationThatWasGivenGoesBeforeTheOneFound) {
+  Pinhole found = stereo;
+  found.depth_noise = noise;
+  found.registration.scale = 1.1;
+  const Map map = map_of(found);
+  const auto registration = [&](const Pinhole& given, Sensor sensor) {
+    return camera_for(map, camera_of(stereo), camera_of(given), sensor).registration;
+  };
+  EXPECT_EQ(registration(stereo, Sensor::rgbd), found.registration);
+  EXPECT_EQ(registration(stereo, Sensor::monocular), found.registration) << "for those that come after";
+  EXPECT_FALSE(registration(other, Sensor::rgbd).any()) << "another camera has its own";
+  Pinhole given = stereo;
+  given.registration.shift_x = 12;
+  EXPECT_EQ(registration(given, Sensor::rgbd), given.registration);
+  EXPECT_FALSE(registration(stereo, Sensor::stereo).any());
+}
+
 TEST_F(MapCamera, RectifiedPairsHaveNoResidualDistortion) {
   Pinhole refined = stereo;
   refined.residual = {0.02, -0.01};

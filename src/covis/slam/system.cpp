@@ -24,10 +24,11 @@ TrackingSettings tracking_settings(const SystemOptions& o) {
           .seed = o.seed};
 }
 
-// Noise and distortion that were given are not looked for.
+// Noise, distortion and registration that were given are not looked for.
 BackendOptions backend_options(const SystemOptions& options, const Camera& camera) {
   BackendOptions made(options);
   made.mapper.estimate_depth_noise &= options.sensor == Sensor::rgbd && !camera.pinhole.depth_noise.known();
+  made.mapper.register_depth &= options.sensor == Sensor::rgbd && !camera.pinhole.registration.any();
   made.mapper.refine_distortion &= options.sensor == Sensor::monocular && camera.distortion == Distortion::none;
   return made;
 }
@@ -108,6 +109,7 @@ FrameReport System::process(const Input& input) {
     discard(*outcome.discard_submap);
     report.discarded_submap = outcome.discard_submap;
   }
+  if (auto* const key_frame = std::get_if<KeyFrameRequest>(&outcome.request)) key_frame->depth = kept_depth(input);
   submit(std::move(outcome.request));
   if (outcome.result.method == TrackMethod::initialised) {  // the map has to be there before a frame can be tracked
     apply_all_mapping(report);
@@ -210,7 +212,7 @@ MapState System::map_state() const { return map_.read()->state(); }
 // `features`: the number of keypoints wanted.
 FeaturesPtr System::extract(const Input& input, int features) {
   frontend_.set_feature_budget(features);
-  if (options_.sensor != Sensor::stereo) frontend_.straighten_for(tracker_.search().camera);
+  if (options_.sensor != Sensor::stereo) frontend_.follow(tracker_.search().camera);
   switch (options_.sensor) {
     case Sensor::monocular:
       return frontend_.monocular(input.image);
@@ -220,6 +222,13 @@ FeaturesPtr System::extract(const Input& input, int features) {
       return frontend_.rgbd(input.image, input.depth);
   }
   return nullptr;
+}
+
+// Null where depths need not be looked up again.
+std::shared_ptr<const KeptDepth> System::kept_depth(const Input& input) const {
+  const bool may_be_asked = options_.sensor == Sensor::rgbd && options_.mapper.register_depth && !input.depth.empty() &&
+                            RegistrationSchedule::keeps_depths(*map_.read());
+  return may_be_asked ? std::make_shared<const KeptDepth>(input.depth, frontend_.registration()) : nullptr;
 }
 
 void System::apply_visible_mapping(FrameReport& report) {

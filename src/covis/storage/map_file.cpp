@@ -214,6 +214,18 @@ Result<DepthNoise> read_depth_noise(SectionFile& file, Sensor sensor) {
   return noise;
 }
 
+Result<DepthRegistration> read_registration(SectionFile& file) {
+  DepthRegistration registration;
+  if (!file.has(kRegistration)) return registration;
+  const auto bytes = file.read(kRegistration, "registration of depth");
+  if (!bytes) return tl::unexpected(bytes.error());
+  FieldReader fields(*bytes);
+  registration_fields(fields, registration);
+  if (!fields.whole()) return fail(file.error(kNotRightLength));
+  if (!registration.valid()) return fail(file.error("its registration of depth is not valid"));
+  return registration;
+}
+
 Result<void> read_colours(SectionFile& file, std::vector<KeyFrameState>& key_frames) {
   if (!file.has(kColours)) return {};
   const auto bytes = file.read(kColours, "colours");
@@ -234,6 +246,9 @@ Result<MapState> read_state(SectionFile& file, const Counts& counts, const MapHe
   const auto noise = read_depth_noise(file, header.sensor);
   if (!noise) return tl::unexpected(noise.error());
   state.camera.depth_noise = *noise;
+  const auto registration = read_registration(file);
+  if (!registration) return tl::unexpected(registration.error());
+  state.camera.registration = *registration;
   Result<void> read = read_features(file, records, state);
   if (read) read = read_observations(file, state.key_frames);
   if (read) read = read_points(file, counts.points, state.points);
@@ -299,6 +314,9 @@ Result<MapInfo> read_map_info(const std::filesystem::path& path) {
   info.camera = records.empty() ? info.header.camera.pinhole : records.front().camera;
   const auto cameras = read_key_frame_cameras(*file, key_frames->size(), info.camera);
   if (!cameras) return tl::unexpected(cameras.error());
+  const auto registration = read_registration(*file);
+  if (!registration) return tl::unexpected(registration.error());
+  info.camera.registration = *registration;
   for (const RefinedCamera& camera : cameras->cameras) info.other_cameras.push_back({camera.given, 0});
   for (const uint32_t k : cameras->of) {
     if (k > 0) ++info.other_cameras[k - 1].key_frames;

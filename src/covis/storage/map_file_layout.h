@@ -14,7 +14,7 @@ namespace covis::storage {
 
 // Identifiers of the sections.
 inline constexpr uint32_t kAbout = 1, kKeyFrames = 2, kFeatures = 3, kObservations = 4, kPoints = 5, kDepthNoise = 6,
-                          kPixelSizes = 8;
+                          kPixelSizes = 8, kRegistration = 12;
 
 struct Counts {
   uint32_t key_frames = 0, points = 0, root = MapState::kNone, next_serial = 0;
@@ -36,6 +36,11 @@ inline Counts counts_of(const MapState& map) {
 template <class Fields, class P>
 void pinhole_fields(Fields& fields, P& p) {
   for (auto* value : {&p.fx, &p.fy, &p.cx, &p.cy, &p.bf}) fields(*value);
+}
+
+template <class Fields, class R>
+void registration_fields(Fields& fields, R& r) {
+  for (auto* value : {&r.scale, &r.shift_x, &r.shift_y, &r.parallax_x, &r.parallax_y}) fields(*value);
 }
 
 template <class Fields, class C>

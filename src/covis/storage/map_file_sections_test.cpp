@@ -6,13 +6,13 @@
 #include "covis/storage/map_anchors.h"
 #include "covis/storage/map_cameras.h"
 #include "covis/storage/map_file.h"
+#include "covis/storage/map_file_layout.h"
 #include "covis/storage/test_map_files.h"
 
 namespace covis::storage {
 namespace {
 
 TEST_F(MapFile, PixelSizesAreInFilesOfSeveralCamerasAlone) {
-  constexpr uint32_t kPixelSizes = 8;
   MapState state = random_map(3, 60, 12).state();
   Pinhole other = state.camera;
   other.fx *= 2;
@@ -109,6 +109,24 @@ TEST_F(MapFile, TheNoiseOfDepthIsKept) {
   EXPECT_EQ(load_map(file())->map.camera(), camera);
 }
 
+TEST_F(MapFile, TheRegistrationOfDepthIsKept) {
+  MapState state = random_map(7, 60, 12).state();
+  const MapHeader header = test_header();
+  ASSERT_TRUE(save_map(file(), state, header));
+  EXPECT_FALSE(SectionFile::open(file())->has(kRegistration));
+  state.camera.registration = {1.1, 5, -3, 14, 0.5};
+  ASSERT_TRUE(save_map(file(), state, header));
+  auto opened = SectionFile::open(file());
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ(opened->minor(), kMapFileMinor);
+  EXPECT_EQ(load_map(file())->map.camera(), state.camera);
+  EXPECT_EQ(read_map_info(file())->camera.registration, state.camera.registration);
+  const std::string bytes = *opened->read(kRegistration, "registration");
+  const auto with = [&](const std::string& changed) { return with_section(*opened, kRegistration, changed); };
+  expect_refused(with(bytes + "x"), "length");
+  expect_refused(with(std::string(6, '\0') + "\xf0\x7f" + bytes.substr(8)), "registration of depth is not valid");
+}
+
 TEST_F(MapFile, ResidualDistortionsAreInFilesOfCamerasThatHaveOne) {
   MapState state = random_map(3, 60, 12).state();
   MapHeader header = test_header();
@@ -161,7 +179,7 @@ TEST_F(MapFile, AnchorsAreInFilesOfMapsWithAlignedFeatures) {
   const std::string bytes = read_file(file());
   auto opened = SectionFile::open(file());
   ASSERT_TRUE(opened) << opened.error().message;
-  EXPECT_EQ(opened->minor(), kMapFileMinor);
+  EXPECT_EQ(opened->minor(), kMapFileMinorWithAnchors);
   const auto loaded = load_map(file());
   ASSERT_TRUE(loaded) << loaded.error().message;
   const MapState again = loaded->map.state();

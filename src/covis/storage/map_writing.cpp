@@ -87,14 +87,16 @@ Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& hea
   const bool noise = map.camera.depth_noise.known(), colours = has_colours(map), sizes = has_other_pixels(map);
   const KeyFrameCameras others = cameras_of(map);
   const bool cameras = !others.cameras.empty(), residuals = have_residuals(map.camera, others);
-  const bool anchors = has_anchors(map);
-  const uint16_t minor = anchors     ? kMapFileMinor
-                         : residuals ? kMapFileMinorWithResiduals
-                         : cameras   ? kMapFileMinorWithCameras
-                         : sizes     ? kMapFileMinorWithSizes
-                         : colours   ? kMapFileMinorWithColours
-                                     : kMapFileMinorLeast;
-  SectionWriter file(sink, 5u + noise + colours + sizes + cameras + residuals + anchors, kMapFileMajor, minor);
+  const bool anchors = has_anchors(map), registration = map.camera.registration.any();
+  const uint16_t minor = registration ? kMapFileMinor
+                         : anchors    ? kMapFileMinorWithAnchors
+                         : residuals  ? kMapFileMinorWithResiduals
+                         : cameras    ? kMapFileMinorWithCameras
+                         : sizes      ? kMapFileMinorWithSizes
+                         : colours    ? kMapFileMinorWithColours
+                                      : kMapFileMinorLeast;
+  SectionWriter file(sink, 5u + noise + colours + sizes + cameras + residuals + anchors + registration, kMapFileMajor,
+                     minor);
   FieldWriter about;
   const Counts counts = counts_of(map);
   about_fields(about, header, counts);
@@ -116,6 +118,11 @@ Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& hea
   if (cameras) file.write(kCameras, bytes_of(others));
   if (residuals) file.write(kResiduals, bytes_of_residuals(map.camera, others));
   if (anchors) file.write(kAnchors, anchor_bytes(map));
+  if (registration) {
+    FieldWriter fields;
+    registration_fields(fields, map.camera.registration);
+    file.write(kRegistration, fields.take());
+  }
   const auto size = file.finish();
   return size ? check_readable(map, *size) : tl::unexpected(size.error());
 }
