@@ -19,10 +19,11 @@ void SensorSample::add(const io::Frame& frame) {
   const FeaturesPtr features = sensor_ == Sensor::stereo ? s.frontend.stereo(frame.image.view(), frame.right.view())
                                                          : s.frontend.rgbd(frame.image.view(), frame.depth.view());
   s.monitor.add_frame(frame.index, *features, s.frontend.row_error());
-  if (sensor_ == Sensor::rgbd) s.monitor.add_images(frame.index, frame.image.view(), frame.depth.view());
+  if (sensor_ == Sensor::rgbd)
+    s.monitor.add_images(frame.index, frame.image.view(), frame.depth.view(), camera_.pinhole.registration);
   if (at % kCompareEvery == 0) {
     for (const DepthAgainstMotion& compared :
-         s.check.add(features->for_key_frame(), with_depth_noise(camera_.pinhole, sensor_),
+         s.check.add(features->for_key_frame(), for_sensor(camera_.pinhole, sensor_),
                      s.monitor.doubts_depth() ? Pace::every_view : Pace::usual))
       s.monitor.add_comparison(frame.index, compared);
     std::copy_if(features->depth.begin(), features->depth.end(), std::back_inserter(depths_),

@@ -86,6 +86,15 @@ TEST_F(UnregisteredDepth, ThatWasGivenIsNotLookedFor) {
   track(system, 0, kFrames);
   EXPECT_EQ(system.camera().registration, kTruth);
   EXPECT_LT(error(system), error(run()));
+  const auto map = system.map().read();
+  const Features& first = *map->at(map->root()).features;
+  EXPECT_FALSE(first.kept_depth);
+  ImageF depth;
+  Frontend frontend(camera, options().orb, Sensor::rgbd);
+  const System::Input input = frame(0, depth);
+  const FeaturesPtr right = frontend.rgbd(input.image, input.depth);
+  EXPECT_GT(right->size(), 100);
+  EXPECT_EQ(first.depth, right->depth) << "from the first frame on";
 }
 
 TEST_F(UnregisteredDepth, IsKeptWithASavedMap) {

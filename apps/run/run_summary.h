@@ -107,6 +107,9 @@ constexpr AlignMode alignment_of(Sensor sensor) {
 }
 // True when the map moved the focal length.
 inline bool refined(const RunSummary& s) { return s.camera.fx != s.given.fx; }
+inline bool registration_found(const RunSummary& s) {
+  return s.camera.registration.any() && s.camera.registration != s.given.registration;
+}
 const char* name_of_alignment(AlignMode mode);  // "se3" or "sim3"
 
 // truth: of the camera; may be null.

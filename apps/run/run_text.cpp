@@ -82,7 +82,7 @@ std::string summary_text(const RunSummary& s, const std::filesystem::path& out) 
   }
   if (refined(s)) text += "focal length refined: " + focal_text(s) + "\n";
   if (s.camera.residual.any()) text += "distortion found: k1 " + distortion_text(s) + "\n";
-  if (s.camera.registration != s.given.registration)
+  if (registration_found(s))
     text += "depth images are not registered to the images: " + description(s.camera.registration) + "\n";
   text += "tracking " + fixed(s.times.tracking.median, 2, " ms a frame (median), ") +
           fixed(s.times.tracking.p95, 2, " ms (95 %); ") + fixed(s.costs.frames_per_second, 1, " frames/s in all; ") +
@@ -113,7 +113,7 @@ std::vector<std::pair<std::string, std::string>> summary_rows(const RunSummary& 
   if (s.estimate) rows.emplace_back("focal length, estimated from the recording", estimate_text(s));
   if (refined(s)) rows.emplace_back("focal length, refined", focal_text(s));
   if (s.camera.residual.any()) rows.emplace_back("distortion found", "k1 " + distortion_text(s));
-  if (s.camera.registration != s.given.registration)
+  if (registration_found(s))
     rows.emplace_back("depth images, not registered to the images", description(s.camera.registration));
   if (s.accuracy) {
     rows.emplace_back(std::string("error (ATE RMSE, ") + name_of_alignment(s.accuracy->alignment) + ")",

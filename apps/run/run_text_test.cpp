@@ -44,6 +44,20 @@ TEST(RunText, TellsTheDistortionThatWasFound) {
             std::pair(std::string("distortion found"), std::string("k1 0.0231, k2 -0.0109, where none was given")));
 }
 
+TEST(RunText, TellsTheRegistrationThatWasFound) {
+  Snapshot snapshot = made_snapshot();
+  snapshot.camera.registration = {1.107, 5.5, 3, 0, 0};
+  RunSummary summary = summarise(made_record(), snapshot, nullptr, 0);
+  const std::string said = "1.1070 times as large, moved by 5.5 and 3.0 pixels, and by 0.0 and 0.0 at a metre";
+  EXPECT_NE(summary_text(summary, "out").find("depth images are not registered to the images: " + said + "\n"),
+            std::string::npos);
+  EXPECT_EQ(summary_rows(summary).back().second, said);
+  summary.given.registration = summary.camera.registration;
+  EXPECT_EQ(summary_text(summary, "out").find("registered"), std::string::npos) << "it was given";
+  summary.camera.registration = {};
+  EXPECT_EQ(summary_text(summary, "out").find("registered"), std::string::npos) << "of a sensor without depth";
+}
+
 TEST(RunText, ARunWithoutAPoseIsExplainedByItsCameraElseByItsFrames) {
   Camera camera;
   camera.width = 640;

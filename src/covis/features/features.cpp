@@ -40,6 +40,11 @@ void Features::start(size_t room, RawPixels raw) {
   grid.offsets.reserve(std::min(room, FeatureGrid::kCells) + 1);
 }
 
+Eigen::Vector2d Features::pinhole_pixel(size_t i) const {
+  const Eigen::Vector2d image(image_x()[i], image_y()[i]);
+  return lens ? lens->undistort(image).value_or(image) : image;
+}
+
 std::shared_ptr<Features> Features::for_key_frame() const {
   auto copy = std::make_shared<Features>(*this);
   copy->small = {};

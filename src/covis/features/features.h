@@ -120,8 +120,14 @@ struct Features {
   std::shared_ptr<Features> for_key_frame() const;
 
   int size() const { return static_cast<int>(x.size()); }
+  // The pixel of a keypoint that a camera without a lens would have seen it at: x and y with the distortion that was
+  // found, but without the one that was given. A registration of depth begins there.
+  Eigen::Vector2d pinhole_pixel(size_t i) const;
   const AlignedVector<float>& image_x() const { return raw_x.empty() ? x : raw_x; }
   const AlignedVector<float>& image_y() const { return raw_y.empty() ? y : raw_y; }
+  bool has_any_depth() const {
+    return std::any_of(depth.begin(), depth.end(), [](float z) { return z > 0; });
+  }
   bool has_depth(int i) const { return depth[static_cast<size_t>(i)] > 0; }
 };
 

@@ -117,6 +117,7 @@ struct Frontend::Impl {
         lens(distorted() ? std::make_shared<const Camera>(c) : nullptr),
         cuts_patches(options.patches),
         bounds(find_bounds(c)),
+        registration(c.pinhole.registration),
         left(options, sensor == Sensor::monocular ? options.edge_ratio_mono : 0) {
     if (sensor == Sensor::stereo) {
       right.emplace(options);
@@ -155,8 +156,10 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
            distorted() || refined ? Features::RawPixels::different : Features::RawPixels::same);
   for (size_t i = 0; i < n; ++i) {
     Eigen::Vector2f at(k.x[i], k.y[i]);
+    Eigen::Vector2f pinhole_pixel = at;
     if (distorted() || refined) {
       auto u = camera.undistort(at.cast<double>());
+      if (u) pinhole_pixel = u->cast<float>();
       if (u && refined) u = refined->straightened(*u);
       if (!u) continue;
       at = u->cast<float>();
@@ -167,8 +170,9 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
     float depth = 0;
     if (!depth_image.empty()) {
       const float scale = f->pyramid->scale[k.level[i]];
-      depth = registration.any() ? depth_at(depth_image, registration, centre, k.x[i], k.y[i], scale)
-                                 : depth_at(depth_image, k.x[i], k.y[i], scale);
+      depth = registration.any()
+                  ? depth_at(depth_image, registration, centre, pinhole_pixel.x(), pinhole_pixel.y(), scale)
+                  : depth_at(depth_image, k.x[i], k.y[i], scale);
     }
     f->x.push_back(at.x());
     f->y.push_back(at.y());

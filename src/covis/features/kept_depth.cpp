@@ -33,8 +33,9 @@ void KeptDepth::look_up(const Pinhole& camera, Features& features) const {
   for (double* pixels : {&half.shift_x, &half.shift_y, &half.parallax_x, &half.parallax_y}) *pixels /= 2;
   const Eigen::Vector2d centre(camera.cx / 2, camera.cy / 2);
   for (size_t i = 0; i < features.x.size(); ++i) {
-    const float x = features.image_x()[i] / 2, y = features.image_y()[i] / 2;
-    const float z = depth_at(metres.view(), half, centre, x, y, features.pyramid->scale[features.level[i]] / 2);
+    const float scale = features.pyramid->scale[features.level[i]] / 2;
+    const Eigen::Vector2f at = features.pinhole_pixel(i).cast<float>() / 2;
+    const float z = depth_at(metres.view(), half, centre, at.x(), at.y(), scale);
     features.depth[i] = z;
     features.u_right[i] = z > 0 ? features.x[i] - static_cast<float>(camera.bf) / z : -1.0f;
   }

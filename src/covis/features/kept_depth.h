@@ -31,7 +31,8 @@ class KeptDepth {
     const auto column = static_cast<size_t>(at.x()), row = static_cast<size_t>(at.y());
     return static_cast<float>((*inverse_)[row * static_cast<size_t>(columns_) + column]) * kUnit;
   }
-  // Looks up the depths of these features anew, by the registration of this camera, whose pixels theirs are; they keep
+  // Looks up the depths of these features anew, by the registration of this camera (not none: depth that is registered
+  // to an image has its lens too), whose pixels theirs are; they keep
   // this depth image from then on.
   void look_up(const Pinhole& camera, Features& features) const;
   size_t bytes() const { return inverse_->size() * sizeof(uint16_t); }

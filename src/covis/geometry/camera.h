@@ -32,7 +32,7 @@ struct Pinhole {
   double bf = 0;                          // fx times the (real or virtual) baseline in metres; 0: no stereo or depth
   DepthNoise depth_noise{};               // RGB-D; not known: depth is measured as a disparity between two images
   ResidualDistortion residual{};          // as a run found it, and took it out of all keypoints
-  DepthRegistration registration{};       // as a run found it, and looks depths up by it
+  DepthRegistration registration{};       // RGB-D: as given or as a run found it
 
   double baseline() const { return bf / fx; }
   // As if it measured none, where depths are in another unit than the map's.

@@ -18,9 +18,12 @@ size_t best_camera(const std::vector<MergeSource>& maps) {
   const auto rank = [](const MergeSource& source) {
     const MapState& map = source.map;
     const bool depth = source.sensor != Sensor::monocular, stereo = source.sensor == Sensor::stereo;
-    const ResidualDistortion& residual = map.camera.residual;  // a distortion that was found is kept
-    return std::tuple(depth, stereo, residual.any(), map.key_frames.size(), map.points.size(), map.camera.fx,
-                      map.camera.fy, residual.k1, residual.k2);
+    // What was found of a camera is kept.
+    const ResidualDistortion& residual = map.camera.residual;
+    const DepthRegistration& r = map.camera.registration;
+    return std::tuple(depth, stereo, residual.any(), r.any(), map.key_frames.size(), map.points.size(), map.camera.fx,
+                      map.camera.fy, residual.k1, residual.k2, r.scale, r.shift_x, r.shift_y, r.parallax_x,
+                      r.parallax_y);
   };
   const auto best = std::max_element(maps.begin(), maps.end(),
                                      [&](const MergeSource& a, const MergeSource& b) { return rank(a) < rank(b); });

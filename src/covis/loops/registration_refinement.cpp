@@ -29,10 +29,13 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
+// All depths of key frames can. Some have none, as where depth contradicted the map.
 bool can_be_looked_up(const Map& map) {
   bool all = true;
-  map.for_each_key_frame(
-      [&](KeyFrameId, const KeyFrame& key_frame) { all &= key_frame.features->kept_depth != nullptr; });
+  map.for_each_key_frame([&](KeyFrameId, const KeyFrame& key_frame) {
+    const Features& f = *key_frame.features;
+    all &= f.kept_depth || !f.has_any_depth();
+  });
   return all;
 }
 
@@ -67,7 +70,11 @@ void add_sights(const View& a, const View& b, const Pinhole& camera, std::vector
     if (!(p_a->z() > kMinDepth) || !(p_b.z() > kMinDepth)) continue;
     for (const auto& [view, i, z] : {std::tuple(&a, ia, p_a->z()), std::tuple(&b, ib, p_b.z())}) {
       const Features& f = *view->features;
-      sights.push_back({f.kept_depth.get(), {f.image_x()[i], f.image_y()[i]}, static_cast<float>(z), view->number});
+      sights.push_back({.depth = f.kept_depth.get(),
+                        .image = {f.image_x()[i], f.image_y()[i]},
+                        .pixel = f.pinhole_pixel(i).cast<float>(),
+                        .z = static_cast<float>(z),
+                        .view = a.number});
     }
   }
 }
@@ -126,14 +133,16 @@ std::unique_ptr<RegistrationRefinement> RegistrationRefinement::of(const Map& ma
 }
 
 // Keypoints are matched anew: the map has those that agree with depth where it was looked up.
-std::vector<DepthSight> RegistrationRefinement::sights(const BundleProblem& problem) const {
+std::vector<DepthSight> RegistrationRefinement::sights(const BundleProblem& problem,
+                                                       const std::atomic<bool>& interrupt) const {
   constexpr int kPartners = 3;                          // of each key frame
   constexpr double kLeastBase = 0.05, kMostBase = 0.5;  // shares of the depth
   std::vector<View> views;
   for (size_t k = 0; k < features_.size(); ++k)
-    views.emplace_back(problem.poses[k], straightened(*features_[k], problem.camera), static_cast<int>(k));
+    if (features_[k]->kept_depth)
+      views.emplace_back(problem.poses[k], straightened(*features_[k], problem.camera), static_cast<int>(k));
   std::vector<DepthSight> sights;
-  for (size_t a = 0; a < views.size(); ++a) {
+  for (size_t a = 0; a < views.size() && !interrupt; ++a) {
     int partners = 0;
     for (size_t b = a + 1; b < views.size() && partners < kPartners; ++b) {
       const double base = (views[a].T_cw.inverse().t() - views[b].T_cw.inverse().t()).norm();
@@ -203,10 +212,11 @@ bool RegistrationRefinement::run(const std::atomic<bool>& interrupt) {
   BundleProblem& problem = submap_.problem;
   Pinhole& camera = problem.camera;
   const Eigen::Vector2d centre(camera.cx, camera.cy);
-  if (!find_registration(sights(problem), camera.registration, centre, kSuspected)) return false;
+  if (!find_registration(sights(problem, interrupt), camera.registration, centre, kSuspected) || interrupt)
+    return false;
   const std::optional<BundleProblem> plain = without_depth(interrupt);
   if (!plain) return false;
-  const auto found = find_registration(sights(*plain), camera.registration, centre, kClearly);
+  const auto found = find_registration(sights(*plain, interrupt), camera.registration, centre, kClearly);
   if (!found) return false;
   camera.registration = *found;
   camera.fy *= learned_.given_fx / camera.fx;

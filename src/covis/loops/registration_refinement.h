@@ -42,7 +42,7 @@ struct LearnedOfDepth {
 // clearly another one than the camera's. Its result is applied to a map of one submap alone.
 class RegistrationRefinement : public AdjustmentJob {
  public:
-  // Null when there is nothing to adjust. All key frames must keep their depth images.
+  // Null when there is nothing to adjust.
   static std::unique_ptr<RegistrationRefinement> of(const Map& map, KeyFrameId key_frame,
                                                     const LearnedOfDepth& learned);
 
@@ -53,14 +53,14 @@ class RegistrationRefinement : public AdjustmentJob {
  private:
   RegistrationRefinement(MapProblem submap, const LearnedOfDepth& learned)
       : submap_(std::move(submap)), learned_(learned) {}
-  std::vector<DepthSight> sights(const BundleProblem& problem) const;
+  std::vector<DepthSight> sights(const BundleProblem& problem, const std::atomic<bool>& interrupt) const;
   std::optional<BundleProblem> without_depth(const std::atomic<bool>& interrupt) const;
   bool adjust(const std::atomic<bool>& interrupt);
 
   MapProblem submap_;
   const LearnedOfDepth learned_;
-  std::vector<FeaturesPtr> features_;  // of each key frame
-  std::vector<uint32_t> feature_;      // for each observation
+  std::vector<FeaturesPtr> features_;  // those of key frames
+  std::vector<uint32_t> feature_;      // one for each observation
 };
 
 }  // namespace covis

@@ -132,11 +132,9 @@ class Question {
  public:
   Question(const std::vector<DepthSight>& sights, const DepthRegistration& present, const Eigen::Vector2d& centre)
       : sights_(sights), present_(present), centre_(centre), registrations_(sights, present) {
-    constexpr size_t kSome = 1000;
-    const std::vector<DepthSight> some = some_of(sights_, kSome);
-    Search search(some, registrations_, centre_);
-    search.look_around();
-    begin_ = search.steps();
+    for (const DepthSight& sight : sights_) half_[static_cast<size_t>(sight.view % 2)].push_back(sight);
+    for (size_t half = 0; half < 2; ++half)
+      if (!half_[half].empty()) begin_[half] = look_around(half_[half]);
   }
 
   // The greater error of one half by what the other half found, as a share of the present one's; 1 where they find
@@ -145,24 +143,30 @@ class Question {
     constexpr double kAlike = 0.5;  // differences of halves, as a share of what they differ by from the present one
     std::array<DepthRegistration, 2> found;
     double greatest = 0;
-    for (int half = 0; half < 2; ++half) {
-      std::vector<DepthSight> own, others;
-      for (const DepthSight& sight : sights_) (sight.view % 2 == half ? own : others).push_back(sight);
-      if (own.empty() || others.empty()) return 1;
-      const DepthRegistration there = found[static_cast<size_t>(half)] = best(own, parameters);
-      const RegistrationFit before = fit_of(others, present_, centre_), after = fit_of(others, there, centre_);
+    for (size_t half = 0; half < 2; ++half) {
+      const std::vector<DepthSight>& others = half_[1 - half];
+      if (half_[half].empty() || others.empty()) return 1;
+      found[half] = descend(half_[half], begin_[half], parameters);
+      const RegistrationFit before = fit_of(others, present_, centre_), after = fit_of(others, found[half], centre_);
       if (!(before.error > 0) || after.measured < kMeasured * before.measured) return 1;
       greatest = std::max(greatest, after.error / before.error);
     }
     const double apart = difference(sights_, found[0], found[1], centre_);
     return apart <= kAlike * difference(sights_, found[0], present_, centre_) ? greatest : 1;
   }
-  DepthRegistration best(size_t parameters) const { return best(sights_, parameters); }
+  DepthRegistration best(size_t parameters) const { return descend(sights_, begin_[0], parameters); }
 
  private:
-  DepthRegistration best(const std::vector<DepthSight>& sights, size_t parameters) const {
+  Steps look_around(const std::vector<DepthSight>& sights) const {
+    constexpr size_t kSome = 1000;
+    const std::vector<DepthSight> some = some_of(sights, kSome);
+    Search search(some, registrations_, centre_);
+    search.look_around();
+    return search.steps();
+  }
+  DepthRegistration descend(const std::vector<DepthSight>& sights, const Steps& begin, size_t parameters) const {
     Search search(sights, registrations_, centre_);
-    search.descend(begin_, parameters);
+    search.descend(begin, parameters);
     return search.found();
   }
 
@@ -170,7 +174,8 @@ class Question {
   const DepthRegistration present_;
   const Eigen::Vector2d centre_;
   const Registrations registrations_;
-  Steps begin_{};
+  std::array<std::vector<DepthSight>, 2> half_;  // those of even and of odd views
+  std::array<Steps, 2> begin_{};                 // the best of a first look of each half
 };
 
 }  // namespace
@@ -178,11 +183,13 @@ class Question {
 RegistrationFit fit_of(const std::vector<DepthSight>& sights, const DepthRegistration& registration,
                        const Eigen::Vector2d& centre) {
   constexpr float kMostOff = 0.1f;
+  const bool moved = registration.any();
   std::vector<float> ratios;
   ratios.reserve(sights.size());
   for (const DepthSight& s : sights) {
-    const Eigen::Vector2d at = registration.pixel(s.pixel.cast<double>(), centre, 1 / static_cast<double>(s.z));
-    const float inverse = s.depth->inverse_near(at.cast<float>());
+    const float inverse = s.depth->inverse_near(
+        moved ? registration.pixel(s.pixel.cast<double>(), centre, 1 / static_cast<double>(s.z)).cast<float>()
+              : s.image);
     if (inverse > 0) ratios.push_back(inverse * s.z);
   }
   if (ratios.empty()) return {};

@@ -16,9 +16,10 @@ namespace covis {
 // A point in a view.
 struct DepthSight {
   const KeptDepth* depth = nullptr;  // the view's
-  Eigen::Vector2f pixel;             // distorted pixels of the view's image
-  float z = 0;                       // metres, but for a factor that all sights share
-  int view = 0;
+  Eigen::Vector2f image;             // pixel of the view's image, distorted: depth that is registered is there
+  Eigen::Vector2f pixel;             // the same without distortion: any other registration begins there
+  float z = 0;                       // metres
+  int view = 0;                      // sights of different views do not share errors
 };
 
 // How well depths agree with points.

@@ -11,6 +11,7 @@ namespace {
 
 const Eigen::Vector2d kCentre(160, 120);
 constexpr double kShare = 0.88;
+constexpr double kUnit = 1.02;  // metres of places in those of depths: no map knows it better
 
 // The points of all views of a scene, each off by some share of its depth.
 struct Sights {
@@ -26,11 +27,10 @@ struct Sights {
       for (size_t k = 0; k < view.point.size(); ++k) {
         const Features& f = *view.features;
         const double z = f.depth[k] * (1 + noise * random.normal());
-        all.push_back({depths.back().get(), {f.x[k], f.y[k]}, static_cast<float>(2 * z), static_cast<int>(i)});
+        const Eigen::Vector2f pixel(f.x[k], f.y[k]);
+        all.push_back({depths.back().get(), pixel, pixel, static_cast<float>(kUnit * z), static_cast<int>(i)});
       }
     }
-    // The unit of places is not that of depths.
-    for (DepthSight& sight : all) sight.z /= 2;
   }
 };
 

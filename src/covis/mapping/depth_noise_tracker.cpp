@@ -16,11 +16,13 @@ void DepthNoiseTracker::learn(SharedMap& shared, const BundleProblem& problem) {
   constexpr double kWorthTelling = 1.5;
   const std::optional<double> factor = depth_noise_factor(problem);
   if (!factor) return;
+  Pinhole camera = shared.read()->camera();
+  if (left_ && *left_ != camera.depth_noise) scale_ *= camera.depth_noise.b / left_->b;  // depths were looked up anew
   const double gain = std::max(kLeastGain, 1.0 / (++problems_ + 1));
   const double scale = std::clamp(scale_ * std::pow(*factor, gain), kLeastScale, kGreatestScale);
-  Pinhole camera = shared.read()->camera();
   camera.depth_noise = camera.depth_noise.scaled(scale / scale_);
   scale_ = scale;
+  left_ = camera.depth_noise;
   shared.write()->set_camera(camera);
   if (std::abs(std::log(scale_ / logged_)) < std::log(kWorthTelling)) return;
   logged_ = scale_;

@@ -3,6 +3,8 @@
 // model takes less and less.
 #pragma once
 
+#include <optional>
+
 #include "covis/map/shared_map.h"
 #include "covis/optimization/bundle_adjustment.h"
 
@@ -10,13 +12,14 @@ namespace covis {
 
 class DepthNoiseTracker {
  public:
-  // Changes the noise of the map's camera by what an adjusted problem says of it.
+  // Changes the noise of the map's camera by what an adjusted problem says of it, from what it is now.
   void learn(SharedMap& map, const BundleProblem& problem);
 
  private:
   double scale_ = 1;   // factor on the noise that the map began with
   double logged_ = 1;  // the scale that was last logged
   int problems_ = 0;
+  std::optional<DepthNoise> left_;  // the map's noise as it was left
 };
 
 }  // namespace covis

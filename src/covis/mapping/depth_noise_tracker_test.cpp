@@ -51,6 +51,25 @@ TEST(DepthNoiseTracker, TheMapsCameraGetsTheNoiseOfTheSensor) {
   }
 }
 
+// Another adjustment changed the noise: bounds are still those of the noise that the map began with.
+TEST(DepthNoiseTracker, ItGoesOnFromWhatTheNoiseIs) {
+  Pinhole camera{500, 500, 320, 240, 40};
+  camera.depth_noise = DepthNoise::kinect();
+  SharedMap map(camera);
+  DepthNoiseTracker tracker;
+  const auto learn = [&](double factor, uint64_t seed) {
+    const Pinhole now = map.read()->camera();
+    tracker.learn(map, problem_with(DepthNoise::kinect().scaled(factor), now, seed));
+  };
+  learn(1, 1);
+  camera.depth_noise = DepthNoise::kinect().scaled(0.01);
+  map.write()->set_camera(camera);
+  learn(0.01, 2);
+  EXPECT_NEAR(map.read()->camera().depth_noise.b, 0.0015 / 16, 1e-9) << "the least there is";
+  for (uint64_t seed = 3; seed <= 150; ++seed) learn(2, seed);
+  EXPECT_NEAR(map.read()->camera().depth_noise.b, 2 * 0.0015, 0.0006);
+}
+
 TEST(DepthNoiseTracker, ItStaysWithinItsBounds) {
   Pinhole camera{500, 500, 320, 240, 40};
   camera.depth_noise = DepthNoise::kinect();

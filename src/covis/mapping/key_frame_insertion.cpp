@@ -38,6 +38,7 @@ KeyFrameId insert_key_frame(SharedMap& shared, const KeyFrameRequest& request, R
   const SE3 T_wc = T_cw.inverse();
   const uint32_t serial = map->at(id).serial;
   for (const uint32_t feature : request.new_points) {
+    if (!features->has_depth(static_cast<int>(feature))) continue;  // it was looked up anew
     const MapPointId point = map.add_point(T_wc * unproject_depth(map->camera(), *features, feature), id, feature);
     if (point.valid()) recent.add(point, serial);
   }

@@ -42,6 +42,31 @@ TEST_F(KeyFrameInsertionTest, ObservesWhatWasMatchedAndMakesPointsOfDepth) {
   EXPECT_TRUE(map->at(id).parent.valid());
 }
 
+// A registration was found while the request was under way: some keypoints have no depth by it.
+TEST_F(KeyFrameInsertionTest, MakesNoPointsOfDepthsThatAreGone) {
+  ImageF half(640, 480);
+  for (int y = 0; y < half.height(); ++y)
+    for (int x = 0; x < half.width(); ++x) half(x, y) = x < 320 ? 5.0f : 0.0f;
+  KeyFrameRequest request = world.request(4, world.frames[1]);
+  request.depth = std::make_shared<const KeptDepth>(half.view(), DepthRegistration{});
+  Pinhole camera = world.shared.read()->camera();
+  camera.registration.shift_x = 2;
+  world.shared.write()->set_camera(camera);
+  const size_t before = world.shared.read()->point_count();
+  const KeyFrameId id = insert(request);
+  const auto map = world.shared.read();
+  size_t made = 0;
+  for (const uint32_t feature : request.new_points) {
+    const MapPointId point = map->at(id).points[feature];
+    EXPECT_EQ(point.valid(), map->at(id).features->has_depth(static_cast<int>(feature)));
+    if (!point.valid()) continue;
+    ++made;
+    EXPECT_NEAR((map->at(id).T_cw * map->at(point).position_w).z(), 5, 0.01);
+  }
+  EXPECT_EQ(map->point_count(), before + made);
+  EXPECT_LT(made, request.new_points.size());
+}
+
 TEST_F(KeyFrameInsertionTest, WithoutAReferenceItBeginsASubmap) {
   const KeyFrameId id = insert(scene_request(scene, world.shared, Sensor::rgbd, 4));
   const auto map = world.shared.read();

@@ -36,7 +36,7 @@ MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic
   apply_adjustment(report);
   close_loop(report);
   if (!request.doubted_depth) refine_camera(report.key_frame);
-  registration_.drop_depths(map_);
+  if (!background_.running()) RegistrationSchedule::drop_depths(map_);
   forget_replaced_points(report.key_frame);
   report.loop_ms = watch.ms();
   report.counts.key_frames_thinned = keep_within_bound(report.key_frame);

@@ -10,7 +10,7 @@ Result<void> check_continued(const Map& map, Sensor sensor) {
   return fail("the map is in metres, and this camera measures no depth: it can't be continued; localise in it only");
 }
 
-Pinhole with_depth_noise(Pinhole camera, Sensor sensor) {
+Pinhole for_sensor(Pinhole camera, Sensor sensor) {
   if (sensor != Sensor::rgbd) {
     camera.depth_noise = {};
     camera.registration = {};
@@ -25,7 +25,8 @@ Pinhole camera_for(const Map& map, const Camera& made_by, const Camera& given, S
   Pinhole camera = same_lens(given, made_by) ? saved : given.pinhole;
   if (sensor == Sensor::stereo) camera.residual = {};  // the columns of rectified pairs stay as they are
   // What was given for this recording goes before what the map learned.
-  if (given.pinhole.registration.any()) camera.registration = given.pinhole.registration;
+  if (sensor == Sensor::rgbd && given.pinhole.registration.any()) camera.registration = given.pinhole.registration;
+  if (sensor == Sensor::monocular) camera.registration = saved.registration;
   const bool stereo_made_it = saved.bf > 0 && !saved.depth_noise.known();
   if (sensor == Sensor::monocular || (sensor == Sensor::rgbd && stereo_made_it)) {
     camera.bf = saved.baseline() * camera.fx;
@@ -34,7 +35,7 @@ Pinhole camera_for(const Map& map, const Camera& made_by, const Camera& given, S
   }
   camera.bf = given.pinhole.baseline() * camera.fx;
   camera.depth_noise = given.pinhole.depth_noise.known() ? given.pinhole.depth_noise : saved.depth_noise;
-  return with_depth_noise(camera, sensor);
+  return for_sensor(camera, sensor);
 }
 
 }  // namespace covis

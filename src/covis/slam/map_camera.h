@@ -18,7 +18,7 @@ Result<void> check_continued(const Map& map, Sensor sensor);
 // the noise of a depth sensor, so that a depth sensor's are weighed as disparities there.
 Pinhole camera_for(const Map& map, const Camera& made_by, const Camera& given, Sensor sensor);
 
-// A depth sensor has a noise, which is a Kinect's where none is given; others have none.
-Pinhole with_depth_noise(Pinhole camera, Sensor sensor);
+// A depth sensor has a noise, which is a Kinect's where none is given; others have neither that nor a registration.
+Pinhole for_sensor(Pinhole camera, Sensor sensor);
 
 }  // namespace covis

@@ -65,6 +65,7 @@ TEST_F(MapCamera, ARegistrationThatWasGivenGoesBeforeTheOneFound) {
   Pinhole given = stereo;
   given.registration.shift_x = 12;
   EXPECT_EQ(registration(given, Sensor::rgbd), given.registration);
+  EXPECT_EQ(registration(given, Sensor::monocular), found.registration) << "it measures no depth";
   EXPECT_FALSE(registration(stereo, Sensor::stereo).any());
 }
 

@@ -228,10 +228,11 @@ bool SensorMonitor::add_view(int64_t frame, Timestamp stamp, FeaturesPtr feature
   return agreeing >= kConfirmed;
 }
 
-void SensorMonitor::add_images(int64_t frame, ImageView<const uint8_t> image, ImageView<const float> depth) {
+void SensorMonitor::add_images(int64_t frame, ImageView<const uint8_t> image, ImageView<const float> depth,
+                               const DepthRegistration& registration) {
   const int equal = depth_images_.frozen.add(image, depth);
   judge(SensorDoubt::depth_frozen, equal > 0, equal, frame);
-  if (!depth_images_.answers.is_next_due()) return;
+  if (registration.any() || !depth_images_.answers.is_next_due()) return;
   if (const auto fit = depth_images_.outlines.add(image, depth)) add_outlines(frame, *fit);
 }
 

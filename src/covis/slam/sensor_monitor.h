@@ -64,7 +64,9 @@ class SensorMonitor {
   // Returns true while the last three answers say that depth is right up to its scale.
   bool add_view(int64_t frame, Timestamp stamp, FeaturesPtr features, const Pinhole& camera);
   // Each frame of a depth camera.
-  void add_images(int64_t frame, ImageView<const uint8_t> image, ImageView<const float> depth);
+  // Outlines are compared where depth is registered to the image alone.
+  void add_images(int64_t frame, ImageView<const uint8_t> image, ImageView<const float> depth,
+                  const DepthRegistration& registration = {});
   void add_outlines(int64_t frame, const OutlineFit& fit);
   // For each frame FrameDoubts::depth_contradiction.
   void add_map_comparison(int64_t frame, double contradiction);

@@ -185,7 +185,7 @@ class DoubtedFrames : public testing::Test {
     return frames().count();
   }
   static TestFrames& frames() { return TestFrames::of(Sensor::rgbd); }
-  static Pinhole camera() { return with_depth_noise(frames().camera(), Sensor::rgbd); }
+  static Pinhole camera() { return for_sensor(frames().camera(), Sensor::rgbd); }
 };
 
 TEST_F(DoubtedFrames, EndTheDoubtWhereDepthIsRightAgain) { EXPECT_LT(doubted_for(right, 1), 20); }

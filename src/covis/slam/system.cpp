@@ -39,7 +39,7 @@ System::System(const Camera& camera, const SystemOptions& options, std::shared_p
     : given_(camera),
       options_(options),
       vocabulary_(std::move(vocabulary)),
-      map_(with_depth_noise(camera.pinhole, options.sensor)),
+      map_(for_sensor(camera.pinhole, options.sensor)),
       log_(static_cast<size_t>(options.trajectory_frames)),
       frontend_(camera, options.orb, options.sensor),
       tracker_(map_, tracking_settings(options), vocabulary_),
@@ -93,7 +93,7 @@ FrameReport System::process(const Input& input) {
   monitor_.add_frame(input.frame, *features, frontend_.row_error(), more_features ? Budget::doubled : Budget::usual);
   const MappingStatus::Depth depth = compare_depth(input, features, report);
   if (options_.sensor == Sensor::rgbd && !input.depth.empty())
-    monitor_.add_images(input.frame, input.image, input.depth);
+    monitor_.add_images(input.frame, input.image, input.depth, frontend_.registration());
   ++frames_.processed;
   apply_visible_mapping(report);
   mapping_.rethrow_failure();
@@ -109,7 +109,8 @@ FrameReport System::process(const Input& input) {
     discard(*outcome.discard_submap);
     report.discarded_submap = outcome.discard_submap;
   }
-  if (auto* const key_frame = std::get_if<KeyFrameRequest>(&outcome.request)) key_frame->depth = kept_depth(input);
+  if (auto* const key_frame = std::get_if<KeyFrameRequest>(&outcome.request))
+    key_frame->depth = kept_depth(input, *key_frame->features);
   submit(std::move(outcome.request));
   if (outcome.result.method == TrackMethod::initialised) {  // the map has to be there before a frame can be tracked
     apply_all_mapping(report);
@@ -224,9 +225,10 @@ FeaturesPtr System::extract(const Input& input, int features) {
   return nullptr;
 }
 
-// Null where depths need not be looked up again.
-std::shared_ptr<const KeptDepth> System::kept_depth(const Input& input) const {
-  const bool may_be_asked = options_.sensor == Sensor::rgbd && options_.mapper.register_depth && !input.depth.empty() &&
+// For a key frame of these features; null where their depths need not be looked up again.
+std::shared_ptr<const KeptDepth> System::kept_depth(const Input& input, const Features& features) const {
+  const bool may_be_asked = options_.sensor == Sensor::rgbd && options_.mapper.register_depth &&
+                            features.has_any_depth() && !frontend_.registration().any() &&
                             RegistrationSchedule::keeps_depths(*map_.read());
   return may_be_asked ? std::make_shared<const KeptDepth>(input.depth, frontend_.registration()) : nullptr;
 }
@@ -321,7 +323,7 @@ MappingStatus::Depth System::compare_depth(const Input& input, const FeaturesPtr
   const Stopwatch watch;
   Pinhole camera = tracker_.search().camera;
   // What the map learned of it may have been learned from nonsense.
-  camera.depth_noise = with_depth_noise(given_.pinhole, options_.sensor).depth_noise;
+  camera.depth_noise = for_sensor(given_.pinhole, options_.sensor).depth_noise;
   const bool is_right = monitor_.add_view(input.frame, input.stamp, features, camera);
   report.timing.depth_ms += watch.ms();
   return is_right ? MappingStatus::Depth::right : MappingStatus::Depth::unknown;

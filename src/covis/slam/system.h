@@ -129,7 +129,7 @@ class System {
 
  private:
   FeaturesPtr extract(const Input& input, int features);
-  std::shared_ptr<const KeptDepth> kept_depth(const Input& input) const;
+  std::shared_ptr<const KeptDepth> kept_depth(const Input& input, const Features& features) const;
   MappingStatus mapping_status(MappingStatus::Depth depth) const;
   void submit(MapRequest request);
   void apply_visible_mapping(FrameReport& report);

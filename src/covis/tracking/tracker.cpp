@@ -28,7 +28,9 @@ Tracker::Tracker(const SharedMap& map, const TrackingSettings& settings, std::sh
       first_pose_(settings.sensor, settings.options.first_pose, support_of(settings), settings.seed),
       key_frames_(settings.sensor, settings.options.key_frame, settings.schedule),
       starter_(starter_settings(settings, vocabulary.get())),
-      relocaliser_(map, settings.options, settings.seed, std::move(vocabulary)) {}
+      relocaliser_(map, settings.options, settings.seed, std::move(vocabulary)) {
+  search_.refresh_camera(*map_.read());
+}
 
 // ---- One frame ----
 
