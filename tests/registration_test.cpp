@@ -70,16 +70,19 @@ class UnregisteredDepth : public testing::Test {
   }
 };
 
-TEST_F(UnregisteredDepth, IsFoundLong) {
+TEST_F(UnregisteredDepth, IsFound) {
   expect_found(run().camera().registration);
   EXPECT_EQ(run().map().read()->check(), "");
+}
+
+TEST_F(UnregisteredDepth, IsLeftWhenToldToLong) {
   System without(recording().synth.camera(), options(false), vocabulary());
   track(without, 0, kFrames);
   EXPECT_FALSE(without.camera().registration.any());
   EXPECT_LT(error(run()), 0.7 * error(without));
 }
 
-TEST_F(UnregisteredDepth, ThatWasGivenIsNotLookedFor) {
+TEST_F(UnregisteredDepth, ThatWasGivenIsNotLookedForLong) {
   Camera camera = recording().synth.camera();
   camera.pinhole.registration = kTruth;
   System system(camera, options(), vocabulary());
@@ -97,7 +100,7 @@ TEST_F(UnregisteredDepth, ThatWasGivenIsNotLookedFor) {
   EXPECT_EQ(first.depth, right->depth) << "from the first frame on";
 }
 
-TEST_F(UnregisteredDepth, IsKeptWithASavedMap) {
+TEST_F(UnregisteredDepth, IsKeptWithASavedMapLong) {
   const auto file = std::filesystem::path(testing::TempDir()) / ("covis_registration_" + std::to_string(getpid()));
   storage::MapHeader header;
   header.camera = recording().synth.camera();
@@ -115,7 +118,7 @@ TEST_F(UnregisteredDepth, IsKeptWithASavedMap) {
   std::filesystem::remove(file);
 }
 
-TEST_F(UnregisteredDepth, RegisteredDepthIsLeftAlone) {
+TEST_F(UnregisteredDepth, RegisteredDepthIsLeftAloneLong) {
   System system(recording().synth.camera(), options(), vocabulary());
   EXPECT_EQ(track(system, 0, kFrames, {}), kFrames);
   EXPECT_FALSE(system.camera().registration.any());
