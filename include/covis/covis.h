@@ -157,8 +157,8 @@ class COVIS_API Slam {
   // % at most, where the map tells it surely; {"mapper.refine_focal", "false"} keeps the one given. For a monocular
   // camera given without distortion the first two radial coefficients are looked for, and given here as Brown's model
   // ({"mapper.refine_distortion", "false"}: not).
-  // Where the depth images of an RGB-D camera are found not to be registered to the images, that is taken into account
-  // and saved with maps, but not part of the result ({"mapper.register_depth", "false"}: not looked for).
+  // It does not say how the depth images of an RGB-D camera are registered to the images, which is found and saved with
+  // maps where they are not ({"mapper.register_depth", "false"}: not looked for).
   // To continue a saved map give the camera as it was given when it was begun, not this one.
   CameraParameters camera() const;
   // The pose of the rectified left camera in the given left camera's coordinates, a rotation: where pairs are rectified

@@ -108,7 +108,7 @@ TEST(DepthLookup, FollowsTheRegistration) {
   EXPECT_EQ(depth_at(image.view(), {}, centre, 40, 30, 1), depth_at(image.view(), 40, 30, 1));
 }
 
-// Of a near surface on the one side and a far one on the other, each says that the other one is there.
+// A near surface on the one side and a far one on the other each say that the other one is there.
 TEST(DepthLookup, NoDepthWhereSurfacesContradictEachOther) {
   const ImageF image = make([](int x, int) { return x < 40 ? 4 : 1; });
   const DepthRegistration parallax{.parallax_x = -20};

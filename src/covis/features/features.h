@@ -120,8 +120,8 @@ struct Features {
   std::shared_ptr<Features> for_key_frame() const;
 
   int size() const { return static_cast<int>(x.size()); }
-  // The pixel of a keypoint that a camera without a lens would have seen it at: x and y with the distortion that was
-  // found, but without the one that was given. A registration of depth begins there.
+  // A keypoint's pixel without the distortion of the lens that was given, where a registration of depth begins. Unlike
+  // x and y it keeps a distortion that was found.
   Eigen::Vector2d pinhole_pixel(size_t i) const;
   const AlignedVector<float>& image_x() const { return raw_x.empty() ? x : raw_x; }
   const AlignedVector<float>& image_y() const { return raw_y.empty() ? y : raw_y; }

@@ -8,8 +8,8 @@
 
 namespace covis {
 
-KeptDepth::KeptDepth(ImageView<const float> depth, const DepthRegistration& looked_up_by)
-    : width_(depth.width), columns_((depth.width + 1) / 2), rows_((depth.height + 1) / 2), looked_up_by_(looked_up_by) {
+KeptDepth::KeptDepth(ImageView<const float> depth)
+    : width_(depth.width), columns_((depth.width + 1) / 2), rows_((depth.height + 1) / 2) {
   constexpr float kMost = 65535;
   auto made = std::make_shared<std::vector<uint16_t>>();
   made->reserve(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));

@@ -17,10 +17,10 @@ struct Features;
 
 class KeptDepth {
  public:
-  // depth: metres, as it came; 0 or non-finite: no measurement. looked_up_by: how the features of its key frame found
-  // their depths in it.
-  KeptDepth(ImageView<const float> depth, const DepthRegistration& looked_up_by);
+  // depth: metres, as it came, looked up as if it were registered; 0 or non-finite: no measurement.
+  explicit KeptDepth(ImageView<const float> depth);
 
+  // The registration by which its key frame's features have their depths.
   const DepthRegistration& looked_up_by() const { return looked_up_by_; }
   int width() const { return width_; }  // pixels, as it came
   // 1 / metres near a pixel; 0: no measurement, or beyond the image.

@@ -34,7 +34,7 @@ Features keypoints_on_slope() {
 }
 
 TEST(KeptDepth, HasWhatTheImageHas) {
-  const KeptDepth kept(slope_image().view(), {});
+  const KeptDepth kept(slope_image().view());
   EXPECT_EQ(kept.width(), kWide);
   for (int y = 0; y < kHigh; y += 6)
     for (int x = 0; x < kWide; x += 4)
@@ -54,7 +54,7 @@ TEST(KeptDepth, WhatIsNoDepthStaysNone) {
   image(6, 2) = -1;
   image(2, 4) = 0.05f;  // nearer than any
   image(4, 4) = 30;
-  const KeptDepth kept(image.view(), {});
+  const KeptDepth kept(image.view());
   for (const auto& [x, y] : {std::pair(0, 0), {2, 2}, {4, 2}, {6, 2}, {2, 4}}) EXPECT_EQ(kept.inverse_near({x, y}), 0);
   EXPECT_NEAR(1 / kept.inverse_near({4, 4}), 30, 0.1);
 }
@@ -63,7 +63,7 @@ TEST(KeptDepth, LooksUpWhereTheRegistrationSays) {
   Features f = keypoints_on_slope();
   Pinhole camera = kSlopeCamera;
   camera.registration = {1.05, 3, -2, 6, 1};
-  KeptDepth(slope_image().view(), {}).look_up(camera, f);
+  KeptDepth(slope_image().view()).look_up(camera, f);
   for (size_t i = 0; i < f.x.size(); ++i) {
     const Eigen::Vector2d at =
         camera.registration.pixel(Eigen::Vector2d(f.x[i], f.y[i]), {80, 60}, 1 / static_cast<double>(f.depth[i]));
@@ -73,10 +73,32 @@ TEST(KeptDepth, LooksUpWhereTheRegistrationSays) {
   EXPECT_EQ(f.kept_depth->looked_up_by(), camera.registration);
 }
 
+// A depth camera has no part in the lens of the image's camera.
+TEST(KeptDepth, LooksUpWithoutTheLensOfTheImage) {
+  Features f = keypoints_on_slope();
+  auto lens = std::make_shared<Camera>();
+  *lens = {.width = kWide, .height = kHigh, .pinhole = kSlopeCamera, .distortion = Distortion::brown_conrady};
+  lens->coefficients = {-0.2, 0.03};
+  f.raw_x = f.x;
+  f.raw_y = f.y;
+  f.lens = lens;
+  Pinhole camera = kSlopeCamera;
+  camera.registration.shift_x = 4;
+  KeptDepth(slope_image().view()).look_up(camera, f);
+  int measured = 0;
+  for (size_t i = 0; i < f.x.size(); ++i) {
+    if (!(f.depth[i] > 0)) continue;
+    ++measured;
+    const Eigen::Vector2d at = lens->undistort({f.raw_x[i], f.raw_y[i]}).value();
+    EXPECT_NEAR(f.depth[i], 1.5 + 0.004 * (at.x() + 4) + 0.002 * at.y(), 0.004);
+  }
+  EXPECT_GT(measured, 150);
+}
+
 // As straightening does for key frames whose camera was refined.
 TEST(KeptDepth, KeyFramesHaveTheDepthsOfTheirCamera) {
   const Features given = keypoints_on_slope();
-  const auto depth = std::make_shared<const KeptDepth>(slope_image().view(), DepthRegistration{});
+  const auto depth = std::make_shared<const KeptDepth>(slope_image().view());
   const auto first = key_frame_features(given, depth, kSlopeCamera);
   EXPECT_EQ(first->depth, given.depth) << "they were looked up so";
   Pinhole other = kSlopeCamera;

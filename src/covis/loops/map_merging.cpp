@@ -18,7 +18,7 @@ size_t best_camera(const std::vector<MergeSource>& maps) {
   const auto rank = [](const MergeSource& source) {
     const MapState& map = source.map;
     const bool depth = source.sensor != Sensor::monocular, stereo = source.sensor == Sensor::stereo;
-    // What was found of a camera is kept.
+    // A distortion and a registration that were found are kept.
     const ResidualDistortion& residual = map.camera.residual;
     const DepthRegistration& r = map.camera.registration;
     return std::tuple(depth, stereo, residual.any(), r.any(), map.key_frames.size(), map.points.size(), map.camera.fx,

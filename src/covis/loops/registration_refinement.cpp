@@ -135,7 +135,7 @@ std::unique_ptr<RegistrationRefinement> RegistrationRefinement::of(const Map& ma
 // Keypoints are matched anew: the map has those that agree with depth where it was looked up.
 std::vector<DepthSight> RegistrationRefinement::sights(const BundleProblem& problem,
                                                        const std::atomic<bool>& interrupt) const {
-  constexpr int kPartners = 3;                          // of each key frame
+  constexpr int kPartners = 3;                          // key frames that each is paired with
   constexpr double kLeastBase = 0.05, kMostBase = 0.5;  // shares of the depth
   std::vector<View> views;
   for (size_t k = 0; k < features_.size(); ++k)

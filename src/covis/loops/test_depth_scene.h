@@ -15,7 +15,7 @@ struct DepthScene {
   static constexpr int kWidth = 320, kHeight = 240;
 
   PointScene scene;
-  DepthRegistration registration;  // of the depth camera's images
+  DepthRegistration registration;  // the depth camera's images have this one
 
   explicit DepthScene(const DepthRegistration& r, size_t steps = 16) : registration(r) {
     scene.camera = {250, 250, 160, 120, 20};
@@ -55,7 +55,7 @@ struct DepthScene {
         image(u, v) = static_cast<float>(z);
       }
     }
-    return std::make_shared<const KeptDepth>(image.view(), DepthRegistration{});
+    return std::make_shared<const KeptDepth>(image.view());
   }
 
  private:

@@ -48,7 +48,7 @@ TEST_F(KeyFrameInsertionTest, MakesNoPointsOfDepthsThatAreGone) {
   for (int y = 0; y < half.height(); ++y)
     for (int x = 0; x < half.width(); ++x) half(x, y) = x < 320 ? 5.0f : 0.0f;
   KeyFrameRequest request = world.request(4, world.frames[1]);
-  request.depth = std::make_shared<const KeptDepth>(half.view(), DepthRegistration{});
+  request.depth = std::make_shared<const KeptDepth>(half.view());
   Pinhole camera = world.shared.read()->camera();
   camera.registration.shift_x = 2;
   world.shared.write()->set_camera(camera);

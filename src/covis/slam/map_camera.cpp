@@ -24,7 +24,7 @@ Pinhole camera_for(const Map& map, const Camera& made_by, const Camera& given, S
   const Pinhole saved = map.camera();
   Pinhole camera = same_lens(given, made_by) ? saved : given.pinhole;
   if (sensor == Sensor::stereo) camera.residual = {};  // the columns of rectified pairs stay as they are
-  // What was given for this recording goes before what the map learned.
+  // A registration or noise given for this recording goes before those that the map learned.
   if (sensor == Sensor::rgbd && given.pinhole.registration.any()) camera.registration = given.pinhole.registration;
   if (sensor == Sensor::monocular) camera.registration = saved.registration;
   const bool stereo_made_it = saved.bf > 0 && !saved.depth_noise.known();

@@ -230,7 +230,7 @@ std::shared_ptr<const KeptDepth> System::kept_depth(const Input& input, const Fe
   const bool may_be_asked = options_.sensor == Sensor::rgbd && options_.mapper.register_depth &&
                             features.has_any_depth() && !frontend_.registration().any() &&
                             RegistrationSchedule::keeps_depths(*map_.read());
-  return may_be_asked ? std::make_shared<const KeptDepth>(input.depth, frontend_.registration()) : nullptr;
+  return may_be_asked ? std::make_shared<const KeptDepth>(input.depth) : nullptr;
 }
 
 void System::apply_visible_mapping(FrameReport& report) {
