@@ -21,9 +21,8 @@ struct MapProblem {
   // Takes the points that the first `moving` of `frames` see, with all observations from any of `frames`. Key frames
   // from the `moving`th on, and roots, stay fixed.
   void gather(const Map& map, const std::vector<KeyFrameId>& frames, size_t moving);
-  // Writes the result to what still exists; observations found to be outliers go. Aligned ones are left
-  // out of the fit by their own bound, and go by that of keypoints: where a rolling shutter bends the image, say, all
-  // of them are farther off.
+  // Writes the result to what still exists; observations found to be outliers go. Aligned ones are left out of the fit
+  // by their own bound, and go by that of keypoints: a rolling shutter, say, puts all such places farther off.
   void commit(MapEdit& map) const;
   // Only these.
   void erase_outliers(MapEdit& map) const;
