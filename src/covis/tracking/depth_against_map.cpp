@@ -16,7 +16,11 @@ constexpr int kFewestPoints = 6, kFewPoints = 30, kManyPoints = 100;
 constexpr double kErrorOfFewest = 0.3;
 constexpr double kErrorOfFew = 0.09, kErrorOfMany = 0.045, kSuspicious = 0.03, kAgreeing = 0.02;
 constexpr double kMostSigmas = 3, kUsualSigmas = 1.5;  // right depth has 0.67
+// Where images alone made the map: the greatest error, the greatest error of the shape as a share of the relief, and
+// the least relief: depth that is displaced on a smooth wall has its shape too.
+constexpr double kMostDrift = 0.35, kShape = 1.0 / 6, kLeastRelief = 0.12;
 
+constexpr int kInARow = 3;                     // frames
 constexpr double kLeast = 0.5, kBelieved = 2;  // seconds that a contradiction lasts until it is believed: least, most
 
 double median(std::vector<double>& values) {
@@ -25,7 +29,7 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-// Calls visit(measured, mapped) for each depth that is precise.
+// Calls visit(measured, mapped, feature) for each depth that is precise.
 template <class Visit>
 void for_each_depth(const TrackedFrame& frame, const Features& measured, const Pinhole& camera, Visit&& visit) {
   const Eigen::RowVector3d axis = frame.T_cw.R().row(2);
@@ -33,8 +37,15 @@ void for_each_depth(const TrackedFrame& frame, const Features& measured, const P
   for (size_t i = 0; i < frame.source.size(); ++i) {
     if (!frame.on_map(i) || !measured.has_depth(static_cast<int>(i))) continue;
     const double z = axis.dot(frame.positions[i]) + t_z;
-    if (z > 0 && is_precise_depth(z, camera)) visit(static_cast<double>(measured.depth[i]), z);
+    if (z > 0 && is_precise_depth(z, camera)) visit(static_cast<double>(measured.depth[i]), z, i);
   }
+}
+
+// True for a point whose reference key frame measured its depth.
+bool is_of_depth(const Map& map, MapPointId id) {
+  const MapPoint* point = map.find(id);
+  const KeyFrame* reference = point ? map.find(point->reference) : nullptr;
+  return reference && reference->features->has_depth(static_cast<int>(point->feature_in(point->reference)));
 }
 
 }  // namespace
@@ -49,6 +60,10 @@ bool DepthAgainstMap::agrees() const {
   return points >= kFewestPoints && (error <= kAgreeing || sigmas <= kUsualSigmas);
 }
 
+bool DepthAgainstMap::differs_by_drift() const {
+  return points >= kFewPoints && of_depth < kFewestPoints && error <= kMostDrift && shape_error < kShape * relief;
+}
+
 bool DepthAgainstMap::is_suspicious() const { return points > 0 && error > kSuspicious && sigmas > kUsualSigmas; }
 
 DepthComparer::DepthComparer() {
@@ -57,13 +72,17 @@ DepthComparer::DepthComparer() {
   values_.reserve(kFeatures);
 }
 
-DepthAgainstMap DepthComparer::compare(const TrackedFrame& frame, const Features& measured, const Pinhole& camera) {
+DepthAgainstMap DepthComparer::compare(const TrackedFrame& frame, const Features& measured, const Pinhole& camera,
+                                       const Map* map) {
   constexpr double kLeastNoise = 1e-3;  // share of a depth
   constexpr double kOfCamera = 5;       // times its noise: its depth is of another moment and place than its image
   depths_.clear();
-  for_each_depth(frame, measured, camera, [this](double depth, double mapped) { depths_.push_back({depth, mapped}); });
-  if (depths_.empty()) return {};
   DepthAgainstMap found;
+  for_each_depth(frame, measured, camera, [&](double depth, double mapped, size_t feature) {
+    depths_.push_back({depth, mapped});
+    if (map && is_of_depth(*map, frame.points[feature])) ++found.of_depth;
+  });
+  if (depths_.empty()) return {};
   found.points = static_cast<int>(depths_.size());
   values_.clear();
   for (const Depth& d : depths_) values_.push_back(std::max(d.measured / d.mapped, d.mapped / d.measured));
@@ -76,12 +95,25 @@ DepthAgainstMap DepthComparer::compare(const TrackedFrame& frame, const Features
     values_.push_back(error / std::max(kLeastNoise, factor * depth_noise_share(d.mapped, camera)));
   }
   found.sigmas = median(values_);
+  if (map) find_shape(found);
   return found;
+}
+
+void DepthComparer::find_shape(DepthAgainstMap& found) {
+  const auto deviation = [this](auto&& value) {
+    values_.clear();
+    for (const Depth& d : depths_) values_.push_back(std::log(value(d)));
+    const double middle = median(values_);
+    for (double& v : values_) v = std::abs(v - middle);
+    return median(values_);
+  };
+  found.shape_error = deviation([](const Depth& d) { return d.measured / d.mapped; });
+  found.relief = deviation([](const Depth& d) { return d.mapped; });
 }
 
 int DepthComparer::count(const TrackedFrame& frame, const Features& measured, const Pinhole& camera) {
   int depths = 0;
-  for_each_depth(frame, measured, camera, [&](double, double) { ++depths; });
+  for_each_depth(frame, measured, camera, [&](double, double, size_t) { ++depths; });
   return depths;
 }
 
@@ -114,19 +146,20 @@ void DepthBelief::straighten_for(const Pinhole& camera, TrackedFrame& frame) {
   if (as_measured) measured_ = frame.features;
 }
 
-double DepthBelief::judge(const TrackedFrame& frame, const Pinhole& camera) {
+double DepthBelief::judge(const TrackedFrame& frame, const Pinhole& camera, const SharedMap* live) {
   if (frame.features == measured_) return 0;
-  judge(comparer_.compare(frame, *measured_, camera), frame.stamp);
+  const auto map = live ? std::optional(live->read()) : std::nullopt;
+  judge(comparer_.compare(frame, *measured_, camera, map ? &**map : nullptr), frame.stamp);
   constexpr double kLeast = 1e-3;  // reported if no depth could be compared
   return contradicts() ? std::max(kLeast, last_.error) : 0;
 }
 
 void DepthBelief::begin(Timestamp stamp) {
   const bool contradicted_just_now = contradicts() && stamp - judged_ < from_seconds(kLeast);
-  if (contradicted_just_now) doubted_ = stamp;
+  if (contradicted_just_now && drifted_ < kInARow) doubted_ = stamp;
   begun_ = stamp;
   since_.reset();
-  agreeing_ = 0;
+  agreeing_ = drifted_ = 0;
 }
 
 void DepthBelief::change_map(const TrackedFrame& frame) {
@@ -136,12 +169,17 @@ void DepthBelief::change_map(const TrackedFrame& frame) {
     since_ = frame.stamp;
   }
   begun_.reset();
-  agreeing_ = 0;
+  agreeing_ = drifted_ = 0;
   doubted_.reset();
 }
 
 void DepthBelief::judge(const DepthAgainstMap& found, Timestamp stamp) {
-  constexpr int kInARow = 3;
+  const bool knows_shape = found.relief > 0;  // the map could be read
+  if (!since_) {
+    drifted_ = 0;
+  } else if (knows_shape) {
+    drifted_ = found.differs_by_drift() ? drifted_ + 1 : 0;
+  }
   agreeing_ = found.agrees() ? agreeing_ + 1 : 0;
   if (agreeing_ >= kInARow) {
     since_.reset();
@@ -155,6 +193,7 @@ void DepthBelief::judge(const DepthAgainstMap& found, Timestamp stamp) {
 bool DepthBelief::is_on_probation(Timestamp now) const { return doubted_ && now - *doubted_ < from_seconds(kBelieved); }
 
 bool DepthBelief::blames_map(Timestamp now) const {
+  if (since_ && drifted_ >= kInARow) return true;
   if (!since_ || !last_.contradicts() || last_.points < kFewPoints) return false;
   const Timestamp agreed = begun_ ? *since_ - *begun_ : from_seconds(kBelieved);
   return now - *since_ >= std::clamp(agreed, from_seconds(kLeast), from_seconds(kBelieved));

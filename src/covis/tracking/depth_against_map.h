@@ -9,6 +9,7 @@
 
 #include "covis/core/time.h"
 #include "covis/features/features_ring.h"
+#include "covis/map/shared_map.h"
 #include "covis/tracking/tracked_frame.h"
 
 namespace covis {
@@ -18,9 +19,16 @@ struct DepthAgainstMap {
   double error = 0;   // median of |log(measured / depth of the map point)|: right depth has 0.001 to 0.03
   double sigmas = 0;  // the same in standard deviations of the depth, of a depth camera in five; 0 where the error
                       // agrees by itself
+  // Known while frames are tracked by their image alone:
+  int of_depth = 0;        // of these points, those that a measured depth gave; the scale of others drifts
+  double shape_error = 0;  // the error after the map is scaled by the median ratio
+  double relief = 0;       // median of |log(depth / median depth)| of these points
 
   bool contradicts() const;
   bool agrees() const;  // neither where there are too few depths, or it may be either
+  // True where images alone made what is seen of the map, and depth has the same shape but another scale: theirs
+  // drifts.
+  bool differs_by_drift() const;
   // True where it may contradict, after a search that itself matches only where depth agrees.
   bool is_suspicious() const;
 };
@@ -30,7 +38,9 @@ class DepthComparer {
   DepthComparer();
   // Compares the points of the map that the frame shows at its pose, near enough for depth to be precise, with the
   // depth that `measured` has of them: the features that the frame came with.
-  DepthAgainstMap compare(const TrackedFrame& frame, const Features& measured, const Pinhole& camera);
+  // With `map`, finds the figures of a map that was made by images alone, too.
+  DepthAgainstMap compare(const TrackedFrame& frame, const Features& measured, const Pinhole& camera,
+                          const Map* map = nullptr);
   // The number of depths that would be compared.
   static int count(const TrackedFrame& frame, const Features& measured, const Pinhole& camera);
 
@@ -38,6 +48,7 @@ class DepthComparer {
   struct Depth {
     double measured = 0, mapped = 0;  // metres
   };
+  void find_shape(DepthAgainstMap& found);
   std::vector<Depth> depths_;  // work space
   std::vector<double> values_;
 };
@@ -52,7 +63,9 @@ class DepthRemover {
 };
 
 // If depth and map contradict one another, either may be wrong. The map is believed at first; when the contradiction
-// has lasted for as long as the two agreed before, or for two seconds, another map is to be begun.
+// has lasted for as long as the two agreed before, or for two seconds, another map is to be begun. So it is, and at
+// once, when the camera has left what was mapped with depth and they differ by drift: motion says that depth is right
+// again.
 class DepthBelief {
  public:
   // Takes the features of a frame; returns those to track it by: without depth as long as that contradicts.
@@ -66,7 +79,7 @@ class DepthBelief {
   void change_map(const TrackedFrame& frame);
   // The frame has its pose. Returns FrameDoubts::depth_contradiction. A contradiction lasts until the depth of some
   // frames in a row agrees.
-  double judge(const TrackedFrame& frame, const Pinhole& camera);
+  double judge(const TrackedFrame& frame, const Pinhole& camera, const SharedMap* live);
   void judge(const DepthAgainstMap& found, Timestamp stamp);
   bool contradicts() const { return since_.has_value(); }
   // True when the map is no longer to be believed more than the depth.
@@ -92,7 +105,7 @@ class DepthBelief {
   std::optional<Timestamp> begun_, since_;  // without begun_ the map is older than the recording
   Timestamp judged_ = 0;
   DepthAgainstMap last_;              // while frames are tracked by their image alone
-  int agreeing_ = 0;                  // frames in a row
+  int agreeing_ = 0, drifted_ = 0;    // frames in a row
   std::optional<Timestamp> doubted_;  // the moment in which a map was begun, not known yet to be right
 };
 

@@ -123,6 +123,41 @@ TEST_F(DepthAgainstMapTest, PointsTooFarToMeasureAreLeftOut) {
   EXPECT_FALSE(found.agrees());
 }
 
+// ---- A map that images alone went on with ----
+
+// What depth that is `edit` times the right one says of a map whose points this sensor made.
+template <class Edit>
+DepthAgainstMap against_map_of(Sensor sensor, Edit&& edit) {
+  const PointScene scene = PointScene::wall();
+  SceneMap world(scene, sensor);
+  world.add_key_frames(4);
+  const PointScene::View measured = edited(scene.view(scene.T_cw(3)), [&](Features& f) {
+    for (float& depth : f.depth) {
+      if (depth > 0) depth *= edit(depth);
+    }
+  });
+  TrackedFrame frame = frame_of(measured, scene.T_cw(3));
+  match_points(frame, measured, world);
+  Pinhole camera = scene.camera;
+  camera.bf = 100;
+  const auto map = world.shared.read();
+  return DepthComparer().compare(frame, *measured.features, camera, &*map);
+}
+
+TEST(DepthOfAMapOfImages, DiffersByDriftWhereTheShapeIsRight) {
+  const auto drifted = [](float) { return 1.2f; };
+  const DepthAgainstMap found = against_map_of(Sensor::monocular, drifted);
+  EXPECT_EQ(found.of_depth, 0);
+  EXPECT_GT(found.relief, 0.1);
+  EXPECT_LT(found.shape_error, 0.001);
+  EXPECT_TRUE(found.contradicts());
+  EXPECT_TRUE(found.differs_by_drift());
+  EXPECT_FALSE(against_map_of(Sensor::monocular, [](float) { return 1.5f; }).differs_by_drift()) << "too far";
+  EXPECT_FALSE(against_map_of(Sensor::monocular, [](float z) { return (12 - z) / z; }).differs_by_drift())
+      << "another shape";
+  EXPECT_FALSE(against_map_of(Sensor::rgbd, drifted).differs_by_drift()) << "depth made that map: it has a scale";
+}
+
 TEST(DepthRemover, LeavesTheImage) {
   const PointScene scene = PointScene::wall();
   const PointScene::View view = scene.view(scene.T_cw(0));
@@ -217,6 +252,28 @@ TEST(DepthBelief, ProbationEndsWhereDepthProvesRight) {
   belief.trust_depth();
   EXPECT_FALSE(belief.is_on_probation(from_seconds(4.3)));
   EXPECT_EQ(belief.probation_since(from_seconds(4.3)), std::nullopt);
+}
+
+TEST(DepthBelief, AMapThatDriftedIsLeftAtOnce) {
+  DepthAgainstMap drifted = kContradicts;
+  drifted.shape_error = 0.01, drifted.relief = 0.2;
+  ASSERT_TRUE(drifted.differs_by_drift());
+  DepthBelief belief;
+  belief.begin(0);
+  const auto now = [](int frame) { return from_seconds(10 + frame / 30.0); };
+  belief.judge(kContradicts, now(0));
+  belief.judge(drifted, now(1));
+  belief.judge(kContradicts, now(2));  // the map could not be read
+  belief.judge(drifted, now(3));
+  EXPECT_FALSE(belief.blames_map(now(3)));
+  belief.judge(drifted, now(4));
+  EXPECT_TRUE(belief.blames_map(now(4)));
+  belief.begin(now(5));
+  EXPECT_FALSE(belief.blames_map(now(5)));
+  EXPECT_FALSE(belief.is_on_probation(now(5))) << "motion has said that depth is right";
+  belief.judge(kContradicts, now(6));
+  belief.begin(now(7));
+  EXPECT_TRUE(belief.is_on_probation(now(7)));
 }
 
 TEST(DepthBelief, AnOlderMapIsNotOnProbation) {

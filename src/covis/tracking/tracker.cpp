@@ -71,7 +71,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
         search_.alignment.refine_pose(*live, search_.camera, moves, current_);
         result.ms.align = watch.ms();
       }
-      result.doubts.depth_contradiction = depth_.judge(current_, search_.camera);
+      result.doubts.depth_contradiction = depth_.judge(current_, search_.camera, live);
       if (health_.leaves_map && depth_.blames_map(stamp) && !result.doubts.torn) begin_submap(outcome);
     }
     if (found && result.method != TrackMethod::initialised) {
