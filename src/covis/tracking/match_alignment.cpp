@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/tracking/match_alignment.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "covis/matching/point_geometry.h"
@@ -10,13 +11,14 @@ namespace covis {
 // Reserves room in advance; its memory is used only when matches come.
 MatchAlignment::MatchAlignment() {
   constexpr size_t kFeatures = 1 << 12;
+  views_.reserve(kFeatures);
   questions_.reserve(kFeatures);
   observations_.reserve(kFeatures);
   inlier_.reserve(kFeatures);
 }
 
 // Copies what the map knows, so that no guard is held while matches are aligned.
-void MatchAlignment::ask(const Map& map, const TrackedFrame& frame) {
+void MatchAlignment::ask(const Map& map, const Pinhole& camera, const TrackedFrame& frame) {
   questions_.clear();
   KeyFrameId last;  // the reference of the last match
   SE3 T_vr;
@@ -27,8 +29,44 @@ void MatchAlignment::ask(const Map& map, const TrackedFrame& frame) {
     const KeyFrame& reference = map.at(point->reference);
     if (point->reference != last) T_vr = frame.T_cw * reference.T_cw.inverse();
     last = point->reference;
-    const auto question = PatchQuestion::of(map.camera(), *reference.features, point->feature_in(last),
+    const auto question = PatchQuestion::of(camera, *reference.features, point->feature_in(last),
                                             reference.T_cw * point->position_w, T_vr, *frame.features, i);
+    if (question) questions_.push_back({static_cast<uint32_t>(i), *question});
+  }
+}
+
+void MatchAlignment::keep_views(const Map& map, const PointSet& points) {
+  references_.clear();
+  views_.clear();
+  for (const MapPointId id : points.id) {
+    const MapPoint* point = map.find(id);
+    if (!point) continue;
+    auto at = std::ranges::find(references_, point->reference, &Reference::id);
+    const KeyFrame& reference = map.at(point->reference);
+    if (!reference.features->patches) continue;
+    if (at == references_.end()) {
+      references_.push_back({point->reference, reference.features, reference.T_cw});
+      at = references_.end() - 1;
+    }
+    views_.push_back({id, static_cast<uint32_t>(at - references_.begin()), point->feature_in(at->id),
+                      reference.T_cw * point->position_w});
+  }
+  std::ranges::sort(views_, {}, &View::point);
+}
+
+const MatchAlignment::View* MatchAlignment::kept_view(MapPointId point) const {
+  const auto at = std::ranges::lower_bound(views_, point, {}, &View::point);
+  return at != views_.end() && at->point == point ? &*at : nullptr;
+}
+
+void MatchAlignment::ask_kept(const Pinhole& camera, const TrackedFrame& frame) {
+  questions_.clear();
+  for (size_t i = 0; i < frame.source.size(); ++i) {
+    const View* view = frame.on_map(i) ? kept_view(frame.points[i]) : nullptr;
+    if (!view) continue;
+    const Reference& reference = references_[view->reference];
+    const auto question = PatchQuestion::of(camera, *reference.features, view->feature, view->p_r,
+                                            frame.T_cw * reference.T_cw.inverse(), *frame.features, i);
     if (question) questions_.push_back({static_cast<uint32_t>(i), *question});
   }
 }
@@ -48,13 +86,15 @@ void MatchAlignment::observe(const Pinhole& camera, const TrackedFrame& frame) {
   }
 }
 
-void MatchAlignment::refine_pose(const SharedMap& map, const Pinhole& camera, std::optional<uint64_t> moves,
+void MatchAlignment::refine_pose(const SharedMap* live, const Pinhole& camera, std::optional<uint64_t> moves,
                                  TrackedFrame& frame) {
   if (!frame.features->patches) return;
-  {
-    const auto now = map.read();
-    if (moves && now->moves() != *moves) return;
-    ask(*now, frame);
+  if (live) {
+    const auto map = live->read();
+    if (moves && map->moves() != *moves) return;
+    ask(*map, camera, frame);
+  } else {
+    ask_kept(camera, frame);
   }
   if (questions_.empty()) return;
   observe(camera, frame);

@@ -24,7 +24,7 @@ struct MatchAlignmentTest : testing::Test {
     matcher.fit_pose(frame, scene.camera);
     return frame;
   }
-  void refine(TrackedFrame& frame) { alignment.refine_pose(world.shared, scene.camera, {}, frame); }
+  void refine(TrackedFrame& frame) { alignment.refine_pose(&world.shared, scene.camera, {}, frame); }
   double error_of(const TrackedFrame& frame) const { return (frame.T_cw * scene.T_wc_of(3)).log().norm(); }
 
   PointScene scene = PointScene::wall();
@@ -45,6 +45,24 @@ TEST_F(MatchAlignmentTest, ThePoseIsCloser) {
     EXPECT_GT(frame.information.trace(), information);
   }
   EXPECT_LT(after, before / 3);
+}
+
+TEST_F(MatchAlignmentTest, WhileTheMapMayNotBeReadTheViewsServeThatWereKept) {
+  TrackedFrame frame = fitted(100);
+  TrackedFrame later = frame, unknown = frame;
+  alignment.refine_pose(nullptr, scene.camera, {}, unknown);
+  EXPECT_EQ(unknown.T_cw.t(), frame.T_cw.t()) << "none were kept";
+  {
+    const auto map = world.shared.read();
+    PointSet points;
+    points.id = world.handles;
+    alignment.keep_views(*map, points);
+  }
+  refine(frame);
+  for (const KeyFrameId id : world.frames) world.shared.write()->set_pose(id, SE3());
+  alignment.refine_pose(nullptr, scene.camera, {}, later);
+  EXPECT_EQ(later.T_cw.t(), frame.T_cw.t());
+  EXPECT_EQ(later.information, frame.information);
 }
 
 TEST_F(MatchAlignmentTest, WhatDoesNotFitIsLeftOutAndStaysAMatch) {
@@ -75,9 +93,9 @@ TEST_F(MatchAlignmentTest, InAMapThatHasMovedThePoseStays) {
   TrackedFrame frame = fitted(100);
   const SE3 before = frame.T_cw;
   const uint64_t moves = world.shared.read()->moves();
-  alignment.refine_pose(world.shared, scene.camera, moves + 1, frame);
+  alignment.refine_pose(&world.shared, scene.camera, moves + 1, frame);
   EXPECT_EQ(frame.T_cw.t(), before.t());
-  alignment.refine_pose(world.shared, scene.camera, moves, frame);
+  alignment.refine_pose(&world.shared, scene.camera, moves, frame);
   EXPECT_NE(frame.T_cw.t(), before.t());
 }
 

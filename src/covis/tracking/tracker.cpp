@@ -65,10 +65,10 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
     outcome.retract_from = search_.place.take_retraction();
     if (found) {
       if (search_.local_map.reference.submap < last_.submap) depth_.change_map(current_);
-      if (live && result.method != TrackMethod::initialised) {
+      if (result.method != TrackMethod::initialised) {
         const Stopwatch watch;
         const auto moves = realtime ? std::optional(last_.moves) : std::nullopt;
-        search_.alignment.refine_pose(*live, search_.camera, moves, current_);
+        search_.alignment.refine_pose(live, search_.camera, moves, current_);
         result.ms.align = watch.ms();
       }
       result.doubts.depth_contradiction = depth_.judge(current_, search_.camera, live);
@@ -90,6 +90,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
         request.unlocated = backlog_.take();
         outcome.request = std::move(request);
         result.key_frame = true;
+        if (live && !realtime) search_.alignment.keep_views(*live->read(), search_.local_map.points);
       }
     }
   }
