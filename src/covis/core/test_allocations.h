@@ -3,17 +3,13 @@
 // of malloc are not seen. The replacement affects the whole program: include this file once per executable.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdlib>
 #include <new>
 
-namespace covis {
+#include "covis/core/test_allocation_counts.h"
 
-inline thread_local long own_allocations = 0;    // allocations of this thread
-inline std::atomic<long> all_allocations{0};     // allocations of all threads
-inline std::atomic<bool> memory_is_full{false};  // allocations of other threads than those with memory left fail then
-inline thread_local bool has_memory_left = false;
+namespace covis {
 
 inline void* count_and_allocate(size_t n, size_t alignment) {
   ++own_allocations;

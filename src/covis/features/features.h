@@ -109,9 +109,10 @@ struct Features {
   std::shared_ptr<const ScalePyramid> pyramid;
   std::shared_ptr<const Pinhole> straightened_for;  // the camera whose residual distortion was
                                                     // taken out of x and y; null: none was
-  std::shared_ptr<const RefinedCamera> made_by;     // the camera, where it is another one than the map's; else null
-  std::shared_ptr<const Camera> lens;               // null: raw pixels are undistorted ones
-  std::shared_ptr<Patches> patches;                 // null: none were cut, or none are kept
+  bool unrolled = false;  // the turn between the rows of a rolling shutter was taken out of x and y
+  std::shared_ptr<const RefinedCamera> made_by;  // the camera, where it is another one than the map's; else null
+  std::shared_ptr<const Camera> lens;            // null: raw pixels are undistorted ones
+  std::shared_ptr<Patches> patches;              // null: none were cut, or none are kept
   AlignedVector<uint64_t> anchor;  // key frames: anchor_of() (map/anchors.h); 0: not aligned; empty: none is
   std::shared_ptr<const KeptDepth> kept_depth;  // key frames: null where depths are never looked up again
   SmallImage small;                             // for the next frame alone

@@ -24,6 +24,8 @@ class FeaturesRing {
     if (copy.use_count() == 2) return copy;
     return ring_[at_] = std::make_shared<Features>();
   }
+  // The same of a copy of these, with patches of its own.
+  std::shared_ptr<Features> copy_of(const Features& features);
 
  private:
   std::vector<std::shared_ptr<Features>> ring_;

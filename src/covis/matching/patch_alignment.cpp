@@ -167,11 +167,22 @@ std::optional<AlignedPlace> moved_place(const Features& features, size_t feature
   AlignedPlace place{by + Eigen::Vector2f(features.image_x()[feature], features.image_y()[feature]),
                      by + Eigen::Vector2f(features.x[feature], features.y[feature])};
   if (features.raw_x.empty()) return place;
-  std::optional<Eigen::Vector2d> at = place.image.cast<double>();
-  if (features.lens) at = features.lens->undistort(*at);
-  if (at && features.straightened_for) at = features.straightened_for->straightened(*at);
+  const auto straight = [&features](const Eigen::Vector2f& image) {
+    std::optional<Eigen::Vector2d> at = image.cast<double>();
+    if (features.lens) at = features.lens->undistort(*at);
+    if (at && features.straightened_for) at = features.straightened_for->straightened(*at);
+    return at;
+  };
+  const auto at = straight(place.image);
   if (!at) return std::nullopt;
-  place.undistorted = at->cast<float>();
+  if (features.unrolled) {
+    // The turn of the camera moves it as it moves the keypoint.
+    const auto keypoint = straight(place.image - by);
+    if (!keypoint) return std::nullopt;
+    place.undistorted += (*at - *keypoint).cast<float>() - by;
+  } else {
+    place.undistorted = at->cast<float>();
+  }
   return place;
 }
 

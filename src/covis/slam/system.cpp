@@ -15,13 +15,14 @@
 namespace covis {
 namespace {
 
-TrackingSettings tracking_settings(const SystemOptions& o) {
+TrackingSettings tracking_settings(const SystemOptions& o, const Camera& camera) {
   return {.sensor = o.sensor,
           .options = o.tracker,
           .schedule = o.schedule(),
           .mode = o.localize ? TrackingMode::localisation : TrackingMode::mapping,
           .closes_loops = o.loop.close,
-          .seed = o.seed};
+          .seed = o.seed,
+          .rows = camera.height};
 }
 
 // Noise, distortion and registration that were given are not looked for.
@@ -42,7 +43,7 @@ System::System(const Camera& camera, const SystemOptions& options, std::shared_p
       map_(for_sensor(camera.pinhole, options.sensor)),
       log_(static_cast<size_t>(options.trajectory_frames)),
       frontend_(camera, options.orb, options.sensor),
-      tracker_(map_, tracking_settings(options), vocabulary_),
+      tracker_(map_, tracking_settings(options, camera), vocabulary_),
       mapping_(map_, backend_options(options, camera), vocabulary_) {
   // A lost camera is looked for in the map; it begins none.
   if (options_.localize) tracker_.start_lost();

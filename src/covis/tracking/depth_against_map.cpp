@@ -16,9 +16,8 @@ constexpr int kFewestPoints = 6, kFewPoints = 30, kManyPoints = 100;
 constexpr double kErrorOfFewest = 0.3;
 constexpr double kErrorOfFew = 0.09, kErrorOfMany = 0.045, kSuspicious = 0.03, kAgreeing = 0.02;
 constexpr double kMostSigmas = 3, kUsualSigmas = 1.5;  // right depth has 0.67
-// Where images alone made the map: the greatest error, the greatest error of the shape as a share of the relief, and
-// the least relief: depth that is displaced on a smooth wall has its shape too.
-constexpr double kMostDrift = 0.35, kShape = 1.0 / 6, kLeastRelief = 0.12;
+// The greatest errors where images alone made the map; that of the shape is a share of the relief.
+constexpr double kMostDrift = 0.35, kShape = 1.0 / 6;
 
 constexpr int kInARow = 3;                     // frames
 constexpr double kLeast = 0.5, kBelieved = 2;  // seconds that a contradiction lasts until it is believed: least, most
@@ -118,18 +117,7 @@ int DepthComparer::count(const TrackedFrame& frame, const Features& measured, co
 }
 
 FeaturesPtr DepthRemover::without_depth(const Features& features) {
-  const std::shared_ptr<Features> image_alone = ring_.next();
-  if (const size_t n = features.x.size(); image_alone->x.capacity() < n) {
-    using Raw = Features::RawPixels;
-    image_alone->start(n + n / 2, features.raw_x.empty() ? Raw::same : Raw::different);
-  }
-  std::shared_ptr<Patches> own = std::move(image_alone->patches);
-  *image_alone = features;
-  if (features.patches) {
-    image_alone->patches = held_alone(std::move(own));
-    reserve_ahead(image_alone->patches->at, features.patches->at.size());
-    *image_alone->patches = *features.patches;
-  }
+  const std::shared_ptr<Features> image_alone = ring_.copy_of(features);
   std::fill(image_alone->depth.begin(), image_alone->depth.end(), -1.0f);
   std::fill(image_alone->u_right.begin(), image_alone->u_right.end(), -1.0f);
   return image_alone;

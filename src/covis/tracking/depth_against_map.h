@@ -20,7 +20,7 @@ struct DepthAgainstMap {
   double sigmas = 0;  // the same in standard deviations of the depth, of a depth camera in five; 0 where the error
                       // agrees by itself
   // Known while frames are tracked by their image alone:
-  int of_depth = 0;        // of these points, those that a measured depth gave; the scale of others drifts
+  int of_depth = 0;        // those of the points that a measured depth gave; the scale of others drifts
   double shape_error = 0;  // the error after the map is scaled by the median ratio
   double relief = 0;       // median of |log(depth / median depth)| of these points
 

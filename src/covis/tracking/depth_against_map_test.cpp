@@ -125,7 +125,7 @@ TEST_F(DepthAgainstMapTest, PointsTooFarToMeasureAreLeftOut) {
 
 // ---- A map that images alone went on with ----
 
-// What depth that is `edit` times the right one says of a map whose points this sensor made.
+// Compares depth that is `edit` times the right one with a map whose points this sensor made.
 template <class Edit>
 DepthAgainstMap against_map_of(Sensor sensor, Edit&& edit) {
   const PointScene scene = PointScene::wall();

@@ -36,7 +36,7 @@ class MatchAlignment {
   struct View {
     MapPointId point;
     uint32_t reference = 0;  // in references_
-    uint32_t feature = 0;    // of the reference
+    uint32_t feature = 0;    // the reference's
     Eigen::Vector3d p_r;     // the point in the reference camera, metres
   };
   struct Question {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "covis/core/test_allocation_counts.h"
 #include "covis/tracking/frame_matcher.h"
 #include "covis/tracking/test_frame.h"
 

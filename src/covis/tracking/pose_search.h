@@ -15,6 +15,7 @@
 #include "covis/tracking/match_alignment.h"
 #include "covis/tracking/match_belief.h"
 #include "covis/tracking/place_check.h"
+#include "covis/tracking/rolling_shutter.h"
 #include "covis/tracking/torn_image.h"
 #include "covis/tracking/track_result.h"
 
@@ -24,6 +25,7 @@ struct PoseSearch {
   Pinhole camera;
   FrameMatcher matcher;
   MatchAlignment alignment;
+  RollingShutter shutter;
   LocalMap local_map;
   ExpectedView view;
   PlaceCheck place;
@@ -31,7 +33,8 @@ struct PoseSearch {
   std::vector<MapPointId> matched;  // work space of update_local_map()
   TrackedFrame unfitted;            // kept by Tracker: the frame before fit_local_map()
 
-  PoseSearch(const RecoveryOptions& options, Subject subject) : place(options, subject) {}
+  PoseSearch(const RecoveryOptions& options, Subject subject, const RollingShutter& of_camera = RollingShutter(0, 0))
+      : shutter(of_camera), place(options, subject) {}
 
   // The map's camera may have been refined.
   void refresh_camera(const Map& map) { camera = map.camera(); }

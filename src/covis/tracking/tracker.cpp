@@ -24,7 +24,7 @@ FirstPose::Support support_of(const TrackingSettings& s) {
 Tracker::Tracker(const SharedMap& map, const TrackingSettings& settings, std::shared_ptr<const Vocabulary> vocabulary)
     : map_(map),
       settings_(settings),
-      search_(settings.options.recovery, Subject::stream),
+      search_(settings.options.recovery, Subject::stream, RollingShutter(settings.options.readout, settings.rows)),
       first_pose_(settings.sensor, settings.options.first_pose, support_of(settings), settings.seed),
       key_frames_(settings.sensor, settings.options.key_frame, settings.schedule),
       starter_(starter_settings(settings, vocabulary.get())),
@@ -38,6 +38,8 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
   const SharedMap* live = mapping.map == MappingStatus::Map::live ? &map_ : nullptr;
   const bool realtime = settings_.schedule == Schedule::realtime;
   if (mapping.depth == MappingStatus::Depth::right) depth_.trust_depth();
+  features =
+      search_.shutter.straighten(std::move(features), search_.camera, motion_.turn_rate(stamp - last_.frame.stamp));
   current_.start(depth_.receive(std::move(features)), frame, stamp);
   health_.leaves_map = state_ == TrackingState::tracking && settings_.mode == TrackingMode::mapping &&
                        starter_.may_begin_beside() && depth_.blames_map(stamp);
@@ -93,6 +95,10 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
         if (live && !realtime) search_.alignment.keep_views(*live->read(), search_.local_map.points);
       }
     }
+  }
+  if (state_ == TrackingState::tracking && result.method == TrackMethod::motion_model) {
+    search_.shutter.follow({current_, last_.frame.T_cw, last_.frame.stamp, last_.pose.key_frame, result.key_frame},
+                           search_.camera, live);
   }
   if (state_ != TrackingState::tracking || result.method == TrackMethod::initialised) backlog_.keep(current_);
   result.state = state_;

@@ -75,6 +75,9 @@ struct StartOptions {
 };
 
 struct TrackerOptions {
+  // Rolling shutter: seconds from the exposure of the first row to that of the last. 0: there is none. Negative: it is
+  // found from the recording.
+  double readout = -1;
   FirstPoseOptions first_pose;
   LocalMapOptions local_map;
   RecoveryOptions recovery;

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keypoints of a rolling shutter: the rows of such an image are exposed one after the other, while the camera turns.
+// Keypoints are moved to where they would have been seen in the moment of the row through the principal point. Its
+// translation is not taken out of them: that would need their depth, and a turn moves them farther.
+// Source: Forssén and Ringaby, "Rectifying rolling shutter video from hand-held devices", CVPR 2010, section 2.
+#pragma once
+
+#include "covis/features/features.h"
+#include "covis/geometry/camera.h"
+
+namespace covis {
+
+// By how much a ray moves as rays turn by this rotation vector, radians.
+inline Eigen::Vector3d moved_by_turn(const Eigen::Vector3d& ray, const Eigen::Vector3d& turn) {
+  const Eigen::Vector3d moved = turn.cross(ray);
+  return moved + 0.5 * turn.cross(moved);
+}
+
+// Takes the turn of the rays from one row to the next out of keypoints that still have it. They stay where they are in
+// the image.
+void unroll(const Pinhole& camera, const Eigen::Vector3d& turn, Features& features);
+
+}  // namespace covis
