@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The depth that a frame measures against that of the map points which its images show. Depth that turns into nonsense
 // in the midst of a recording contradicts the map made before: such a frame is tracked by its image alone, so that
-// nothing is mapped from its depth. Measured: docs/notes/040-depth-that-contradicts-the-map.md.
+// nothing is mapped from its depth. Measured: docs/notes/040-depth-that-contradicts-the-map.md,
+// 054-depth-that-comes-back.md.
 #pragma once
 
 #include <optional>

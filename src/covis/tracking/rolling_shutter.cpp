@@ -20,13 +20,14 @@ constexpr int kFramesOfBlock = 10;                   // frames whose residuals e
 constexpr int kFewestBlocks = 8;                     // before anything is believed
 constexpr double kSure = 6;                          // standard deviations
 constexpr double kShortest = 0.005, kLongest = 0.1;  // seconds
+constexpr double kMostTurn = 0.3;                    // radians an image: a faster turn is that of a wrong pose
 
 }  // namespace
 
 FeaturesPtr RollingShutter::straighten(FeaturesPtr features, const Pinhole& camera,
                                        const std::optional<Eigen::Vector3d>& turn_rate) {
   taken_.setZero();
-  if (readout_ == 0 || !turn_rate) return features;
+  if (readout_ == 0 || !turn_rate || !(std::abs(readout_) * turn_rate->norm() < kMostTurn)) return features;
   taken_ = readout_ * *turn_rate;
   const std::shared_ptr<Features> straight = ring_.copy_of(*features);
   unroll(camera, taken_ / rows_, *straight);

@@ -87,6 +87,7 @@ TEST_F(RollingShutterTest, OneThatWasGivenIsTakenOutAtOnce) {
   const FeaturesPtr truth = seen(3, 0);
   for (size_t i = 0; i < truth->x.size(); ++i) EXPECT_NEAR(straight->x[i], truth->x[i], 0.02);
   EXPECT_EQ(given.straighten(rolled, scene.camera, std::nullopt), rolled) << "nothing is known of the turn";
+  EXPECT_EQ(given.straighten(rolled, scene.camera, Eigen::Vector3d(0, 20, 0)), rolled) << "no camera turns so fast";
   EXPECT_EQ(none.straighten(rolled, scene.camera, rate(3)), rolled);
   EXPECT_EQ(track(given, 0.03, 0, 120), -1);
   EXPECT_EQ(track(none, 0.03, 0, 120), -1);
