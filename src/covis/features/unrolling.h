@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keypoints of a rolling shutter: the rows of such an image are exposed one after the other, while the camera turns.
-// Keypoints are moved to where they would have been seen in the moment of the row through the principal point. Its
-// translation is not taken out of them: that would need their depth, and a turn moves them farther.
+// Keypoints are moved to where they would have been seen in the moment of the row through the principal point. The
+// translation of the camera stays in them: it would need their depth.
 // Source: Forssén and Ringaby, "Rectifying rolling shutter video from hand-held devices", CVPR 2010, section 2.
 #pragma once
 

@@ -60,7 +60,8 @@ bool DepthAgainstMap::agrees() const {
 }
 
 bool DepthAgainstMap::differs_by_drift() const {
-  return points >= kFewPoints && of_depth < kFewestPoints && error <= kMostDrift && shape_error < kShape * relief;
+  return shape && points >= kFewPoints && shape->of_depth < kFewestPoints && error <= kMostDrift &&
+         shape->error < kShape * shape->relief;
 }
 
 bool DepthAgainstMap::is_suspicious() const { return points > 0 && error > kSuspicious && sigmas > kUsualSigmas; }
@@ -76,12 +77,11 @@ DepthAgainstMap DepthComparer::compare(const TrackedFrame& frame, const Features
   constexpr double kLeastNoise = 1e-3;  // share of a depth
   constexpr double kOfCamera = 5;       // times its noise: its depth is of another moment and place than its image
   depths_.clear();
-  DepthAgainstMap found;
-  for_each_depth(frame, measured, camera, [&](double depth, double mapped, size_t feature) {
-    depths_.push_back({depth, mapped});
-    if (map && is_of_depth(*map, frame.points[feature])) ++found.of_depth;
+  for_each_depth(frame, measured, camera, [this](double depth, double mapped, size_t feature) {
+    depths_.push_back({depth, mapped, feature});
   });
   if (depths_.empty()) return {};
+  DepthAgainstMap found;
   found.points = static_cast<int>(depths_.size());
   values_.clear();
   for (const Depth& d : depths_) values_.push_back(std::max(d.measured / d.mapped, d.mapped / d.measured));
@@ -94,11 +94,11 @@ DepthAgainstMap DepthComparer::compare(const TrackedFrame& frame, const Features
     values_.push_back(error / std::max(kLeastNoise, factor * depth_noise_share(d.mapped, camera)));
   }
   found.sigmas = median(values_);
-  if (map) find_shape(found);
+  if (map) found.shape = shape_in(*map, frame);
   return found;
 }
 
-void DepthComparer::find_shape(DepthAgainstMap& found) {
+DepthShape DepthComparer::shape_in(const Map& map, const TrackedFrame& frame) {
   const auto deviation = [this](auto&& value) {
     values_.clear();
     for (const Depth& d : depths_) values_.push_back(std::log(value(d)));
@@ -106,8 +106,10 @@ void DepthComparer::find_shape(DepthAgainstMap& found) {
     for (double& v : values_) v = std::abs(v - middle);
     return median(values_);
   };
-  found.shape_error = deviation([](const Depth& d) { return d.measured / d.mapped; });
-  found.relief = deviation([](const Depth& d) { return d.mapped; });
+  const auto of_depth =
+      std::ranges::count_if(depths_, [&](const Depth& d) { return is_of_depth(map, frame.points[d.feature]); });
+  return {static_cast<int>(of_depth), deviation([](const Depth& d) { return d.measured / d.mapped; }),
+          deviation([](const Depth& d) { return d.mapped; })};
 }
 
 int DepthComparer::count(const TrackedFrame& frame, const Features& measured, const Pinhole& camera) {
@@ -162,10 +164,10 @@ void DepthBelief::change_map(const TrackedFrame& frame) {
 }
 
 void DepthBelief::judge(const DepthAgainstMap& found, Timestamp stamp) {
-  const bool knows_shape = found.relief > 0;  // the map could be read
-  if (!since_) {
+  // Where the shape is not known, as the map could not be read, what was seen before stays.
+  if (!since_ || found.agrees()) {
     drifted_ = 0;
-  } else if (knows_shape) {
+  } else if (found.shape) {
     drifted_ = found.differs_by_drift() ? drifted_ + 1 : 0;
   }
   agreeing_ = found.agrees() ? agreeing_ + 1 : 0;

@@ -15,15 +15,19 @@
 
 namespace covis {
 
+// How depth differs from the part of the map that is compared.
+struct DepthShape {
+  int of_depth = 0;   // points that a measured depth gave; the scale of others drifts
+  double error = 0;   // median of |log(measured / mapped)| once the map is scaled by the median ratio
+  double relief = 0;  // median of |log(mapped / median mapped)|
+};
+
 struct DepthAgainstMap {
   int points = 0;     // depths compared
   double error = 0;   // median of |log(measured / depth of the map point)|: right depth has 0.001 to 0.03
   double sigmas = 0;  // the same in standard deviations of the depth, of a depth camera in five; 0 where the error
                       // agrees by itself
-  // Known while frames are tracked by their image alone:
-  int of_depth = 0;        // those of the points that a measured depth gave; the scale of others drifts
-  double shape_error = 0;  // the error after the map is scaled by the median ratio
-  double relief = 0;       // median of |log(depth / median depth)| of these points
+  std::optional<DepthShape> shape = {};  // known where the map could be read and the error does not agree by itself
 
   bool contradicts() const;
   bool agrees() const;  // neither where there are too few depths, or it may be either
@@ -39,7 +43,7 @@ class DepthComparer {
   DepthComparer();
   // Compares the points of the map that the frame shows at its pose, near enough for depth to be precise, with the
   // depth that `measured` has of them: the features that the frame came with.
-  // With `map`, finds the figures of a map that was made by images alone, too.
+  // With `map`, finds the shape too.
   DepthAgainstMap compare(const TrackedFrame& frame, const Features& measured, const Pinhole& camera,
                           const Map* map = nullptr);
   // The number of depths that would be compared.
@@ -48,8 +52,9 @@ class DepthComparer {
  private:
   struct Depth {
     double measured = 0, mapped = 0;  // metres
+    size_t feature = 0;
   };
-  void find_shape(DepthAgainstMap& found);
+  DepthShape shape_in(const Map& map, const TrackedFrame& frame);
   std::vector<Depth> depths_;  // work space
   std::vector<double> values_;
 };

@@ -147,9 +147,10 @@ DepthAgainstMap against_map_of(Sensor sensor, Edit&& edit) {
 TEST(DepthOfAMapOfImages, DiffersByDriftWhereTheShapeIsRight) {
   const auto drifted = [](float) { return 1.2f; };
   const DepthAgainstMap found = against_map_of(Sensor::monocular, drifted);
-  EXPECT_EQ(found.of_depth, 0);
-  EXPECT_GT(found.relief, 0.1);
-  EXPECT_LT(found.shape_error, 0.001);
+  ASSERT_TRUE(found.shape);
+  EXPECT_EQ(found.shape->of_depth, 0);
+  EXPECT_GT(found.shape->relief, 0.1);
+  EXPECT_LT(found.shape->error, 0.001);
   EXPECT_TRUE(found.contradicts());
   EXPECT_TRUE(found.differs_by_drift());
   EXPECT_FALSE(against_map_of(Sensor::monocular, [](float) { return 1.5f; }).differs_by_drift()) << "too far";
@@ -256,7 +257,7 @@ TEST(DepthBelief, ProbationEndsWhereDepthProvesRight) {
 
 TEST(DepthBelief, AMapThatDriftedIsLeftAtOnce) {
   DepthAgainstMap drifted = kContradicts;
-  drifted.shape_error = 0.01, drifted.relief = 0.2;
+  drifted.shape = {.of_depth = 0, .error = 0.01, .relief = 0.2};
   ASSERT_TRUE(drifted.differs_by_drift());
   DepthBelief belief;
   belief.begin(0);
@@ -266,6 +267,10 @@ TEST(DepthBelief, AMapThatDriftedIsLeftAtOnce) {
   belief.judge(kContradicts, now(2));  // the map could not be read
   belief.judge(drifted, now(3));
   EXPECT_FALSE(belief.blames_map(now(3)));
+  belief.judge(kAgrees, now(3));
+  belief.judge(drifted, now(3));
+  belief.judge(drifted, now(3));
+  EXPECT_FALSE(belief.blames_map(now(3))) << "not in a row";
   belief.judge(drifted, now(4));
   EXPECT_TRUE(belief.blames_map(now(4)));
   belief.begin(now(5));

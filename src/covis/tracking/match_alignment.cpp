@@ -29,10 +29,14 @@ void MatchAlignment::ask(const Map& map, const Pinhole& camera, const TrackedFra
     const KeyFrame& reference = map.at(point->reference);
     if (point->reference != last) T_vr = frame.T_cw * reference.T_cw.inverse();
     last = point->reference;
-    const auto question = PatchQuestion::of(camera, *reference.features, point->feature_in(last),
-                                            reference.T_cw * point->position_w, T_vr, *frame.features, i);
-    if (question) questions_.push_back({static_cast<uint32_t>(i), *question});
+    add(camera, frame, i, *reference.features, point->feature_in(last), reference.T_cw * point->position_w, T_vr);
   }
+}
+
+void MatchAlignment::add(const Pinhole& camera, const TrackedFrame& frame, size_t feature, const Features& reference,
+                         size_t seen, const Eigen::Vector3d& p_r, const SE3& T_vr) {
+  const auto question = PatchQuestion::of(camera, reference, seen, p_r, T_vr, *frame.features, feature);
+  if (question) questions_.push_back({static_cast<uint32_t>(feature), *question});
 }
 
 void MatchAlignment::keep_views(const Map& map, const PointSet& points) {
@@ -45,7 +49,7 @@ void MatchAlignment::keep_views(const Map& map, const PointSet& points) {
     const KeyFrame& reference = map.at(point->reference);
     if (!reference.features->patches) continue;
     if (at == references_.end()) {
-      references_.push_back({point->reference, reference.features, reference.T_cw});
+      references_.push_back({point->reference, reference.features, reference.T_cw, {}});
       at = references_.end() - 1;
     }
     views_.push_back({id, static_cast<uint32_t>(at - references_.begin()), point->feature_in(at->id),
@@ -61,13 +65,12 @@ const MatchAlignment::View* MatchAlignment::kept_view(MapPointId point) const {
 
 void MatchAlignment::ask_kept(const Pinhole& camera, const TrackedFrame& frame) {
   questions_.clear();
+  for (Reference& reference : references_) reference.T_vr = frame.T_cw * reference.T_cw.inverse();
   for (size_t i = 0; i < frame.source.size(); ++i) {
     const View* view = frame.on_map(i) ? kept_view(frame.points[i]) : nullptr;
     if (!view) continue;
     const Reference& reference = references_[view->reference];
-    const auto question = PatchQuestion::of(camera, *reference.features, view->feature, view->p_r,
-                                            frame.T_cw * reference.T_cw.inverse(), *frame.features, i);
-    if (question) questions_.push_back({static_cast<uint32_t>(i), *question});
+    add(camera, frame, i, *reference.features, view->feature, view->p_r, reference.T_vr);
   }
 }
 

@@ -32,6 +32,7 @@ class MatchAlignment {
     KeyFrameId id;
     FeaturesPtr features;
     SE3 T_cw;
+    SE3 T_vr;  // to the frame that is aligned
   };
   struct View {
     MapPointId point;
@@ -45,6 +46,9 @@ class MatchAlignment {
   };
   void ask(const Map& map, const Pinhole& camera, const TrackedFrame& frame);
   void ask_kept(const Pinhole& camera, const TrackedFrame& frame);
+  // Asks where a feature of the frame is that shows the point p_r of this reference, which saw it by `seen`.
+  void add(const Pinhole& camera, const TrackedFrame& frame, size_t feature, const Features& reference, size_t seen,
+           const Eigen::Vector3d& p_r, const SE3& T_vr);
   const View* kept_view(MapPointId point) const;
   void observe(const Pinhole& camera, const TrackedFrame& frame);
 

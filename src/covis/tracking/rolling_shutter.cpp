@@ -39,32 +39,27 @@ const RollingShutter::Turn* RollingShutter::turn_of(Timestamp stamp) const {
   return at != key_frames_.end() && at->stamp == stamp ? &*at : nullptr;
 }
 
-void RollingShutter::keep(const TrackedFrame& frame, const Eigen::Vector3d& turn_rate) {
-  if (finds_ && (key_frames_.empty() || key_frames_.back().stamp < frame.stamp))
-    key_frames_.push_back({frame.stamp, turn_rate, taken_});
-}
-
-void RollingShutter::follow(const Step& step, const Pinhole& camera, const SharedMap* map) {
+void RollingShutter::follow(const Step& step, const Pinhole& camera, const SharedMap* live,
+                            std::optional<uint64_t> moves) {
   const TrackedFrame& frame = step.frame;
   const Timestamp elapsed = frame.stamp - step.before;
   if (!finds_ || elapsed <= 0) return;
   const Eigen::Vector3d turn_rate = MotionModel::turn_rate(frame.T_cw * step.T_lw.inverse(), elapsed);
-  if (map && observe(frame, camera, turn_rate, *map->read(), step.reference)) {
-    std::array<char, 120> text{};
-    std::snprintf(text.data(), text.size(),
-                  "rolling shutter found: %.4f seconds from the first row to the last (tracker.readout)", readout_);
-    log(LogLevel::info, text.data());
+  if (live) {
+    const auto map = live->read();
+    if (!moves || map->moves() == *moves) compare(frame, camera, turn_rate, *map, step.reference);
   }
-  if (step.becomes_key_frame) keep(frame, turn_rate);
+  if (step.becomes_key_frame && (key_frames_.empty() || key_frames_.back().stamp < frame.stamp))
+    key_frames_.push_back({frame.stamp, turn_rate, taken_});
 }
 
 // The keypoints of both views are compared, with nothing of the map but depths: poses and points have taken up what the
 // shutter did to many views. The motion between the two is eliminated.
-bool RollingShutter::observe(const TrackedFrame& frame, const Pinhole& camera, const Eigen::Vector3d& turn_rate,
+void RollingShutter::compare(const TrackedFrame& frame, const Pinhole& camera, const Eigen::Vector3d& turn_rate,
                              const Map& map, KeyFrameId reference) {
-  const KeyFrame* key_frame = finds_ ? map.find(reference) : nullptr;
+  const KeyFrame* key_frame = map.find(reference);
   const Turn* then = key_frame ? turn_of(key_frame->stamp) : nullptr;
-  if (!then) return false;
+  if (!then) return;
   const Features &f = *frame.features, &f_r = *key_frame->features;
   const SE3 T_cr = frame.T_cw * key_frame->T_cw.inverse();
   Matrix6d H = Matrix6d::Zero();
@@ -97,16 +92,16 @@ bool RollingShutter::observe(const TrackedFrame& frame, const Pinhole& camera, c
     sums.slope += weight * g.dot(e);
     ++matches;
   }
-  if (matches < kFewestMatches) return false;
+  if (matches < kFewestMatches) return;
   const Vector6d explained = H.ldlt().solve(h);
-  if (!explained.allFinite()) return false;
+  if (!explained.allFinite()) return;
   block_.curvature += sums.curvature - h.dot(explained);
   block_.slope += sums.slope - b.dot(explained);
-  return ++frames_ == kFramesOfBlock && end_block();
+  if (++frames_ == kFramesOfBlock) end_block();
 }
 
 // Residuals of neighbouring frames err alike: the variance is that of the blocks.
-bool RollingShutter::end_block() {
+void RollingShutter::end_block() {
   Blocks& b = blocks_;
   ++b.count;
   b.all.curvature += block_.curvature;
@@ -116,15 +111,19 @@ bool RollingShutter::end_block() {
   b.slope2 += block_.slope * block_.slope;
   block_ = {};
   frames_ = 0;
-  if (b.count < kFewestBlocks || b.all.curvature <= 0) return false;
+  if (b.count < kFewestBlocks || b.all.curvature <= 0) return;
   const double readout = b.all.slope / b.all.curvature;
   const double variance = b.slope2 - 2 * readout * b.product + readout * readout * b.curvature2;
   const double sigma = std::sqrt(std::max(0.0, variance)) / b.all.curvature;
   const double size = std::abs(readout);
-  if (size < kSure * sigma || size < kShortest || size > kLongest) return false;
-  const bool is_new = readout_ == 0;
+  if (size < kSure * sigma || size < kShortest || size > kLongest) return;
+  if (readout_ == 0) {
+    std::array<char, 120> text{};
+    std::snprintf(text.data(), text.size(),
+                  "rolling shutter found: %.4f seconds from the first row to the last (tracker.readout)", readout);
+    log(LogLevel::info, text.data());
+  }
   readout_ = readout;
-  return is_new;
 }
 
 }  // namespace covis

@@ -11,19 +11,19 @@
 #include "covis/features/features_ring.h"
 #include "covis/map/shared_map.h"
 #include "covis/tracking/tracked_frame.h"
+#include "covis/tracking/tracking_options.h"
 
 namespace covis {
 
 class RollingShutter {
  public:
   // readout: TrackerOptions::readout. rows: of an image.
-  RollingShutter(double readout, int rows) : finds_(readout < 0), rows_(rows), readout_(finds_ ? 0 : readout) {}
+  RollingShutter(double readout, int rows)
+      : finds_(readout == kFindReadout), rows_(rows), readout_(finds_ ? 0 : readout) {}
 
   // The features of a frame in which the rays turn so fast (MotionModel::turn_rate()); the same where nothing is known.
   FeaturesPtr straighten(FeaturesPtr features, const Pinhole& camera, const std::optional<Eigen::Vector3d>& turn_rate);
-  // A frame has its pose, by the motion since the last one, whose pose is given; it is that of the last straighten().
-  // It is compared with the key frame `reference`, and remembered where it becomes one itself. `map`: null while it may
-  // not be read.
+  // The step from the frame before to that of the last straighten(), once it has its pose.
   struct Step {
     const TrackedFrame& frame;
     SE3 T_lw;  // the frame before
@@ -31,13 +31,9 @@ class RollingShutter {
     KeyFrameId reference;
     bool becomes_key_frame = false;
   };
-  void follow(const Step& step, const Pinhole& camera, const SharedMap* map);
-  // The frame of the last straighten() has its pose, and turned so fast. It is compared with this key frame. True: a
-  // rolling shutter was found.
-  bool observe(const TrackedFrame& frame, const Pinhole& camera, const Eigen::Vector3d& turn_rate, const Map& map,
-               KeyFrameId reference);
-  // The same frame becomes a key frame, and turned so fast.
-  void keep(const TrackedFrame& frame, const Eigen::Vector3d& turn_rate);
+  // Compares the frame with the key frame `reference`, and remembers its turn where it becomes one itself. live: null
+  // while the map may not be read. Nothing is compared where the map has moved since `moves`.
+  void follow(const Step& step, const Pinhole& camera, const SharedMap* live, std::optional<uint64_t> moves);
   // Seconds from the exposure of the first row to that of the last; 0: there is none, or none was found yet. Negative:
   // the last row comes first, as in a camera that is mounted upside down.
   double readout() const { return readout_; }
@@ -58,7 +54,9 @@ class RollingShutter {
     double curvature2 = 0, product = 0, slope2 = 0;  // sums over the blocks
   };
   const Turn* turn_of(Timestamp stamp) const;
-  bool end_block();
+  void compare(const TrackedFrame& frame, const Pinhole& camera, const Eigen::Vector3d& turn_rate, const Map& map,
+               KeyFrameId reference);
+  void end_block();
 
   bool finds_;
   int rows_;

@@ -37,6 +37,7 @@ Tracker::Tracker(const SharedMap& map, const TrackingSettings& settings, std::sh
 Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp stamp, const MappingStatus& mapping) {
   const SharedMap* live = mapping.map == MappingStatus::Map::live ? &map_ : nullptr;
   const bool realtime = settings_.schedule == Schedule::realtime;
+  const auto moves = [&] { return realtime ? std::optional(last_.moves) : std::nullopt; };
   if (mapping.depth == MappingStatus::Depth::right) depth_.trust_depth();
   features =
       search_.shutter.straighten(std::move(features), search_.camera, motion_.turn_rate(stamp - last_.frame.stamp));
@@ -69,8 +70,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       if (search_.local_map.reference.submap < last_.submap) depth_.change_map(current_);
       if (result.method != TrackMethod::initialised) {
         const Stopwatch watch;
-        const auto moves = realtime ? std::optional(last_.moves) : std::nullopt;
-        search_.alignment.refine_pose(live, search_.camera, moves, current_);
+        search_.alignment.refine_pose(live, search_.camera, moves(), current_);
         result.ms.align = watch.ms();
       }
       result.doubts.depth_contradiction = depth_.judge(current_, search_.camera, live);
@@ -98,7 +98,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
   }
   if (state_ == TrackingState::tracking && result.method == TrackMethod::motion_model) {
     search_.shutter.follow({current_, last_.frame.T_cw, last_.frame.stamp, last_.pose.key_frame, result.key_frame},
-                           search_.camera, live);
+                           search_.camera, live, moves());
   }
   if (state_ != TrackingState::tracking || result.method == TrackMethod::initialised) backlog_.keep(current_);
   result.state = state_;

@@ -33,10 +33,9 @@ Fields fields(TrackerOptions& o) {
        "the same of those seen from about there before, as a share of as many as are expected to match", 0, 1,
        "tracker.min_usual_share"},
       {"tracker.readout", &o.readout,
-       "rolling shutter: seconds from the exposure of the first row to that of the last; 0: there is none; -1: found "
-       "from "
-       "the recording",
-       -1, 0.2},
+       "rolling shutter: seconds from the exposure of the first row to that of the last; 0: there is none; -1: it is "
+       "found from the recording",
+       kFindReadout, 0.2},
       {"tracker.new_map_after", &o.start.new_map_after,
        "seconds after a loss at which a new map is begun beside the old one; 0: never", 0, 1e6},
       {"tracker.close_depth_baselines", &o.key_frame.close_depth.baselines,

@@ -74,10 +74,12 @@ struct StartOptions {
   double new_map_after = 0.5;      // seconds after a loss at which a new submap is begun beside the old one; 0: never
 };
 
+inline constexpr double kFindReadout = -1;  // TrackerOptions::readout that is to be found from the recording
+
 struct TrackerOptions {
-  // Rolling shutter: seconds from the exposure of the first row to that of the last. 0: there is none. Negative: it is
-  // found from the recording.
-  double readout = -1;
+  // Rolling shutter: seconds from the exposure of the first row to that of the last; negative where the last comes
+  // first. 0: there is none.
+  double readout = kFindReadout;
   FirstPoseOptions first_pose;
   LocalMapOptions local_map;
   RecoveryOptions recovery;
