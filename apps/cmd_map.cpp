@@ -39,7 +39,7 @@ nlohmann::json to_json(const std::string& file, const storage::MapInfo& info) {
           {"bytes", info.file_size},
           {"sensor", name(info.header.sensor)},
           {"camera", camera_json(info.header.camera)},
-          {"refined", pinhole_json(info.camera)},
+          {"refined", pinhole_json(info.camera, info.header.camera.height)},
           {"other_cameras", to_json(info.other_cameras)},
           {"pyramid", {{"levels", info.header.levels}, {"factor", info.header.factor}}},
           {"vocabulary", info.header.vocabulary},
@@ -58,7 +58,8 @@ void print(const std::string& file, const storage::MapInfo& info, const nlohmann
   std::printf("size            %.2f MB\n", static_cast<double>(info.file_size) / 1e6);
   std::cout << "sensor          " << json["sensor"].get<std::string>() << "\n";
   std::cout << "camera          " << json["camera"].dump() << "\n";
-  if (info.camera.fx != info.header.camera.pinhole.fx || info.camera.residual.any() || info.camera.registration.any())
+  if (info.camera.fx != info.header.camera.pinhole.fx || info.camera.residual.any() || info.camera.registration.any() ||
+      info.camera.row_time != 0)
     std::cout << "refined to      " << json["refined"].dump() << "\n";
   for (const storage::OtherCamera& camera : info.other_cameras) {
     std::cout << "other camera    " << camera_json(camera.given).dump() << ", of " << camera.key_frames

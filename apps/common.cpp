@@ -81,7 +81,7 @@ void add_reading_options(CLI::App& command, Reading& reading) {
 
 nlohmann::json camera_json(const Camera& camera) {
   static constexpr const char* kModels[] = {"pinhole", "brown_conrady", "kannala_brandt"};
-  nlohmann::json json = pinhole_json(camera.pinhole);
+  nlohmann::json json = pinhole_json(camera.pinhole, camera.height);
   json["width"] = camera.width;
   json["height"] = camera.height;
   json["model"] = kModels[static_cast<int>(camera.distortion)];

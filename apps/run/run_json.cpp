@@ -186,13 +186,14 @@ void append_stats(const RunRecord& run, const Snapshot& snapshot, FileSink& sink
   }
 }
 
-json pinhole_json(const Pinhole& camera) {
+json pinhole_json(const Pinhole& camera, int height) {
   json figures{{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}};
   if (camera.residual.any()) figures.update({{"k1", camera.residual.k1}, {"k2", camera.residual.k2}});
   if (const DepthRegistration& r = camera.registration; r.any()) {
     figures["depth_registration"] = {
         {"scale", r.scale}, {"shift", {r.shift_x, r.shift_y}}, {"parallax", {r.parallax_x, r.parallax_y}}};
   }
+  if (camera.row_time != 0) figures["readout"] = camera.row_time * height;
   if (camera.depth_noise.known())
     figures.update({{"depth_sigma_a", camera.depth_noise.a}, {"depth_sigma_b", camera.depth_noise.b}});
   return figures;
@@ -212,8 +213,8 @@ json estimate_json(const CameraEstimate& estimate) {
 json to_json(const RunSummary& s) {
   json all{{"source", s.source},
            {"sensor", name(s.sensor)},
-           {"camera", pinhole_json(s.camera)},
-           {"camera_given", pinhole_json(s.given)},
+           {"camera", pinhole_json(s.camera, s.image_height)},
+           {"camera_given", pinhole_json(s.given, s.image_height)},
            {"frames", s.frames.all},
            {"frames_tracked", s.frames.tracked},
            {"frames_tracked_online", s.frames.tracked_online},

@@ -12,7 +12,8 @@
 namespace covis::app {
 
 nlohmann::json to_json(const RunSummary& summary);
-nlohmann::json pinhole_json(const Pinhole& camera);
+// height: of its images, pixels.
+nlohmann::json pinhole_json(const Pinhole& camera, int height);
 
 // A line for each frame, with the mapping done for it and the submap its pose belongs to.
 void append_stats(const RunRecord& run, const Snapshot& snapshot, FileSink& sink);

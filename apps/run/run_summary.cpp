@@ -134,6 +134,7 @@ RunSummary summarise(const RunRecord& run, const Snapshot& snapshot, const Traje
   summary.sensor = run.sensor;
   summary.camera = snapshot.camera;
   summary.given = run.given;
+  summary.image_height = run.image_height;
   summary.estimate = run.estimate;
   summary.interrupted = run.interrupted;
   summary.notes = run.notes;

@@ -87,6 +87,7 @@ struct RunSummary {
   std::string source;
   Sensor sensor = Sensor::monocular;
   Pinhole camera, given;                   // in use at the end, and as the recording has it
+  int image_height = 0;                    // pixels
   std::optional<CameraEstimate> estimate;  // tells how `given` was found; nullopt: the recording has it
   bool interrupted = false;
   std::vector<std::string> notes;  // frames of the recording that were passed over, and why
@@ -109,6 +110,9 @@ constexpr AlignMode alignment_of(Sensor sensor) {
 inline bool refined(const RunSummary& s) { return s.camera.fx != s.given.fx; }
 inline bool registration_found(const RunSummary& s) {
   return s.camera.registration.any() && s.camera.registration != s.given.registration;
+}
+inline bool shutter_found(const RunSummary& s) {
+  return s.camera.row_time != 0 && s.camera.row_time != s.given.row_time;
 }
 const char* name_of_alignment(AlignMode mode);  // "se3" or "sim3"
 

@@ -26,6 +26,11 @@ std::string distortion_text(const RunSummary& s) {
   return fixed(s.camera.residual.k1, 4, ", k2 ") + fixed(s.camera.residual.k2, 4, ", where none was given");
 }
 
+// "0.0205 seconds from the first row to the last"
+std::string shutter_text(const RunSummary& s) {
+  return fixed(s.camera.row_time * s.image_height, 4, " seconds from the first row to the last");
+}
+
 // "526.2 pixels ± 0.8 %, k1 -0.022 ± 0.003, k2 0.000 ± 0.007"
 std::string estimate_text(const RunSummary& s) {
   const auto& [file, k1, k2, sigma] = *s.estimate;
@@ -84,6 +89,7 @@ std::string summary_text(const RunSummary& s, const std::filesystem::path& out) 
   if (s.camera.residual.any()) text += "distortion found: k1 " + distortion_text(s) + "\n";
   if (registration_found(s))
     text += "depth images are not registered to the images: " + description(s.camera.registration) + "\n";
+  if (shutter_found(s)) text += "rolling shutter found: " + shutter_text(s) + " (readout)\n";
   text += "tracking " + fixed(s.times.tracking.median, 2, " ms a frame (median), ") +
           fixed(s.times.tracking.p95, 2, " ms (95 %); ") + fixed(s.costs.frames_per_second, 1, " frames/s in all; ") +
           "peak memory " + fixed(s.costs.peak_rss_mb, 0, " MB\n");
@@ -115,6 +121,7 @@ std::vector<std::pair<std::string, std::string>> summary_rows(const RunSummary& 
   if (s.camera.residual.any()) rows.emplace_back("distortion found", "k1 " + distortion_text(s));
   if (registration_found(s))
     rows.emplace_back("depth images, not registered to the images", description(s.camera.registration));
+  if (shutter_found(s)) rows.emplace_back("rolling shutter found", shutter_text(s));
   if (s.accuracy) {
     rows.emplace_back(std::string("error (ATE RMSE, ") + name_of_alignment(s.accuracy->alignment) + ")",
                       fixed(s.accuracy->ate, 4, " m"));

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "apps/run/run_json.h"
 #include "apps/run/test_run.h"
 
 namespace covis::app {
@@ -56,6 +57,20 @@ TEST(RunText, TellsTheRegistrationThatWasFound) {
   EXPECT_EQ(summary_text(summary, "out").find("registered"), std::string::npos) << "it was given";
   summary.camera.registration = {};
   EXPECT_EQ(summary_text(summary, "out").find("registered"), std::string::npos) << "of a sensor without depth";
+}
+
+TEST(RunText, TellsTheRollingShutterThatWasFound) {
+  Snapshot snapshot = made_snapshot();
+  snapshot.camera.row_time = 0.02051 / 480;
+  RunRecord record = made_record();
+  record.image_height = 480;
+  RunSummary summary = summarise(record, snapshot, nullptr, 0);
+  const std::string said = "0.0205 seconds from the first row to the last";
+  EXPECT_NE(summary_text(summary, "out").find("rolling shutter found: " + said + " (readout)\n"), std::string::npos);
+  EXPECT_EQ(summary_rows(summary).back().second, said);
+  EXPECT_NEAR(to_json(summary)["camera"]["readout"].get<double>(), 0.02051, 1e-9);
+  summary.given.row_time = summary.camera.row_time;
+  EXPECT_EQ(summary_text(summary, "out").find("shutter"), std::string::npos) << "it was given";
 }
 
 TEST(RunText, ARunWithoutAPoseIsExplainedByItsCameraElseByItsFrames) {

@@ -33,7 +33,7 @@ view::FrameRow row_of(const FrameStats& stats) {
 nlohmann::json view_info(const RunRecord& run, const std::string& title, const std::string& mode) {
   nlohmann::json states = nlohmann::json::array();
   for (const FrameState state : kStates) states.push_back(name(state));
-  nlohmann::json camera = pinhole_json(run.given);
+  nlohmann::json camera = pinhole_json(run.given, run.image_height);
   camera["width"] = run.image_width;
   camera["height"] = run.image_height;
   return {{"title", title},   {"mode", mode},     {"source", run.source},

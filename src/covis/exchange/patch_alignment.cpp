@@ -201,7 +201,7 @@ Result<size_t> align_keypoints(Scene& scene, const std::filesystem::path& folder
       if (!is_finest(v, k, keypoint.point)) continue;
       const Eigen::Matrix2d grid = keypoint.scale * Eigen::Matrix2d::Identity();
       RimmedPatch patch;
-      if (image.sample({keypoint.u, keypoint.v}, grid, kRim, patch.data())) patches[keypoint.point] = patch;
+      if (image.sample(keypoint.in_image(), grid, kRim, patch.data())) patches[keypoint.point] = patch;
     }
   });
   if (!read) return tl::unexpected(read.error());
@@ -218,10 +218,10 @@ Result<size_t> align_keypoints(Scene& scene, const std::filesystem::path& folder
       const Template wanted(*patches[keypoint.point]);
       if (!A || !wanted.usable) continue;
       const double scale = from.keypoints[finest[keypoint.point]->keypoint].scale;
-      const auto at = find(wanted, image, *A * scale, {keypoint.u, keypoint.v});
+      const auto at = find(wanted, image, *A * scale, keypoint.in_image());
       if (!at) continue;
-      keypoint.u = at->x();
-      keypoint.v = at->y();
+      keypoint.u = at->x() - keypoint.rolled.x();
+      keypoint.v = at->y() - keypoint.rolled.y();
       keypoint.aligned = true;
       found[keypoint.point] = 1;
     }

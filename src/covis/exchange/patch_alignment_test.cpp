@@ -94,6 +94,25 @@ TEST_F(PatchAlignment, FindsKeypointsToAFractionOfAPixel) {
   for (size_t i = 0; i < 12; ++i) EXPECT_EQ(scene.points[i].position, exact.points[i].position);
 }
 
+// Keypoints from which a turn was taken are not where the image shows them.
+TEST_F(PatchAlignment, LooksWhereARollingShutterMovedAKeypoint) {
+  displace();
+  const Eigen::Vector2d rolled(6, -4);
+  for (SceneView& view : scene.views) {
+    for (SceneView::Keypoint& keypoint : view.keypoints) {
+      keypoint.rolled = rolled;
+      keypoint.u -= rolled.x();
+      keypoint.v -= rolled.y();
+    }
+  }
+  const auto left_out = align_keypoints(scene, folder / "");
+  ASSERT_TRUE(left_out);
+  EXPECT_EQ(*left_out, 0u);
+  for (uint32_t v = 0; v < 3; ++v) {
+    for (size_t k = 0; k < scene.views[v].keypoints.size(); ++k) EXPECT_NEAR(off(v, k), rolled.norm(), 0.1);
+  }
+}
+
 TEST_F(PatchAlignment, LeavesOutWhereTheImageShowsSomethingElse) {
   displace();
   scene.views[2].keypoints[5].u += 9;

@@ -52,6 +52,16 @@ uint32_t camera_of(const KeyFrame& key_frame, Scene& scene) {
   return index;
 }
 
+// By how much the turn between the rows of a rolling shutter was taken out of a keypoint. Other cameras of a map are
+// not known to have one.
+Eigen::Vector2d rolled(const SceneCamera& camera, const Features& features, size_t i) {
+  if (camera.pinhole.row_time == 0) return Eigen::Vector2d::Zero();
+  auto shown = camera.given.undistort(Eigen::Vector2f(features.image_x()[i], features.image_y()[i]).cast<double>());
+  if (shown) shown = camera.refined.straightened(*shown);
+  if (!shown) return Eigen::Vector2d::Zero();
+  return *shown - Eigen::Vector2f(features.x[i], features.y[i]).cast<double>();
+}
+
 void add_view(const Map& map, const KeyFrame& from, Points& points, Scene& scene) {
   SceneView& view = scene.views.emplace_back();
   view.serial = from.serial;
@@ -68,6 +78,7 @@ void add_view(const Map& map, const KeyFrame& from, Points& points, Scene& scene
     const double scale = from.features->pyramid->scale[from.features->level[f]];  // in the map's camera
     view.keypoints.push_back({.u = at.x(),
                               .v = at.y(),
+                              .rolled = rolled(camera, *from.features, f),
                               .point = points.index_of(map, from.points[f]),
                               .scale = scale * camera.pinhole.fx / map.camera().fx,
                               .disparity = disparity_of(*from.features, f, map.camera())});
@@ -178,7 +189,9 @@ Scene centred(const Scene& scene) {
   for (SceneView& view : made.views) {
     const Pinhole &from = scene.cameras[view.camera].pinhole, &to = made.cameras[view.camera].pinhole;
     for (SceneView::Keypoint& keypoint : view.keypoints) {
+      const Eigen::Vector2d shown = keypoint.in_image();
       const Eigen::Vector2d at = to.project(from.unproject(keypoint.u, keypoint.v));
+      keypoint.rolled = to.project(from.unproject(shown.x(), shown.y())) - at;
       keypoint.u = at.x();
       keypoint.v = at.y();
     }

@@ -38,10 +38,13 @@ struct SceneView {
   std::string image;  // name of its image file, without a folder; empty: it has none (write_images())
   struct Keypoint {
     double u = 0, v = 0;
-    uint32_t point = 0;     // index into Scene::points
-    double scale = 1;       // pixels of its image that a pixel of its pyramid level is wide
-    Disparity disparity{};  // as the map's own camera has it
-    bool aligned = false;   // align_keypoints() found u and v
+    Eigen::Vector2d rolled = Eigen::Vector2d::Zero();  // from there to where the undistorted image shows it
+    uint32_t point = 0;                                // index into Scene::points
+    double scale = 1;                                  // pixels of its image that a pixel of its pyramid level is wide
+    Disparity disparity{};                             // as the map's own camera has it
+    bool aligned = false;                              // align_keypoints() found u and v
+
+    Eigen::Vector2d in_image() const { return Eigen::Vector2d(u, v) + rolled; }
   };
   std::vector<Keypoint> keypoints;  // those that show a point
 };

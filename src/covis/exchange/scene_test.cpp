@@ -2,6 +2,7 @@
 #include "covis/exchange/scene.h"
 
 #include "covis/exchange/test_scene.h"
+#include "covis/features/straightening.h"
 #include "covis/map/camera_change.h"
 
 namespace covis::exchange {
@@ -87,6 +88,35 @@ size_t observations(const Scene& scene) {
   size_t count = 0;
   for (const SceneView& view : scene.views) count += view.keypoints.size();
   return count;
+}
+
+TEST(Scene, TellsWhereTheImageShowsWhatARollingShutterMoved) {
+  const PointScene points = PointScene::wall();
+  SceneMap world(points, Sensor::monocular);
+  world.add_key_frames(2);
+  Pinhole camera = points.camera;
+  camera.row_time = 0.02 / 480;
+  {
+    const auto map = world.shared.write();
+    map->set_features(world.frames[0], key_frame_features(*world.views[0].features, nullptr, {0.3, 1, -0.2}, camera));
+    map->set_camera(camera);
+  }
+  const Camera given{640, 480, camera, Distortion::none, {}};
+  const Scene scene = scenes_of(*world.shared.read(), given).front();
+  double moved = 0;
+  for (const SceneView::Keypoint& keypoint : scene.views[0].keypoints) {
+    const Eigen::Vector2d shown = camera.project(points.T_cw(0) * scene.points[keypoint.point].position);
+    EXPECT_LT((keypoint.in_image() - shown).norm(), 1e-3) << "points are where the keypoints were at first";
+    moved = std::max(moved, keypoint.rolled.norm());
+  }
+  EXPECT_GT(moved, 3);
+  for (const SceneView::Keypoint& keypoint : scene.views[1].keypoints) EXPECT_LT(keypoint.rolled.norm(), 1e-4);
+  const Scene middle = centred(scene);
+  for (size_t k = 0; k < scene.views[0].keypoints.size(); ++k) {
+    const SceneView::Keypoint &before = scene.views[0].keypoints[k], &after = middle.views[0].keypoints[k];
+    const Eigen::Vector3d ray = camera.unproject(before.in_image().x(), before.in_image().y());
+    EXPECT_LT((middle.cameras[0].pinhole.project(ray) - after.in_image()).norm(), 1e-9);
+  }
 }
 
 TEST(Scene, KeepsTheTracksOfPointsThatAreWhereTheyAreSeen) {

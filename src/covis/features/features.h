@@ -93,12 +93,22 @@ struct FeatureGrid {
   }
 };
 
+// How the camera turned while the rows of an image were exposed one after the other (features/unrolling.h).
+struct ExposureTurn {
+  Eigen::Vector3d rate = Eigen::Vector3d::Zero();  // turn of the rays, radians a second; zero: not known
+  double row_time = 0;  // Pinhole::row_time by which it was taken out of the keypoints; 0: it was not
+
+  Eigen::Vector3d taken() const { return row_time * rate; }  // from row to row, radians
+};
+
 struct Features {
   enum class RawPixels { same, different };
   // Removes all keypoints and makes room for `room` of them, and for their raw pixels where those differ.
   void start(size_t room, RawPixels raw);
 
-  AlignedVector<float> x, y;          // undistorted pixels, level-0 scale, in the pinhole model of the map's camera
+  // Undistorted pixels, level-0 scale, in the pinhole model of the map's camera. Where a turn was taken out of them
+  // they are not where the undistorted image shows them.
+  AlignedVector<float> x, y;
   AlignedVector<float> raw_x, raw_y;  // distorted pixels of the input image; empty when equal to x, y: see image_x()
   AlignedVector<float> angle;         // radians in [0, 2 pi)
   AlignedVector<float> u_right;       // column in the (real or virtual) right image; negative: no measurement
@@ -109,7 +119,7 @@ struct Features {
   std::shared_ptr<const ScalePyramid> pyramid;
   std::shared_ptr<const Pinhole> straightened_for;  // the camera whose residual distortion was
                                                     // taken out of x and y; null: none was
-  bool unrolled = false;  // the turn between the rows of a rolling shutter was taken out of x and y
+  ExposureTurn exposure;
   std::shared_ptr<const RefinedCamera> made_by;  // the camera, where it is another one than the map's; else null
   std::shared_ptr<const Camera> lens;            // null: raw pixels are undistorted ones
   std::shared_ptr<Patches> patches;              // null: none were cut, or none are kept

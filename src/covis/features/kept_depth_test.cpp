@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kWide = 161, kHigh = 121;
 constexpr Pinhole kSlopeCamera{.fx = 130, .fy = 130, .cx = 80, .cy = 60, .bf = 10};
+const Eigen::Vector3d kUnknownTurn = Eigen::Vector3d::Zero();
 
 float slope_depth(int x, int y) { return 1.5f + 0.004f * static_cast<float>(x) + 0.002f * static_cast<float>(y); }
 
@@ -99,17 +100,17 @@ TEST(KeptDepth, LooksUpWithoutTheLensOfTheImage) {
 TEST(KeptDepth, KeyFramesHaveTheDepthsOfTheirCamera) {
   const Features given = keypoints_on_slope();
   const auto depth = std::make_shared<const KeptDepth>(slope_image().view());
-  const auto first = key_frame_features(given, depth, kSlopeCamera);
+  const auto first = key_frame_features(given, depth, kUnknownTurn, kSlopeCamera);
   EXPECT_EQ(first->depth, given.depth) << "they were looked up so";
   Pinhole other = kSlopeCamera;
   other.registration = {1.05, 3, -2, 0, 0};
   EXPECT_FALSE(straight_for(*first, other));
   const auto second = straightened(*first, other);
   EXPECT_TRUE(straight_for(*second, other));
-  EXPECT_EQ(key_frame_features(given, depth, other)->depth, second->depth);
+  EXPECT_EQ(key_frame_features(given, depth, kUnknownTurn, other)->depth, second->depth);
   EXPECT_EQ(second->x, given.x);
   EXPECT_TRUE(second->raw_x.empty()) << "keypoints stay";
-  EXPECT_EQ(key_frame_features(given, nullptr, other)->depth, given.depth) << "nothing to look up in";
+  EXPECT_EQ(key_frame_features(given, nullptr, kUnknownTurn, other)->depth, given.depth) << "nothing to look up in";
 }
 
 }  // namespace

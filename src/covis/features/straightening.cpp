@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "covis/features/unrolling.h"
+
 namespace covis {
 namespace {
 
@@ -10,8 +12,17 @@ bool looked_up_for(const Features& features, const Pinhole& camera) {
   return !features.kept_depth || features.kept_depth->looked_up_by() == camera.registration;
 }
 
+bool unrolled_for(const Features& features, const Pinhole& camera) {
+  return features.exposure.rate.isZero(0) || features.exposure.row_time == camera.row_time;
+}
+
 bool same_residual(const Pinhole& a, const Pinhole& b) {
   return a.residual == b.residual && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
+}
+
+// What was taken out of the keypoints is the residual distortion of this camera.
+bool has_residual_of(const Features& features, const Pinhole& camera) {
+  return features.straightened_for ? same_residual(*features.straightened_for, camera) : !camera.residual.any();
 }
 
 template <class Change>
@@ -31,6 +42,7 @@ ImageBounds changed(const ImageBounds& b, Change&& change) {
   return box;
 }
 
+// The keypoints still have the turn between their rows.
 void straighten(const Pinhole& camera, Features& f) {
   f.raw_x = AlignedVector<float>(f.image_x());
   f.raw_y = AlignedVector<float>(f.image_y());
@@ -54,21 +66,26 @@ void straighten(const Pinhole& camera, Features& f) {
 }  // namespace
 
 bool straight_for(const Features& features, const Pinhole& camera) {
-  const bool straight =
-      features.straightened_for ? same_residual(*features.straightened_for, camera) : !camera.residual.any();
-  return straight && looked_up_for(features, camera);
+  return has_residual_of(features, camera) && unrolled_for(features, camera) && looked_up_for(features, camera);
 }
 
 std::shared_ptr<Features> straightened(const Features& of, const Pinhole& camera) {
   auto f = std::make_shared<Features>(of);
-  if (camera.residual.any() || of.straightened_for) straighten(camera, *f);
+  const ExposureTurn before = f->exposure;
+  const ExposureTurn turn{before.rate, before.rate.isZero(0) ? before.row_time : camera.row_time};
+  if (!has_residual_of(*f, camera)) {
+    if (before.row_time != 0) unroll(f->straightened_for ? *f->straightened_for : camera, {before.rate, 0}, *f);
+    straighten(camera, *f);
+  }
+  if (f->exposure.row_time != turn.row_time) unroll(camera, turn, *f);
   if (!looked_up_for(*f, camera)) f->kept_depth->look_up(camera, *f);
   return f;
 }
 
 std::shared_ptr<Features> key_frame_features(const Features& features, std::shared_ptr<const KeptDepth> depth,
-                                             const Pinhole& camera) {
+                                             const Eigen::Vector3d& turn_rate, const Pinhole& camera) {
   std::shared_ptr<Features> copy = features.for_key_frame();
+  if (copy->exposure.row_time == 0) copy->exposure.rate = turn_rate;
   copy->kept_depth = std::move(depth);
   return straight_for(*copy, camera) ? copy : straightened(*copy, camera);
 }

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "covis/core/random.h"
 
 namespace covis {
@@ -102,6 +105,33 @@ TEST(Straightening, ColumnsOfDepthFollow) {
   const auto straight = straightened(some_features(), refined);
   EXPECT_FLOAT_EQ(straight->u_right[1], straight->x[1] - 25);
   EXPECT_EQ(straight->u_right[0], -1);
+}
+
+// The rolled image has the lens in it, wherever the turn moved a keypoint to.
+TEST(Straightening, TheTurnBetweenRowsAndTheLensAreTakenOutInAnyOrder) {
+  const Features given = some_features();
+  Pinhole lens = with_residual(1, -0.08, 0.03), shutter = kGiven, both = lens;
+  shutter.row_time = both.row_time = 0.02 / 480;
+  const Eigen::Vector3d rate(0.4, 1.5, -0.8);
+  const auto direct = key_frame_features(given, nullptr, rate, both);
+  const auto shutter_first = straightened(*key_frame_features(given, nullptr, rate, shutter), both);
+  const auto lens_first = straightened(*key_frame_features(given, nullptr, rate, lens), both);
+  EXPECT_TRUE(straight_for(*direct, both));
+  EXPECT_FALSE(straight_for(*direct, lens));
+  EXPECT_FALSE(straight_for(*direct, shutter));
+  EXPECT_EQ(direct->exposure.row_time, both.row_time);
+  double moved = 0;
+  const auto lens_alone = straightened(given, lens);
+  for (size_t i = 0; i < given.x.size(); ++i) {
+    EXPECT_NEAR(shutter_first->x[i], direct->x[i], 0.01);
+    EXPECT_NEAR(shutter_first->y[i], direct->y[i], 0.01);
+    EXPECT_NEAR(lens_first->x[i], direct->x[i], 0.01);
+    EXPECT_NEAR(lens_first->y[i], direct->y[i], 0.01);
+    moved = std::max<double>(moved, std::abs(direct->x[i] - lens_alone->x[i]));
+  }
+  EXPECT_GT(moved, 3) << "pixels";
+  EXPECT_TRUE(straight_for(*key_frame_features(given, nullptr, Eigen::Vector3d::Zero(), lens), both))
+      << "nothing is known of its turn";
 }
 
 }  // namespace

@@ -16,8 +16,9 @@ inline Eigen::Vector3d moved_by_turn(const Eigen::Vector3d& ray, const Eigen::Ve
   return moved + 0.5 * turn.cross(moved);
 }
 
-// Takes the turn of the rays from one row to the next out of keypoints that still have it. They stay where they are in
-// the image.
-void unroll(const Pinhole& camera, const Eigen::Vector3d& turn, Features& features);
+// Takes the turn that `exposure` tells out of keypoints that have what their own `exposure` leaves in them.
+void unroll(const Pinhole& camera, const ExposureTurn& exposure, Features& features);
+// The place of a keypoint with its turn in it: where the undistorted image shows it.
+Eigen::Vector2d rolled_place(const Pinhole& camera, const Features& features, size_t i);
 
 }  // namespace covis

@@ -11,6 +11,7 @@ namespace covis {
 namespace {
 
 constexpr Pinhole kSwayed{.fx = 500, .fy = 510, .cx = 320, .cy = 240, .bf = 40};
+constexpr double kRowTime = 0.03 / 480;
 const Eigen::Vector3d kTurn = Eigen::Vector3d(0.03, -0.05, 0.02) / 480;  // some 2 radians a second in 30 ms
 
 // Keypoints all over the image, every second one with a disparity.
@@ -33,14 +34,15 @@ TEST(Unrolling, PutsKeypointsWhereTheyAreInTheMomentOfTheMiddleRow) {
   double moved = 0;
   for (size_t i = 0; i < f.x.size(); ++i) moved = std::max<double>(moved, std::abs(f.x[i] - truth.x[i]));
   EXPECT_GT(moved, 5) << "pixels";
-  unroll(kSwayed, kTurn, f);
-  EXPECT_TRUE(f.unrolled);
+  unroll(kSwayed, {kTurn / kRowTime, kRowTime}, f);
+  EXPECT_EQ(f.exposure.taken(), kTurn);
   EXPECT_EQ(f.image_x(), seen_x) << "they stay where they are in the image";
   EXPECT_EQ(f.image_y(), seen_y);
   for (size_t i = 0; i < f.x.size(); ++i) {
     EXPECT_NEAR(f.x[i], truth.x[i], 0.02);
     EXPECT_NEAR(f.y[i], truth.y[i], 0.02);
     EXPECT_NEAR(f.u_right[i], truth.u_right[i], 0.02);
+    EXPECT_LT((rolled_place(kSwayed, f, i) - Eigen::Vector2d(seen_x[i], seen_y[i])).norm(), 0.01);
     EXPECT_TRUE(f.grid.bounds.min_x <= f.x[i] && f.x[i] <= f.grid.bounds.max_x);
     EXPECT_TRUE(f.grid.bounds.min_y <= f.y[i] && f.y[i] <= f.grid.bounds.max_y);
   }
@@ -49,8 +51,25 @@ TEST(Unrolling, PutsKeypointsWhereTheyAreInTheMomentOfTheMiddleRow) {
 TEST(Unrolling, WithoutATurnNothingMoves) {
   const Features truth = all_over();
   Features f = truth;
-  unroll(kSwayed, Eigen::Vector3d::Zero(), f);
+  unroll(kSwayed, {Eigen::Vector3d::Zero(), kRowTime}, f);
   for (size_t i = 0; i < f.x.size(); ++i) EXPECT_NEAR(f.x[i], truth.x[i], 1e-4);
+}
+
+TEST(Unrolling, WhatWasTakenOutIsNotTakenOutAgain) {
+  Features once = all_over();
+  roll(kSwayed, kTurn, once);
+  Features twice = once, back = once;
+  const AlignedVector<float> seen_x = once.x;
+  unroll(kSwayed, {kTurn / kRowTime, kRowTime}, once);
+  unroll(kSwayed, {Eigen::Vector3d(0.5 * kTurn / kRowTime), kRowTime}, twice);
+  unroll(kSwayed, {kTurn / kRowTime, kRowTime}, twice);
+  unroll(kSwayed, {kTurn / kRowTime, kRowTime}, back);
+  unroll(kSwayed, {kTurn / kRowTime, 0}, back);
+  for (size_t i = 0; i < once.x.size(); ++i) {
+    EXPECT_NEAR(twice.x[i], once.x[i], 0.02);
+    EXPECT_NEAR(twice.y[i], once.y[i], 0.02);
+    EXPECT_NEAR(back.x[i], seen_x[i], 0.02);
+  }
 }
 
 }  // namespace

@@ -33,10 +33,15 @@ struct Pinhole {
   DepthNoise depth_noise{};               // RGB-D; not known: depth is measured as a disparity between two images
   ResidualDistortion residual{};          // as a run found it, and took it out of all keypoints
   DepthRegistration registration{};       // RGB-D: as given or as a run found it
+  // Rolling shutter: seconds from the exposure of one row to that of the next, as given or as a run found it; 0: all
+  // rows at once. Negative: the last row comes first, as in a camera that is mounted upside down.
+  double row_time = 0;
 
   double baseline() const { return bf / fx; }
   // As if it measured none, where depths are in another unit than the map's.
-  Pinhole without_depth() const { return {.fx = fx, .fy = fy, .cx = cx, .cy = cy, .residual = residual}; }
+  Pinhole without_depth() const {
+    return {.fx = fx, .fy = fy, .cx = cx, .cy = cy, .residual = residual, .row_time = row_time};
+  }
   Eigen::Vector2d project(const Eigen::Vector3d& p_c) const {
     return {fx * p_c.x() / p_c.z() + cx, fy * p_c.y() / p_c.z() + cy};
   }

@@ -63,6 +63,8 @@ std::optional<std::string> problem_of(const Camera& camera) {
     if (!(std::abs(k) <= B::kLargestCoefficient))
       return out_of_bounds("a distortion coefficient", k, -B::kLargestCoefficient, B::kLargestCoefficient);
   }
+  if (const double readout = p.row_time * camera.height; !(std::abs(readout) <= B::kLongestReadout * (1 + kRounding)))
+    return out_of_bounds("the readout in seconds", readout, -B::kLongestReadout, B::kLongestReadout);
   return std::nullopt;
 }
 

@@ -16,6 +16,7 @@ struct CameraBounds {
   static constexpr double kLeastFocal = 1, kLargestFocal = 1e5;
   static constexpr double kLeastBaseline = 1e-4, kLargestBaseline = 100;
   static constexpr double kLargestCoefficient = 1e6;  // any coefficient of a lens
+  static constexpr double kLongestReadout = 0.2;      // seconds from the first row to the last
 };
 
 // Names the figure of a camera that is out of bounds, not finite or contradicts the others, its value and what would be

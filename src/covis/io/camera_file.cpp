@@ -31,7 +31,7 @@ const char* model_name(Distortion distortion) {
 struct Values {
   int width = 0, height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0, baseline = 0, bf = 0, fps = 0, depth_scale = 0, depth_sigma_a = 0,
-         depth_sigma_b = 0;
+         depth_sigma_b = 0, readout = 0;
   double depth_fx = 0, depth_cx = 0, depth_cy = 0, depth_x = 0, depth_y = 0;
   std::string model = "pinhole", depth_noise;
 
@@ -46,6 +46,8 @@ struct Values {
             {"baseline", &baseline, "baseline of the stereo pair, metres", B::kLeastBaseline, B::kLargestBaseline},
             {"bf", &bf, "baseline times fx, pixels x metres", 1e-3, 1e6},
             {"fps", &fps, "frames per second", 0.01, 10000},
+            {"readout", &readout, "rolling shutter: seconds from the first row to the last", -B::kLongestReadout,
+             B::kLongestReadout},
             {"depth_scale", &depth_scale, "units of a depth image per metre", 1e-3, 1e6},
             {"depth_sigma_a", &depth_sigma_a, "noise of a depth z: sigma = a + b z^2; a in metres", 0, 1},
             {"depth_sigma_b", &depth_sigma_b, "the same; b in 1 / metres", 0, 1},
@@ -162,6 +164,7 @@ Result<CameraFile> load_camera(const std::filesystem::path& file) {
   result.camera.width = values.width;
   result.camera.height = values.height;
   result.camera.pinhole = {values.fx, values.fy, values.cx, values.cy, values.fx * result.baseline};
+  result.camera.pinhole.row_time = values.readout / values.height;
   const auto depth_noise = read_depth_noise(file, given, values);
   if (!depth_noise) return tl::unexpected(depth_noise.error());
   result.camera.pinhole.depth_noise = *depth_noise;
@@ -193,6 +196,7 @@ std::string camera_text(const CameraFile& file) {
   }
   if (file.baseline > 0) text << "baseline: " << file.baseline << "\n";
   if (file.fps > 0) text << "fps: " << file.fps << "\n";
+  if (c.pinhole.row_time != 0) text << "readout: " << c.pinhole.row_time * c.height << "\n";
   if (file.depth_scale > 0) text << "depth_scale: " << file.depth_scale << "\n";
   if (const DepthNoise& noise = c.pinhole.depth_noise; noise.known())
     text << "depth_sigma_a: " << noise.a << "\ndepth_sigma_b: " << noise.b << "\n";

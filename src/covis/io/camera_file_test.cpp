@@ -20,6 +20,7 @@ TEST_F(CameraFiles, CamerasRoundTrip) {
   file.camera.coefficients = {0.1, 0.01, 0.001, 0.0001, 0};
   file.camera.pinhole.depth_noise = {0.001, 0.002};
   file.camera.pinhole.registration = {1.1, 5, -3, 14, 0.5};
+  file.camera.pinhole.row_time = -0.02 / 480;
   file.baseline = 0.11;
   file.fps = 30;
   write("c.yaml", camera_text(file));
@@ -32,6 +33,7 @@ TEST_F(CameraFiles, CamerasRoundTrip) {
   const DepthRegistration &now = loaded->camera.pinhole.registration, &before = file.camera.pinhole.registration;
   EXPECT_LT((now.pixel(pixel, centre, 0.7) - before.pixel(pixel, centre, 0.7)).norm(), 1e-9);
   EXPECT_NEAR(loaded->camera.pinhole.baseline(), 0.11, 1e-12);
+  EXPECT_NEAR(loaded->camera.pinhole.row_time, -0.02 / 480, 1e-12);
   for (const auto& entry : fs::directory_iterator(fs::path(COVIS_SOURCE_DIR) / "cameras")) {
     EXPECT_TRUE(load_camera(entry.path())) << entry.path();
   }
@@ -57,6 +59,7 @@ TEST_F(CameraFiles, CameraFilesThatContradictThemselves) {
   EXPECT_THAT(error("depth_sigma_a: 0\n"), HasSubstr("greater than 0"));
   EXPECT_THAT(error("depth_x: 0.02\n"), AllOf(HasSubstr("camera.yaml:7"), HasSubstr("depth_fx only")));
   EXPECT_THAT(error("depth_fx: 60000\n"), AllOf(HasSubstr("camera.yaml:7"), HasSubstr("from 0.1 to 10 times")));
+  EXPECT_THAT(error("readout: 0.5\n"), AllOf(HasSubstr("camera.yaml:7"), HasSubstr("readout"), HasSubstr("0.2")));
   EXPECT_EQ(error("depth_noise: exact\n"), "");
   EXPECT_EQ(load_camera(folder / "camera.yaml")->camera.pinhole.depth_noise, DepthNoise::exact());
   EXPECT_EQ(error("bf: 5\n"), "");

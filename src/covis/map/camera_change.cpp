@@ -77,6 +77,7 @@ Result<void> express_in(MapState& map, const Camera& made_by, const RefinedCamer
   RefinedCamera from{made_by, map.camera};
   from.given.pinhole.depth_noise = from.pinhole.depth_noise = {};  // no file has them
   from.given.pinhole.registration = from.pinhole.registration = {};
+  from.given.pinhole.row_time = from.pinhole.row_time = 0;
   const auto own = std::make_shared<const RefinedCamera>(from);
   Pyramids pyramids;
   const auto straightened_for = to.pinhole.residual.any() ? std::make_shared<const Pinhole>(to.pinhole) : nullptr;
@@ -86,6 +87,7 @@ Result<void> express_in(MapState& map, const Camera& made_by, const RefinedCamer
     auto& name = features->made_by;
     if (!name && k.features->pyramid->base == 1) name = own;
     if (name && same_lens(name->given, to.given) && same_pixels(name->pinhole, to.pinhole)) name = nullptr;
+    features->exposure = {};  // rows are those of the other camera
     k.features = features;
   }
   for (MapPointState& p : map.points) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "covis/map/relative_pose.h"
@@ -39,9 +40,11 @@ struct KeyFrameRequest {
   std::vector<MapPointId> points;    // for each feature the point it was matched to, or an invalid handle
   std::vector<uint32_t> new_points;  // features whose depth makes a new point
   std::vector<PointCount> counts;
-  std::vector<UnlocatedFrame> unlocated;  // earlier frames, newest first
-  bool doubted_depth = false;             // true: neither noise nor focal length is to be estimated
-  bool suspected_depth = false;           // true: it was doubted once, so that every key frame is compared
+  std::vector<UnlocatedFrame> unlocated;                // earlier frames, newest first
+  Eigen::Vector3d turn_rate = Eigen::Vector3d::Zero();  // of the rays, radians a second; zero: not known
+  std::optional<double> row_time;  // the camera has another rolling shutter than the map's: Pinhole::row_time
+  bool doubted_depth = false;      // true: neither noise nor focal length is to be estimated
+  bool suspected_depth = false;    // true: it was doubted once, so that every key frame is compared
 };
 
 // Make the first two key frames and points of a monocular submap, beside what is there. World = camera of the first.

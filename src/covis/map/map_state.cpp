@@ -105,10 +105,11 @@ bool valid_pixel_size(float base) { return base >= 1 / 64.0f && base <= 64; }
 
 bool valid_camera(const Pinhole& c) {
   constexpr double kMaxResidual = 10;                                    // no lens is near
+  constexpr double kMaxRowTime = 0.1;                                    // seconds: no camera is near
   const auto is_focal = [](double f) { return f >= 1e-3 && f <= 1e9; };  // a NaN is none
   return is_focal(c.fx) && is_focal(c.fy) && std::abs(c.cx) <= 1e9 && std::abs(c.cy) <= 1e9 && c.bf >= 0 &&
          c.bf <= kMaxLength && c.depth_noise.valid() && std::abs(c.residual.k1) <= kMaxResidual &&
-         std::abs(c.residual.k2) <= kMaxResidual && c.registration.valid();
+         std::abs(c.residual.k2) <= kMaxResidual && c.registration.valid() && std::abs(c.row_time) <= kMaxRowTime;
 }
 
 std::string problem_of(const Features& f, const ImageBounds& bounds) {

@@ -62,8 +62,9 @@ std::optional<InitialMap> make_initial_map(SharedMap& shared, const InitialMapRe
                                            BundleAdjuster& adjuster, RecentPoints& recent) {
   constexpr int kIterations = 20;
   const Pinhole camera = shared.read()->camera();
-  const FeaturesPtr first = key_frame_features(*request.first.features, nullptr, camera);
-  const FeaturesPtr second = key_frame_features(*request.second.features, nullptr, camera);
+  const Eigen::Vector3d kUnknownTurn = Eigen::Vector3d::Zero();
+  const FeaturesPtr first = key_frame_features(*request.first.features, nullptr, kUnknownTurn, camera);
+  const FeaturesPtr second = key_frame_features(*request.second.features, nullptr, kUnknownTurn, camera);
   BundleProblem problem = problem_of(request, camera, *first, *second);
   adjuster.solve(problem, {.iterations = kIterations});
   classify_observations(problem);

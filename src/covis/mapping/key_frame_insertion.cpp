@@ -12,7 +12,8 @@
 namespace covis {
 
 KeyFrameId insert_key_frame(SharedMap& shared, const KeyFrameRequest& request, RecentPoints& recent) {
-  const FeaturesPtr features = key_frame_features(*request.features, request.depth, shared.read()->camera());
+  const FeaturesPtr features =
+      key_frame_features(*request.features, request.depth, request.turn_rate, shared.read()->camera());
   MapEdit map(shared);
   SE3 T_cw = request.pose.T_cr;
   std::optional<RelativePose> reference;

@@ -175,7 +175,7 @@ std::optional<AlignedPlace> moved_place(const Features& features, size_t feature
   };
   const auto at = straight(place.image);
   if (!at) return std::nullopt;
-  if (features.unrolled) {
+  if (features.exposure.row_time != 0) {
     // The turn of the camera moves it as it moves the keypoint.
     const auto keypoint = straight(place.image - by);
     if (!keypoint) return std::nullopt;

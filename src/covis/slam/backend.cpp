@@ -7,6 +7,7 @@
 
 #include "covis/core/log.h"
 #include "covis/core/time.h"
+#include "covis/loops/shutter_adjustment.h"
 #include "covis/loops/submap_adjustment.h"
 #include "covis/mapping/map_limit.h"
 #include "covis/tracking/backtrack.h"
@@ -35,7 +36,7 @@ MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic
   const Stopwatch watch;
   apply_adjustment(report);
   close_loop(report);
-  if (!request.doubted_depth) refine_camera(report.key_frame);
+  if (!adjusts_shutter(request, report.key_frame) && !request.doubted_depth) refine_camera(report.key_frame);
   if (!background_.running()) RegistrationSchedule::drop_depths(map_);
   forget_replaced_points(report.key_frame);
   report.loop_ms = watch.ms();
@@ -91,6 +92,14 @@ bool Backend::registers_depth(KeyFrameId current) {
   if (!options_.mapper.register_depth || !registration_.ask(*map_.read())) return false;
   background_.start(
       RegistrationRefinement::of(*map_.read(), current, {given_.fx, options_.mapper.estimate_depth_noise}), kKeyFrames);
+  return true;
+}
+
+// True: the camera has another rolling shutter, and the map is being adjusted to it.
+bool Backend::adjusts_shutter(const KeyFrameRequest& request, KeyFrameId current) {
+  constexpr int kKeyFrames = 2;  // after which the map is to have it
+  if (!request.row_time || background_.running()) return false;
+  background_.start(ShutterAdjustment::of(*map_.read(), current, *request.row_time), kKeyFrames);
   return true;
 }
 

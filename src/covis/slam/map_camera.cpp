@@ -23,6 +23,7 @@ Pinhole for_sensor(Pinhole camera, Sensor sensor) {
 Pinhole camera_for(const Map& map, const Camera& made_by, const Camera& given, Sensor sensor) {
   const Pinhole saved = map.camera();
   Pinhole camera = same_lens(given, made_by) ? saved : given.pinhole;
+  if (camera.row_time == 0) camera.row_time = given.pinhole.row_time;
   if (sensor == Sensor::stereo) camera.residual = {};  // the columns of rectified pairs stay as they are
   // A registration or noise given for this recording goes before those that the map learned.
   if (sensor == Sensor::rgbd && given.pinhole.registration.any()) camera.registration = given.pinhole.registration;

@@ -15,6 +15,17 @@
 namespace covis {
 namespace {
 
+bool finds_shutter(const SystemOptions& options, const Camera& camera) {
+  return options.tracker.readout == kFindReadout && camera.pinhole.row_time == 0;
+}
+
+// The readout in the settings goes before that of the camera.
+Camera with_shutter(Camera camera, const SystemOptions& options) {
+  const double readout = options.tracker.readout;
+  if (readout != kFindReadout) camera.pinhole.row_time = readout / camera.height;
+  return camera;
+}
+
 TrackingSettings tracking_settings(const SystemOptions& o, const Camera& camera) {
   return {.sensor = o.sensor,
           .options = o.tracker,
@@ -22,7 +33,7 @@ TrackingSettings tracking_settings(const SystemOptions& o, const Camera& camera)
           .mode = o.localize ? TrackingMode::localisation : TrackingMode::mapping,
           .closes_loops = o.loop.close,
           .seed = o.seed,
-          .rows = camera.height};
+          .shutter_rows = finds_shutter(o, camera) ? camera.height : 0};
 }
 
 // Noise, distortion and registration that were given are not looked for.
@@ -37,14 +48,14 @@ BackendOptions backend_options(const SystemOptions& options, const Camera& camer
 }  // namespace
 
 System::System(const Camera& camera, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
-    : given_(camera),
+    : given_(with_shutter(camera, options)),
       options_(options),
       vocabulary_(std::move(vocabulary)),
-      map_(for_sensor(camera.pinhole, options.sensor)),
+      map_(for_sensor(given_.pinhole, options.sensor)),
       log_(static_cast<size_t>(options.trajectory_frames)),
-      frontend_(camera, options.orb, options.sensor),
-      tracker_(map_, tracking_settings(options, camera), vocabulary_),
-      mapping_(map_, backend_options(options, camera), vocabulary_) {
+      frontend_(given_, options.orb, options.sensor),
+      tracker_(map_, tracking_settings(options, given_), vocabulary_),
+      mapping_(map_, backend_options(options, given_), vocabulary_) {
   // A lost camera is looked for in the map; it begins none.
   if (options_.localize) tracker_.start_lost();
 }
@@ -57,7 +68,8 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
   if (!options_.localize) {
     if (auto continued = check_continued(map, options_.sensor); !continued) return continued;
   }
-  const Pinhole camera = camera_for(map, made_by, given_, options_.sensor);
+  Pinhole camera = camera_for(map, made_by, given_, options_.sensor);
+  if (!finds_shutter(options_, given_)) camera.row_time = given_.pinhole.row_time;
   const std::string other = difference(given_, made_by);
   if (!other.empty())
     log(LogLevel::info, "the map was made by another camera (" + other + "); it is expressed in the present one");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <memory>
 #include <utility>
 
@@ -226,6 +227,29 @@ Result<DepthRegistration> read_registration(SectionFile& file) {
   return registration;
 }
 
+Result<double> read_row_time(SectionFile& file) {
+  double row_time = 0;
+  if (!file.has(kShutter)) return row_time;
+  const auto bytes = file.read(kShutter, "rolling shutter");
+  if (!bytes) return tl::unexpected(bytes.error());
+  FieldReader fields(*bytes);
+  fields(row_time);
+  if (!fields.whole()) return fail(file.error(kNotRightLength));
+  if (!std::isfinite(row_time)) return fail(file.error("its rolling shutter is not valid"));
+  return row_time;
+}
+
+// What a map learned of its camera that no key frame's record has.
+Result<void> read_learned(SectionFile& file, Pinhole& camera) {
+  const auto registration = read_registration(file);
+  if (!registration) return tl::unexpected(registration.error());
+  const auto row_time = read_row_time(file);
+  if (!row_time) return tl::unexpected(row_time.error());
+  camera.registration = *registration;
+  camera.row_time = *row_time;
+  return {};
+}
+
 Result<void> read_colours(SectionFile& file, std::vector<KeyFrameState>& key_frames) {
   if (!file.has(kColours)) return {};
   const auto bytes = file.read(kColours, "colours");
@@ -246,10 +270,8 @@ Result<MapState> read_state(SectionFile& file, const Counts& counts, const MapHe
   const auto noise = read_depth_noise(file, header.sensor);
   if (!noise) return tl::unexpected(noise.error());
   state.camera.depth_noise = *noise;
-  const auto registration = read_registration(file);
-  if (!registration) return tl::unexpected(registration.error());
-  state.camera.registration = *registration;
-  Result<void> read = read_features(file, records, state);
+  Result<void> read = read_learned(file, state.camera);
+  if (read) read = read_features(file, records, state);
   if (read) read = read_observations(file, state.key_frames);
   if (read) read = read_points(file, counts.points, state.points);
   if (read) read = read_colours(file, state.key_frames);
@@ -314,9 +336,7 @@ Result<MapInfo> read_map_info(const std::filesystem::path& path) {
   info.camera = records.empty() ? info.header.camera.pinhole : records.front().camera;
   const auto cameras = read_key_frame_cameras(*file, key_frames->size(), info.camera);
   if (!cameras) return tl::unexpected(cameras.error());
-  const auto registration = read_registration(*file);
-  if (!registration) return tl::unexpected(registration.error());
-  info.camera.registration = *registration;
+  if (auto read = read_learned(*file, info.camera); !read) return tl::unexpected(read.error());
   for (const RefinedCamera& camera : cameras->cameras) info.other_cameras.push_back({camera.given, 0});
   for (const uint32_t k : cameras->of) {
     if (k > 0) ++info.other_cameras[k - 1].key_frames;

@@ -118,13 +118,29 @@ TEST_F(MapFile, TheRegistrationOfDepthIsKept) {
   ASSERT_TRUE(save_map(file(), state, header));
   auto opened = SectionFile::open(file());
   ASSERT_TRUE(opened) << opened.error().message;
-  EXPECT_EQ(opened->minor(), kMapFileMinor);
+  EXPECT_EQ(opened->minor(), kMapFileMinorWithRegistration);
   EXPECT_EQ(load_map(file())->map.camera(), state.camera);
   EXPECT_EQ(read_map_info(file())->camera.registration, state.camera.registration);
   const std::string bytes = *opened->read(kRegistration, "registration");
   const auto with = [&](const std::string& changed) { return with_section(*opened, kRegistration, changed); };
   expect_refused(with(bytes + "x"), "length");
   expect_refused(with(std::string(6, '\0') + "\xf0\x7f" + bytes.substr(8)), "registration of depth is not valid");
+}
+
+TEST_F(MapFile, TheRollingShutterIsKept) {
+  MapState state = random_map(7, 60, 12).state();
+  ASSERT_TRUE(save_map(file(), state, test_header()));
+  EXPECT_FALSE(SectionFile::open(file())->has(kShutter));
+  state.camera.row_time = -4e-5;
+  ASSERT_TRUE(save_map(file(), state, test_header()));
+  auto opened = SectionFile::open(file());
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ(opened->minor(), kMapFileMinor);
+  EXPECT_EQ(load_map(file())->map.camera(), state.camera);
+  EXPECT_EQ(read_map_info(file())->camera.row_time, state.camera.row_time);
+  const std::string bytes = *opened->read(kShutter, "rolling shutter");
+  expect_refused(with_section(*opened, kShutter, bytes + "x"), "length");
+  expect_refused(with_section(*opened, kShutter, std::string(6, '\0') + "\xf0\x7f"), "rolling shutter is not valid");
 }
 
 TEST_F(MapFile, ResidualDistortionsAreInFilesOfCamerasThatHaveOne) {

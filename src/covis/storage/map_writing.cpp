@@ -87,16 +87,18 @@ Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& hea
   const bool noise = map.camera.depth_noise.known(), colours = has_colours(map), sizes = has_other_pixels(map);
   const KeyFrameCameras others = cameras_of(map);
   const bool cameras = !others.cameras.empty(), residuals = have_residuals(map.camera, others);
-  const bool anchors = has_anchors(map), registration = map.camera.registration.any();
-  const uint16_t minor = registration ? kMapFileMinor
-                         : anchors    ? kMapFileMinorWithAnchors
-                         : residuals  ? kMapFileMinorWithResiduals
-                         : cameras    ? kMapFileMinorWithCameras
-                         : sizes      ? kMapFileMinorWithSizes
-                         : colours    ? kMapFileMinorWithColours
-                                      : kMapFileMinorLeast;
-  SectionWriter file(sink, 5u + noise + colours + sizes + cameras + residuals + anchors + registration, kMapFileMajor,
-                     minor);
+  const bool anchors = has_anchors(map), registration = map.camera.registration.any(),
+             shutter = map.camera.row_time != 0;
+  const uint16_t minor = shutter        ? kMapFileMinor
+                         : registration ? kMapFileMinorWithRegistration
+                         : anchors      ? kMapFileMinorWithAnchors
+                         : residuals    ? kMapFileMinorWithResiduals
+                         : cameras      ? kMapFileMinorWithCameras
+                         : sizes        ? kMapFileMinorWithSizes
+                         : colours      ? kMapFileMinorWithColours
+                                        : kMapFileMinorLeast;
+  SectionWriter file(sink, 5u + noise + colours + sizes + cameras + residuals + anchors + registration + shutter,
+                     kMapFileMajor, minor);
   FieldWriter about;
   const Counts counts = counts_of(map);
   about_fields(about, header, counts);
@@ -122,6 +124,11 @@ Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& hea
     FieldWriter fields;
     registration_fields(fields, map.camera.registration);
     file.write(kRegistration, fields.take());
+  }
+  if (shutter) {
+    FieldWriter fields;
+    fields(map.camera.row_time);
+    file.write(kShutter, fields.take());
   }
   const auto size = file.finish();
   return size ? check_readable(map, *size) : tl::unexpected(size.error());

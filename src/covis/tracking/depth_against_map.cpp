@@ -17,7 +17,7 @@ constexpr double kErrorOfFewest = 0.3;
 constexpr double kErrorOfFew = 0.09, kErrorOfMany = 0.045, kSuspicious = 0.03, kAgreeing = 0.02;
 constexpr double kMostSigmas = 3, kUsualSigmas = 1.5;  // right depth has 0.67
 // The greatest errors where images alone made the map; that of the shape is a share of the relief.
-constexpr double kMostDrift = 0.35, kShape = 1.0 / 6;
+constexpr double kLeastDrift = 0.08, kDriftPerSecond = 0.06, kMostDrift = 0.35, kShape = 1.0 / 6;
 
 constexpr int kInARow = 3;                     // frames
 constexpr double kLeast = 0.5, kBelieved = 2;  // seconds that a contradiction lasts until it is believed: least, most
@@ -59,8 +59,9 @@ bool DepthAgainstMap::agrees() const {
   return points >= kFewestPoints && (error <= kAgreeing || sigmas <= kUsualSigmas);
 }
 
-bool DepthAgainstMap::differs_by_drift() const {
-  return shape && points >= kFewPoints && shape->of_depth < kFewestPoints && error <= kMostDrift &&
+bool DepthAgainstMap::differs_by_drift(double seconds) const {
+  const double drift = std::min(kMostDrift, kLeastDrift + kDriftPerSecond * seconds);
+  return shape && points >= kFewPoints && shape->of_depth < kFewestPoints && error <= drift &&
          shape->error < kShape * shape->relief;
 }
 
@@ -165,10 +166,10 @@ void DepthBelief::change_map(const TrackedFrame& frame) {
 
 void DepthBelief::judge(const DepthAgainstMap& found, Timestamp stamp) {
   // Where the shape is not known, as the map could not be read, what was seen before stays.
-  if (!since_ || found.agrees()) {
+  if (!since_ || found.agrees() || found.points == 0) {
     drifted_ = 0;
   } else if (found.shape) {
-    drifted_ = found.differs_by_drift() ? drifted_ + 1 : 0;
+    drifted_ = found.differs_by_drift(to_seconds(stamp - *since_)) ? drifted_ + 1 : 0;
   }
   agreeing_ = found.agrees() ? agreeing_ + 1 : 0;
   if (agreeing_ >= kInARow) {
@@ -183,8 +184,8 @@ void DepthBelief::judge(const DepthAgainstMap& found, Timestamp stamp) {
 bool DepthBelief::is_on_probation(Timestamp now) const { return doubted_ && now - *doubted_ < from_seconds(kBelieved); }
 
 bool DepthBelief::blames_map(Timestamp now) const {
-  if (since_ && drifted_ >= kInARow) return true;
   if (!since_ || !last_.contradicts() || last_.points < kFewPoints) return false;
+  if (drifted_ >= kInARow) return true;
   const Timestamp agreed = begun_ ? *since_ - *begun_ : from_seconds(kBelieved);
   return now - *since_ >= std::clamp(agreed, from_seconds(kLeast), from_seconds(kBelieved));
 }

@@ -32,8 +32,8 @@ struct DepthAgainstMap {
   bool contradicts() const;
   bool agrees() const;  // neither where there are too few depths, or it may be either
   // True where images alone made what is seen of the map, and depth has the same shape but another scale: theirs
-  // drifts.
-  bool differs_by_drift() const;
+  // drifts. seconds: since depth and map contradicted each other first.
+  bool differs_by_drift(double seconds) const;
   // True where it may contradict, after a search that itself matches only where depth agrees.
   bool is_suspicious() const;
 };

@@ -152,11 +152,12 @@ TEST(DepthOfAMapOfImages, DiffersByDriftWhereTheShapeIsRight) {
   EXPECT_GT(found.shape->relief, 0.1);
   EXPECT_LT(found.shape->error, 0.001);
   EXPECT_TRUE(found.contradicts());
-  EXPECT_TRUE(found.differs_by_drift());
-  EXPECT_FALSE(against_map_of(Sensor::monocular, [](float) { return 1.5f; }).differs_by_drift()) << "too far";
-  EXPECT_FALSE(against_map_of(Sensor::monocular, [](float z) { return (12 - z) / z; }).differs_by_drift())
+  EXPECT_TRUE(found.differs_by_drift(2));
+  EXPECT_FALSE(found.differs_by_drift(1)) << "no map drifts so far in a second: depth may have another scale";
+  EXPECT_FALSE(against_map_of(Sensor::monocular, [](float) { return 1.5f; }).differs_by_drift(60)) << "too far";
+  EXPECT_FALSE(against_map_of(Sensor::monocular, [](float z) { return (12 - z) / z; }).differs_by_drift(2))
       << "another shape";
-  EXPECT_FALSE(against_map_of(Sensor::rgbd, drifted).differs_by_drift()) << "depth made that map: it has a scale";
+  EXPECT_FALSE(against_map_of(Sensor::rgbd, drifted).differs_by_drift(2)) << "depth made that map: it has a scale";
 }
 
 TEST(DepthRemover, LeavesTheImage) {
@@ -257,8 +258,9 @@ TEST(DepthBelief, ProbationEndsWhereDepthProvesRight) {
 
 TEST(DepthBelief, AMapThatDriftedIsLeftAtOnce) {
   DepthAgainstMap drifted = kContradicts;
+  drifted.error = 0.07;
   drifted.shape = {.of_depth = 0, .error = 0.01, .relief = 0.2};
-  ASSERT_TRUE(drifted.differs_by_drift());
+  ASSERT_TRUE(drifted.contradicts() && drifted.differs_by_drift(0));
   DepthBelief belief;
   belief.begin(0);
   const auto now = [](int frame) { return from_seconds(10 + frame / 30.0); };
@@ -272,6 +274,10 @@ TEST(DepthBelief, AMapThatDriftedIsLeftAtOnce) {
   belief.judge(drifted, now(3));
   EXPECT_FALSE(belief.blames_map(now(3))) << "not in a row";
   belief.judge(drifted, now(4));
+  EXPECT_TRUE(belief.blames_map(now(4)));
+  belief.judge(DepthAgainstMap{}, now(4));
+  EXPECT_FALSE(belief.blames_map(now(4))) << "nothing to compare";
+  for (int k = 0; k < 3; ++k) belief.judge(drifted, now(4));
   EXPECT_TRUE(belief.blames_map(now(4)));
   belief.begin(now(5));
   EXPECT_FALSE(belief.blames_map(now(5)));

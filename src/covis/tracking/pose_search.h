@@ -33,8 +33,9 @@ struct PoseSearch {
   std::vector<MapPointId> matched;  // work space of update_local_map()
   TrackedFrame unfitted;            // kept by Tracker: the frame before fit_local_map()
 
-  PoseSearch(const RecoveryOptions& options, Subject subject, const RollingShutter& of_camera = RollingShutter(0, 0))
-      : shutter(of_camera), place(options, subject) {}
+  // shutter_rows: TrackingSettings::shutter_rows.
+  PoseSearch(const RecoveryOptions& options, Subject subject, int shutter_rows = 0)
+      : shutter(shutter_rows), place(options, subject) {}
 
   // The map's camera may have been refined.
   void refresh_camera(const Map& map) { camera = map.camera(); }

@@ -3,11 +3,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 
-#include "covis/core/log.h"
 #include "covis/features/unrolling.h"
 #include "covis/optimization/reprojection.h"
 #include "covis/tracking/motion_model.h"
@@ -15,56 +12,57 @@
 namespace covis {
 namespace {
 
-constexpr int kFewestMatches = 30;
-constexpr int kFramesOfBlock = 10;                   // frames whose residuals err alike
-constexpr int kFewestBlocks = 8;                     // before anything is believed
-constexpr double kSure = 6;                          // standard deviations
-constexpr double kShortest = 0.005, kLongest = 0.1;  // seconds
-constexpr double kMostTurn = 0.3;                    // radians an image: a faster turn is that of a wrong pose
+constexpr double kMostTurn = 0.3;  // radians an image: a faster turn is that of a wrong pose
+constexpr double kFastest = 10;    // radians a second: the same
+
+bool may_be(const Eigen::Vector3d& rate, double readout) {
+  return !rate.isZero(0) && rate.norm() < kFastest && std::abs(readout) * rate.norm() < kMostTurn;
+}
+
+double image_rows(const Features& features) { return features.grid.bounds.max_y - features.grid.bounds.min_y; }
 
 }  // namespace
 
-FeaturesPtr RollingShutter::straighten(FeaturesPtr features, const Pinhole& camera,
-                                       const std::optional<Eigen::Vector3d>& turn_rate) {
-  taken_.setZero();
-  if (readout_ == 0 || !turn_rate || !(std::abs(readout_) * turn_rate->norm() < kMostTurn)) return features;
-  taken_ = readout_ * *turn_rate;
-  const std::shared_ptr<Features> straight = ring_.copy_of(*features);
-  unroll(camera, taken_ / rows_, *straight);
-  return straight;
+FeaturesPtr RollingShutter::straighten(FeaturesPtr features, const Pinhole& camera, Timestamp stamp) {
+  constexpr double kRemembered = 0.5;  // seconds
+  straight_ = nullptr;
+  if (to_seconds(std::abs(stamp - stamp_)) > kRemembered) rate_.setZero();
+  if (camera.row_time == 0) return features;
+  straight_ = ring_.copy_of(*features);
+  unroll(camera, {rate_, camera.row_time}, *straight_);
+  return straight_;
 }
 
-const RollingShutter::Turn* RollingShutter::turn_of(Timestamp stamp) const {
-  const auto at = std::ranges::lower_bound(key_frames_, stamp, {}, &Turn::stamp);
-  return at != key_frames_.end() && at->stamp == stamp ? &*at : nullptr;
-}
-
-void RollingShutter::follow(const Step& step, const Pinhole& camera, const SharedMap* live,
-                            std::optional<uint64_t> moves) {
-  const TrackedFrame& frame = step.frame;
-  const Timestamp elapsed = frame.stamp - step.before;
-  if (!finds_ || elapsed <= 0) return;
-  const Eigen::Vector3d turn_rate = MotionModel::turn_rate(frame.T_cw * step.T_lw.inverse(), elapsed);
-  if (live) {
-    const auto map = live->read();
-    if (!moves || map->moves() == *moves) compare(frame, camera, turn_rate, *map, step.reference);
-  }
-  if (step.becomes_key_frame && (key_frames_.empty() || key_frames_.back().stamp < frame.stamp))
-    key_frames_.push_back({frame.stamp, turn_rate, taken_});
+// The motion from frame to frame is noisy, and the noise would come back with the next pose.
+void RollingShutter::follow(const Last& last, const Pinhole& camera, const TrackedFrame& frame) {
+  constexpr double kSmooth = 1.0 / 30;  // seconds
+  const Timestamp elapsed = frame.stamp - last.stamp;
+  if (elapsed <= 0) return;
+  const Eigen::Vector3d rate = MotionModel::turn_rate(frame.T_cw * last.T_cw.inverse(), elapsed);
+  const bool goes_on = !rate_.isZero(0) && stamp_ == last.stamp;
+  const double weight = goes_on ? to_seconds(elapsed) / (to_seconds(elapsed) + kSmooth) : 1;
+  rate_ += weight * (rate - rate_);
+  stamp_ = frame.stamp;
+  if (!may_be(rate_, camera.row_time * image_rows(*frame.features))) rate_.setZero();
+  if (camera.row_time != 0 && straight_ == frame.features) unroll(camera, {rate_, camera.row_time}, *straight_);
 }
 
 // The keypoints of both views are compared, with nothing of the map but depths: poses and points have taken up what the
 // shutter did to many views. The motion between the two is eliminated.
-void RollingShutter::compare(const TrackedFrame& frame, const Pinhole& camera, const Eigen::Vector3d& turn_rate,
-                             const Map& map, KeyFrameId reference) {
+void RollingShutter::compare(const TrackedFrame& frame, const Pinhole& camera, const Map& map, KeyFrameId reference) {
+  constexpr int kFewestMatches = 30;
   const KeyFrame* key_frame = map.find(reference);
-  const Turn* then = key_frame ? turn_of(key_frame->stamp) : nullptr;
-  if (!then) return;
+  if (rows_ == 0 || !key_frame || rate_.isZero(0)) return;
+  if (camera.row_time != estimated_with_) estimate_.restart();
+  estimated_with_ = camera.row_time;
   const Features &f = *frame.features, &f_r = *key_frame->features;
+  const Eigen::Vector3d& rate_then = f_r.exposure.rate;
+  if (rate_then.isZero(0)) return;
+  const Eigen::Vector3d taken = rows_ * f.exposure.taken(), taken_then = rows_ * f_r.exposure.taken();
   const SE3 T_cr = frame.T_cw * key_frame->T_cw.inverse();
   Matrix6d H = Matrix6d::Zero();
-  Vector6d h = Vector6d::Zero(), b = Vector6d::Zero();
-  Sums sums;
+  Eigen::Matrix<double, 6, 3> h = Eigen::Matrix<double, 6, 3>::Zero();  // beside the readout, the row, and residuals
+  ReadoutEquations equations;
   int matches = 0;
   for (size_t i = 0; i < frame.source.size(); ++i) {
     const MapPoint* point = frame.on_map(i) ? map.find(frame.points[i]) : nullptr;
@@ -81,49 +79,38 @@ void RollingShutter::compare(const TrackedFrame& frame, const Pinhole& camera, c
     };
     const Eigen::Matrix3d J_pi = projection_jacobian(p, camera, {});
     const Eigen::Matrix<double, 2, 6> J = pose_jacobian(J_pi, p).topRows<2>();
-    const Eigen::Vector2d g = J_pi.topRows<2>() * moved(turn_rate, then->rate);
-    const Eigen::Vector2d e =
-        Eigen::Vector2d(f.x[i], f.y[i]) - camera.project(p) + J_pi.topRows<2>() * moved(taken_, then->taken);
+    Eigen::Matrix<double, 2, 3> g;  // by the readout and by the row of the principal point; residuals
+    g.col(0) = J_pi.topRows<2>() * moved(rate_, rate_then);
+    g.col(1) = Eigen::Vector2d(0, 1) - depth / camera.fy * J_pi.topRows<2>() * T_cr.R().col(1);
+    g.col(2) = Eigen::Vector2d(f.x[i], f.y[i]) - camera.project(p) + J_pi.topRows<2>() * moved(taken, taken_then);
     const double weight = f.pyramid->inv_sigma2[f.level[i]];
     H += weight * J.transpose() * J;
     h += weight * J.transpose() * g;
-    b += weight * J.transpose() * e;
-    sums.curvature += weight * g.squaredNorm();
-    sums.slope += weight * g.dot(e);
+    const Eigen::Matrix3d square = weight * g.transpose() * g;
+    equations += {square.topLeftCorner<2, 2>(), square.topRightCorner<2, 1>()};
     ++matches;
   }
   if (matches < kFewestMatches) return;
-  const Vector6d explained = H.ldlt().solve(h);
+  const Eigen::Matrix<double, 6, 3> explained = H.ldlt().solve(h);
   if (!explained.allFinite()) return;
-  block_.curvature += sums.curvature - h.dot(explained);
-  block_.slope += sums.slope - b.dot(explained);
-  if (++frames_ == kFramesOfBlock) end_block();
+  const Eigen::Matrix3d square = h.transpose() * explained;
+  equations += {-square.topLeftCorner<2, 2>(), -square.topRightCorner<2, 1>()};
+  estimate_.add(equations);
 }
 
-// Residuals of neighbouring frames err alike: the variance is that of the blocks.
-void RollingShutter::end_block() {
-  Blocks& b = blocks_;
-  ++b.count;
-  b.all.curvature += block_.curvature;
-  b.all.slope += block_.slope;
-  b.curvature2 += block_.curvature * block_.curvature;
-  b.product += block_.curvature * block_.slope;
-  b.slope2 += block_.slope * block_.slope;
-  block_ = {};
-  frames_ = 0;
-  if (b.count < kFewestBlocks || b.all.curvature <= 0) return;
-  const double readout = b.all.slope / b.all.curvature;
-  const double variance = b.slope2 - 2 * readout * b.product + readout * readout * b.curvature2;
-  const double sigma = std::sqrt(std::max(0.0, variance)) / b.all.curvature;
-  const double size = std::abs(readout);
-  if (size < kSure * sigma || size < kShortest || size > kLongest) return;
-  if (readout_ == 0) {
-    std::array<char, 120> text{};
-    std::snprintf(text.data(), text.size(),
-                  "rolling shutter found: %.4f seconds from the first row to the last (tracker.readout)", readout);
-    log(LogLevel::info, text.data());
-  }
-  readout_ = readout;
+std::optional<double> RollingShutter::found(const Pinhole& camera) const {
+  constexpr double kLeastChange = 0.1;                 // as a share
+  constexpr double kShortest = 0.005, kLongest = 0.1;  // seconds
+  if (rows_ == 0 || camera.row_time != estimated_with_) return std::nullopt;
+  const std::optional<ReadoutEstimate::Value> value = estimate_.value();
+  if (!value) return std::nullopt;
+  const double present = camera.row_time * rows_, size = std::abs(value->readout);
+  const bool is_there = size > value->sure() && size >= kShortest && size <= kLongest;
+  const double change = std::abs(value->readout - present);
+  if (present == 0) return is_there ? std::optional(value->readout / rows_) : std::nullopt;
+  if (is_there && change > kLeastChange * std::abs(present) && 2 * change > value->sure())
+    return value->readout / rows_;
+  return !is_there && change > value->sure() ? std::optional(0.0) : std::nullopt;
 }
 
 }  // namespace covis

@@ -1,72 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rolling shutter, found from the frames as they are tracked. A camera that turns moves the keypoints of each row by
-// another angle. Between two views that turn in other ways, no motion explains their matches. What a lens or a focal
-// length errs does not follow the turns. Once it is found, the turn between rows is taken out of the keypoints of each
-// frame (features/unrolling.h). Measured: docs/notes/053-rolling-shutter.md.
+// A rolling shutter exposes the rows of an image one after the other. A camera that turns moves the keypoints of each
+// row by another angle, which is taken out of them (features/unrolling.h) where the camera's row time is known. It is
+// found from the frames as they are tracked: between two views that turn in other ways no motion explains their
+// matches. Measured: docs/notes/053-rolling-shutter.md.
 #pragma once
 
+#include <memory>
 #include <optional>
-#include <vector>
 
 #include "covis/features/features_ring.h"
-#include "covis/map/shared_map.h"
+#include "covis/map/map.h"
+#include "covis/tracking/readout_estimate.h"
 #include "covis/tracking/tracked_frame.h"
-#include "covis/tracking/tracking_options.h"
 
 namespace covis {
 
 class RollingShutter {
  public:
-  // readout: TrackerOptions::readout. rows: of an image.
-  RollingShutter(double readout, int rows)
-      : finds_(readout == kFindReadout), rows_(rows), readout_(finds_ ? 0 : readout) {}
+  // Finds the row time of images with so many rows; 0: it is the camera's.
+  explicit RollingShutter(int rows = 0) : rows_(rows) {}
 
-  // The features of a frame in which the rays turn so fast (MotionModel::turn_rate()); the same where nothing is known.
-  FeaturesPtr straighten(FeaturesPtr features, const Pinhole& camera, const std::optional<Eigen::Vector3d>& turn_rate);
-  // The step from the frame before to that of the last straighten(), once it has its pose.
-  struct Step {
-    const TrackedFrame& frame;
-    SE3 T_lw;  // the frame before
-    Timestamp before = 0;
-    KeyFrameId reference;
-    bool becomes_key_frame = false;
+  // The features of a frame without the turn between their rows, as far as the frames before tell it.
+  FeaturesPtr straighten(FeaturesPtr features, const Pinhole& camera, Timestamp stamp);
+  // The frame before.
+  struct Last {
+    SE3 T_cw;
+    Timestamp stamp = 0;
   };
-  // Compares the frame with the key frame `reference`, and remembers its turn where it becomes one itself. live: null
-  // while the map may not be read. Nothing is compared where the map has moved since `moves`.
-  void follow(const Step& step, const Pinhole& camera, const SharedMap* live, std::optional<uint64_t> moves);
-  // Seconds from the exposure of the first row to that of the last; 0: there is none, or none was found yet. Negative:
-  // the last row comes first, as in a camera that is mounted upside down.
-  double readout() const { return readout_; }
+  // The frame has a pose, which tells its turn: what is left of that is taken out of the features that straighten()
+  // made, if the frame still has them.
+  void follow(const Last& last, const Pinhole& camera, const TrackedFrame& frame);
+  // The turn of the last frame that was followed, of the rays, radians a second; zero: not known.
+  const Eigen::Vector3d& turn_rate() const { return rate_; }
+
+  // Compares a frame that was followed with a key frame that sees the same points.
+  void compare(const TrackedFrame& frame, const Pinhole& camera, const Map& map, KeyFrameId reference);
+  // The row time that frames tell, where it is clearly another one than the camera's.
+  std::optional<double> found(const Pinhole& camera) const;
 
  private:
-  struct Turn {
-    Timestamp stamp = 0;
-    Eigen::Vector3d rate = Eigen::Vector3d::Zero();   // radians a second
-    Eigen::Vector3d taken = Eigen::Vector3d::Zero();  // the part taken out of its keypoints, radians an image
-  };
-  // The least squares of frames: curvature * readout = slope.
-  struct Sums {
-    double curvature = 0, slope = 0;
-  };
-  struct Blocks {
-    int count = 0;
-    Sums all;
-    double curvature2 = 0, product = 0, slope2 = 0;  // sums over the blocks
-  };
-  const Turn* turn_of(Timestamp stamp) const;
-  void compare(const TrackedFrame& frame, const Pinhole& camera, const Eigen::Vector3d& turn_rate, const Map& map,
-               KeyFrameId reference);
-  void end_block();
-
-  bool finds_;
   int rows_;
-  double readout_;
+  Eigen::Vector3d rate_ = Eigen::Vector3d::Zero();
+  Timestamp stamp_ = 0;  // of the rate
   FeaturesRing ring_{5};
-  Eigen::Vector3d taken_ = Eigen::Vector3d::Zero();  // the tracked frame's
-  std::vector<Turn> key_frames_;                     // those of this run, by rising stamp
-  Sums block_;
-  int frames_ = 0;  // in the block
-  Blocks blocks_;
+  std::shared_ptr<Features> straight_;  // those of the last straighten()
+  ReadoutEstimate estimate_;
+  double estimated_with_ = 0;  // the camera's row time meanwhile
 };
 
 }  // namespace covis

@@ -6,120 +6,189 @@
 #include <cmath>
 
 #include "covis/core/test_allocation_counts.h"
+#include "covis/features/straightening.h"
 #include "covis/features/test_rolling.h"
 #include "covis/tracking/frame_matcher.h"
+#include "covis/tracking/motion_model.h"
 #include "covis/tracking/test_frame.h"
 
 namespace covis {
 namespace {
 
 constexpr int kRows = 480;
+constexpr double kElapsed = 0.03;  // seconds from frame to frame
 
-// Key frames of a camera at rest, and noisy frames of one that sways.
-struct RollingShutterTest : testing::Test {
-  RollingShutterTest() {
-    world.add_key_frames(4);
-    noisy.noise = 0.5;
+PointScene noisy_wall() {
+  PointScene scene = PointScene::wall(1200, 30);
+  scene.noise = 0.5;
+  return scene;
+}
+
+// A camera that sways as it goes along a wall. The turn between the rows is in the keypoints of the map's key frames.
+struct SwayingCamera {
+  explicit SwayingCamera(double with_readout, double given_fx = 1, double given_cy = 0) : readout(with_readout) {
+    given.fx *= given_fx;
+    given.fy *= given_fx;
+    given.cy += given_cy;
   }
-  // The turn of the rays of frame k, radians a second.
-  static Eigen::Vector3d rate(int k) {
-    return {0.6 * std::sin(0.3 * k), 1.2 * std::cos(0.21 * k), 0.5 * std::sin(0.11 * k)};
+
+  SE3 T_cw(double k) const {
+    const double sway = pace * k;
+    const Eigen::Vector3d angles(0.15 * std::sin(0.12 * sway), 0.4 * std::cos(0.08 * sway),
+                                 0.15 * std::sin(0.1 * sway));
+    const Eigen::Vector3d place(0.02 * k, 0.05 * std::sin(0.05 * k), 0);
+    return SE3(so3_exp(angles), Eigen::Vector3d::Zero()) * SE3(Eigen::Matrix3d::Identity(), -place);
   }
-  FeaturesPtr seen(int k, double readout) const {
-    const PointScene::View view = noisy.view(scene.T_cw(3), Sensor::monocular, static_cast<uint64_t>(100 + k));
-    const auto features = std::make_shared<Features>(*view.features);
-    roll(scene.camera, readout / kRows * rate(k), *features);
-    return features;
+  // The turn of the rays in frame k, radians a second.
+  Eigen::Vector3d rate(double k) const {
+    return MotionModel::turn_rate(T_cw(k + 0.5) * T_cw(k - 0.5).inverse(), from_seconds(kElapsed));
   }
-  // A step to this frame, in which the camera turned so fast.
-  static RollingShutter::Step step(const TrackedFrame& frame, const Eigen::Vector3d& turn_rate) {
-    constexpr double kElapsed = 0.03;  // seconds
-    Vector6d turn = Vector6d::Zero();
-    turn.tail<3>() = kElapsed * turn_rate;
-    return {frame, SE3::exp(turn).inverse() * frame.T_cw, frame.stamp - from_seconds(kElapsed), {}};
+  PointScene::View rolled(const PointScene::View& view, int k) const {
+    return edited(view, [&](Features& f) {
+      roll(scene.camera, readout / kRows * rate(k), f);
+      f.exposure.rate = rate(k);
+    });
   }
-  // Tracks so many frames by a camera of this readout; returns the first after which it is known, or -1.
-  int track(RollingShutter& shutter, double readout, int frames, double biased_focal = 1,
-            std::optional<uint64_t> moves = {}) {
-    Pinhole camera = scene.camera;
-    camera.fx *= biased_focal;
-    for (const KeyFrameId id : world.frames) {
-      TrackedFrame frame;
-      frame.stamp = world.shared.read()->at(id).stamp;
-      RollingShutter::Step at_rest = step(frame, Eigen::Vector3d::Zero());
-      at_rest.becomes_key_frame = true;
-      shutter.follow(at_rest, camera, nullptr, {});
-    }
-    int found = -1;
+  PointScene::View seen(int k) const {
+    PointScene::View view = scene.view(T_cw(k), Sensor::monocular, static_cast<uint64_t>(1000 + k));
+    view = rolled(view, k);
+    return edited(view, [](Features& f) { f.exposure = {}; });  // nobody knows the turn of a frame that comes
+  }
+  void add_key_frame(int k) {
+    const KeyFrameId id = world.add(T_cw(k));
+    world.shared.write()->set_features(id, straightened(*rolled(world.views.back(), k).features, given));
+  }
+  // Tracks frames, with poses as they really are or as they are fitted.
+  enum class Poses { fitted, true_ones };
+  void track(RollingShutter& shutter, int frames, Poses poses = Poses::fitted) {
+    SE3 last = T_cw(0);
     for (int k = 0; k < frames; ++k) {
-      const PointScene::View view = noisy.view(scene.T_cw(3), Sensor::monocular, static_cast<uint64_t>(100 + k));
-      const PointScene::View given{shutter.straighten(seen(k, readout), camera, rate(k)), view.point};
-      TrackedFrame frame = frame_of(given, scene.T_cw(3), 100 + k, from_seconds(1 + 0.03 * k));
-      match_points(frame, given, world);
-      matcher.fit_pose(frame, camera);
-      RollingShutter::Step swaying = step(frame, rate(k));
-      swaying.reference = world.frames.back();
-      shutter.follow(swaying, camera, &world.shared, moves);
-      if (shutter.readout() != 0 && found < 0) found = k;
+      const Timestamp stamp = from_seconds(kElapsed * k);
+      if (k % every == 0) add_key_frame(k);
+      const PointScene::View view = seen(k), straight{shutter.straighten(view.features, given, stamp), view.point};
+      frame = frame_of(straight, T_cw(k), k, stamp);
+      match_points(frame, straight, world);
+      if (poses == Poses::fitted) {
+        matcher.fit_pose(frame, given);
+        if (k % every == 0) world.shared.write()->set_pose(world.frames.back(), frame.T_cw);
+      }
+      if (k > 0) shutter.follow({last, stamp - from_seconds(kElapsed)}, given, frame);
+      last = frame.T_cw;
+      shutter.compare(frame, given, *world.shared.read(), world.frames.back());
     }
-    return found;
   }
 
-  const PointScene scene = PointScene::wall();
+  double readout;
+  double pace = 1;  // how fast it sways
+  int every = 10;   // frames from key frame to key frame
+  const PointScene scene = noisy_wall();
+  Pinhole given = scene.camera;
   SceneMap world{scene, Sensor::monocular};
-  PointScene noisy = scene;
   FrameMatcher matcher;
+  TrackedFrame frame;  // the last one
 };
 
-TEST_F(RollingShutterTest, IsFoundWhereTheCameraTurns) {
-  RollingShutter shutter(kFindReadout, kRows);
-  EXPECT_EQ(shutter.readout(), 0);
-  EXPECT_GT(track(shutter, 0.02, 200), 50);
-  EXPECT_NEAR(shutter.readout(), 0.02, 0.001);
+double found_readout(const RollingShutter& shutter, const Pinhole& camera) {
+  return shutter.found(camera).value_or(0) * kRows;
 }
 
-TEST_F(RollingShutterTest, MayBeginWithTheLastRow) {
-  RollingShutter shutter(kFindReadout, kRows);
-  track(shutter, -0.02, 200);
-  EXPECT_NEAR(shutter.readout(), -0.02, 0.001);
-}
-
-TEST_F(RollingShutterTest, IsNotFoundWhereAllRowsAreExposedAtOnce) {
-  RollingShutter exact(kFindReadout, kRows), biased(kFindReadout, kRows);
-  EXPECT_EQ(track(exact, 0, 200), -1);
-  EXPECT_EQ(track(biased, 0, 200, 1.02), -1) << "a wrong focal length is none";
-}
-
-TEST_F(RollingShutterTest, AMapThatHasMovedTellsNothing) {
-  RollingShutter shutter(kFindReadout, kRows);
-  const uint64_t moves = world.shared.read()->moves();
-  EXPECT_EQ(track(shutter, 0.02, 120, 1, moves + 1), -1);
-  EXPECT_GT(track(shutter, 0.02, 120, 1, moves), 0);
-}
-
-TEST_F(RollingShutterTest, OneThatWasGivenIsTakenOutAtOnceAndStays) {
+TEST(RollingShutter, IsFoundWhereTheCameraTurns) {
   for (const double readout : {0.02, -0.02}) {
-    RollingShutter given(readout, kRows);
-    const FeaturesPtr rolled = seen(3, readout), straight = given.straighten(rolled, scene.camera, rate(3));
-    const FeaturesPtr truth = seen(3, 0);
-    for (size_t i = 0; i < truth->x.size(); ++i) EXPECT_NEAR(straight->x[i], truth->x[i], 0.02);
-    EXPECT_EQ(given.straighten(rolled, scene.camera, std::nullopt), rolled) << "nothing is known of the turn";
-    EXPECT_EQ(given.straighten(rolled, scene.camera, Eigen::Vector3d(0, 20, 0)), rolled) << "no camera turns so fast";
-    track(given, 0.03, 120);
-    EXPECT_EQ(given.readout(), readout);
+    SwayingCamera camera(readout);
+    RollingShutter shutter(kRows);
+    camera.track(shutter, 200);
+    EXPECT_NEAR(found_readout(shutter, camera.given), readout, 0.3 * std::abs(readout));
   }
-  RollingShutter none(0, kRows);
-  const FeaturesPtr rolled = seen(3, 0.02);
-  EXPECT_EQ(none.straighten(rolled, scene.camera, rate(3)), rolled);
-  EXPECT_EQ(track(none, 0.03, 120), -1);
 }
 
-TEST_F(RollingShutterTest, AllocatesNothingInTheSteadyState) {
-  RollingShutter shutter(0.02, kRows);
-  const FeaturesPtr rolled = seen(3, 0.02);
-  for (int k = 0; k < 5; ++k) shutter.straighten(rolled, scene.camera, rate(3));
+TEST(RollingShutter, IsNotFoundWhereAllRowsAreExposedAtOnce) {
+  SwayingCamera exact(0), other_focal_length(0, 1.02), other_row(0, 1, 10);
+  other_row.pace = 0.15;  // it goes on turning as it turned in its key frame
+  other_row.every = 30;
+  for (SwayingCamera* camera : {&exact, &other_focal_length, &other_row}) {
+    RollingShutter shutter(kRows);
+    camera->track(shutter, 200);
+    EXPECT_EQ(shutter.found(camera->given), std::nullopt) << camera->given.fx << " " << camera->given.cy;
+  }
+}
+
+TEST(RollingShutter, OneThatTheCameraHasIsTakenOutOfFramesAndOfKeyFrames) {
+  SwayingCamera camera(0.02);
+  camera.given.row_time = 0.02 / kRows;
+  RollingShutter shutter(kRows);
+  camera.track(shutter, 60);
+  EXPECT_EQ(shutter.found(camera.given), std::nullopt) << "it is the camera's";
+  const Features& straight = *camera.frame.features;
+  const Eigen::Vector3d rate = camera.rate(59);
+  EXPECT_NEAR((shutter.turn_rate() - rate).norm(), 0, 0.4 * rate.norm()) << "it is smoothed, and late";
+  EXPECT_EQ(straight.exposure.rate, shutter.turn_rate());
+  EXPECT_EQ(straight.exposure.row_time, camera.given.row_time);
+  const PointScene::View with_turn = camera.seen(59);
+  double before = 0, after = 0;  // squared pixels from where the points are
+  for (size_t i = 0; i < straight.x.size(); ++i) {
+    const Eigen::Vector3d p_c = camera.T_cw(59) * camera.scene.points[with_turn.point[i]].position_w;
+    const Eigen::Vector2d at = camera.given.project(p_c);
+    before += (Eigen::Vector2d(with_turn.features->x[i], with_turn.features->y[i]) - at).squaredNorm();
+    after += (Eigen::Vector2d(straight.x[i], straight.y[i]) - at).squaredNorm();
+  }
+  EXPECT_LT(after, 0.3 * before);
+}
+
+TEST(RollingShutter, OneThatProvesToBeNoneIsGivenBack) {
+  SwayingCamera camera(0);
+  camera.given.row_time = 0.012 / kRows;
+  RollingShutter shutter(kRows);
+  camera.track(shutter, 200);
+  EXPECT_EQ(shutter.found(camera.given), 0.0);
+}
+
+TEST(RollingShutter, NobodyLooksForOneWhereTheRowsAreNotAskedFor) {
+  SwayingCamera camera(0.02);
+  RollingShutter shutter;
+  camera.track(shutter, 120);
+  EXPECT_EQ(shutter.found(camera.given), std::nullopt);
+  EXPECT_EQ(camera.frame.features->exposure.row_time, 0);
+  EXPECT_FALSE(shutter.turn_rate().isZero()) << "key frames are to know it all the same";
+}
+
+TEST(RollingShutter, ATurnIsForgottenAfterAPauseAndBelievedOfNoCameraThatFast) {
+  SwayingCamera camera(0);
+  camera.given.row_time = 0.02 / kRows;
+  RollingShutter shutter;
+  camera.track(shutter, 3, SwayingCamera::Poses::true_ones);
+  const PointScene::View view = camera.seen(3);
+  const auto taken = [&](double seconds) {
+    return shutter.straighten(view.features, camera.given, from_seconds(seconds))->exposure.rate;
+  };
+  EXPECT_EQ(taken(3 * kElapsed), shutter.turn_rate());
+  EXPECT_FALSE(shutter.turn_rate().isZero());
+  EXPECT_TRUE(taken(3).isZero());
+
+  TrackedFrame jumped = frame_of(view, SE3(so3_exp({0, 1, 0}), Eigen::Vector3d::Zero()), 4, from_seconds(3.03));
+  shutter.follow({SE3(), from_seconds(3)}, camera.given, jumped);
+  EXPECT_TRUE(shutter.turn_rate().isZero()) << "a radian in 30 ms";
+}
+
+TEST(RollingShutter, AFrameThatGotOtherFeaturesKeepsThem) {
+  SwayingCamera camera(0.02);
+  camera.given.row_time = 0.02 / kRows;
+  RollingShutter shutter;
+  const PointScene::View view = camera.seen(1);
+  shutter.straighten(view.features, camera.given, from_seconds(kElapsed));
+  const TrackedFrame other = frame_of(view, camera.T_cw(1), 1, from_seconds(kElapsed));
+  const Features before = *other.features;
+  shutter.follow({camera.T_cw(0), 0}, camera.given, other);
+  EXPECT_EQ(other.features->x, before.x);
+}
+
+TEST(RollingShutter, AllocatesNothingInTheSteadyState) {
+  SwayingCamera camera(0.02);
+  camera.given.row_time = 0.02 / kRows;
+  RollingShutter shutter;
+  const FeaturesPtr view = camera.seen(3).features;
+  for (int k = 0; k < 5; ++k) shutter.straighten(view, camera.given, 0);
   const long before = own_allocations;
-  shutter.straighten(rolled, scene.camera, rate(3));
+  shutter.straighten(view, camera.given, 0);
   EXPECT_EQ(own_allocations, before);
 }
 

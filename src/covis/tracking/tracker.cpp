@@ -24,7 +24,7 @@ FirstPose::Support support_of(const TrackingSettings& s) {
 Tracker::Tracker(const SharedMap& map, const TrackingSettings& settings, std::shared_ptr<const Vocabulary> vocabulary)
     : map_(map),
       settings_(settings),
-      search_(settings.options.recovery, Subject::stream, RollingShutter(settings.options.readout, settings.rows)),
+      search_(settings.options.recovery, Subject::stream, settings.shutter_rows),
       first_pose_(settings.sensor, settings.options.first_pose, support_of(settings), settings.seed),
       key_frames_(settings.sensor, settings.options.key_frame, settings.schedule),
       starter_(starter_settings(settings, vocabulary.get())),
@@ -39,8 +39,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
   const bool realtime = settings_.schedule == Schedule::realtime;
   const auto moves = [&] { return realtime ? std::optional(last_.moves) : std::nullopt; };
   if (mapping.depth == MappingStatus::Depth::right) depth_.trust_depth();
-  features =
-      search_.shutter.straighten(std::move(features), search_.camera, motion_.turn_rate(stamp - last_.frame.stamp));
+  features = search_.shutter.straighten(std::move(features), search_.camera, stamp);
   current_.start(depth_.receive(std::move(features)), frame, stamp);
   health_.leaves_map = state_ == TrackingState::tracking && settings_.mode == TrackingMode::mapping &&
                        starter_.may_begin_beside() && depth_.blames_map(stamp);
@@ -70,6 +69,8 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       if (search_.local_map.reference.submap < last_.submap) depth_.change_map(current_);
       if (result.method != TrackMethod::initialised) {
         const Stopwatch watch;
+        if (state_ == TrackingState::tracking && search_.local_map.reference.submap == last_.submap)
+          search_.shutter.follow({last_.frame.T_cw, last_.frame.stamp}, search_.camera, current_);
         search_.alignment.refine_pose(live, search_.camera, moves(), current_);
         result.ms.align = watch.ms();
       }
@@ -89,6 +90,8 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       if (sure && settings_.mode == TrackingMode::mapping &&
           key_frames_.is_due(current_, result.inliers, search_.local_map, search_.camera, mapping.load)) {
         KeyFrameRequest request = key_frames_.request(current_, last_.pose, search_.camera);
+        request.turn_rate = search_.shutter.turn_rate();
+        request.row_time = search_.shutter.found(search_.camera);
         request.unlocated = backlog_.take();
         outcome.request = std::move(request);
         result.key_frame = true;
@@ -96,9 +99,10 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       }
     }
   }
-  if (state_ == TrackingState::tracking && result.method == TrackMethod::motion_model) {
-    search_.shutter.follow({current_, last_.frame.T_cw, last_.frame.stamp, last_.pose.key_frame, result.key_frame},
-                           search_.camera, live, moves());
+  if (live && state_ == TrackingState::tracking && result.method == TrackMethod::motion_model && !result.tentative) {
+    const auto map = live->read();
+    if (!moves() || map->moves() == *moves())
+      search_.shutter.compare(current_, search_.camera, *map, last_.pose.key_frame);
   }
   if (state_ != TrackingState::tracking || result.method == TrackMethod::initialised) backlog_.keep(current_);
   result.state = state_;

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/tracking/readout_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace covis {
+
+void ReadoutEstimate::add(const ReadoutEquations& of_frame) {
+  constexpr int kFramesOfBlock = 10;
+  block_ += of_frame;
+  if (++frames_ < kFramesOfBlock) return;
+  frames_ = 0;
+  if (blocks_.size() < kMostBlocks) {
+    blocks_.push_back(std::exchange(block_, {}));
+  } else {
+    blocks_[next_] = std::exchange(block_, {});
+    next_ = (next_ + 1) % kMostBlocks;
+  }
+}
+
+void ReadoutEstimate::restart() {
+  blocks_.clear();
+  next_ = 0;
+  block_ = {};
+  frames_ = 0;
+}
+
+// The quantile of Student's t, within 5 % from three degrees of freedom on.
+double ReadoutEstimate::Value::sure() const {
+  const double freedom = blocks - 1;
+  return 2.81 * (1 + 2 / (freedom - 1.8)) * sigma;
+}
+
+// Residuals of neighbouring frames err alike: the variance is that of blocks of frames, and a block counts for as much
+// as it tells.
+std::optional<ReadoutEstimate::Value> ReadoutEstimate::value() const {
+  constexpr double kLeastBlocks = 4;
+  ReadoutEquations all;
+  for (const ReadoutEquations& block : blocks_) all += block;
+  if (!(all.H(1, 1) > 0)) return std::nullopt;
+  const Eigen::Vector2d alone(1, -all.H(0, 1) / all.H(1, 1));  // a change of the readout that changes the row with it
+  const double information = alone.dot(all.H * alone);
+  if (!(information > 0)) return std::nullopt;
+  const double readout = alone.dot(all.b) / information;
+  const double row = (all.b.y() - all.H(0, 1) * readout) / all.H(1, 1);
+  double squares = 0, squared_shares = 0;
+  for (const ReadoutEquations& block : blocks_) {
+    const double residual = alone.dot(block.b - block.H * Eigen::Vector2d(readout, row));
+    const double share = alone.dot(block.H * alone) / information;
+    squares += residual * residual;
+    squared_shares += share * share;
+  }
+  const double blocks = 1 / squared_shares;
+  if (!(blocks >= kLeastBlocks)) return std::nullopt;
+  return Value{readout, std::sqrt(squares * blocks / (blocks - 1)) / information, blocks};
+}
+
+}  // namespace covis
