@@ -48,7 +48,7 @@ TEST(DistortionRefinement, FindsWhatWasLeft) {
 }
 
 // Asked again, it goes on from what it found: what has not changed moves nothing.
-TEST(DistortionRefinement, GoesOnFromWhatItFound) {
+TEST(DistortionRefinementLong, GoesOnFromWhatItFound) {
   BundleProblem problem = problem_of({.focal = kFocal, .k1 = 0.03, .k2 = -0.01}, 2);
   ASSERT_TRUE(refine(problem));
   const Pinhole first = problem.camera;
@@ -67,7 +67,7 @@ TEST(DistortionRefinement, GoesOnFromWhatItFound) {
 }
 
 // A phone whose focal length was looked up, and nothing else.
-TEST(DistortionRefinement, FindsAnotherFocalLengthWithIt) {
+TEST(DistortionRefinementLong, FindsAnotherFocalLengthWithIt) {
   for (const double wrong : {0.97, 1.03}) {
     BundleProblem problem = problem_of({.focal = wrong * kFocal, .k1 = -0.1, .k2 = 0.03}, 8);
     ASSERT_TRUE(refine(problem)) << wrong;
@@ -114,7 +114,7 @@ TEST(DistortionRefinement, RowsOfAnotherSizeStaySo) {
   EXPECT_NEAR(problem.camera.residual.k1, 0.03, 0.005);
 }
 
-TEST(DistortionRefinement, AnExactCameraKeepsNone) {
+TEST(DistortionRefinementLong, AnExactCameraKeepsNone) {
   for (uint64_t seed = 10; seed < 16; ++seed) {
     BundleProblem problem = problem_of({.focal = kFocal}, seed);
     EXPECT_FALSE(refine(problem)) << seed;

@@ -49,7 +49,7 @@ INSTANTIATE_TEST_SUITE_P(Lenses, LensAdjustmentOf,
                                          LensCase{-0.15, 0, 0.75}, LensCase{0.1, 0, 1.3}, LensCase{-0.26, 0.08, 0.8},
                                          LensCase{-0.1, -0.1, 1.2}));
 
-TEST(LensAdjustment, TheTruthLiesWithinItsDeviationsAsOftenAsItShould) {
+TEST(LensAdjustmentLong, TheTruthLiesWithinItsDeviationsAsOftenAsItShould) {
   int within_one = 0, within_three = 0;
   constexpr int kRuns = 20;
   for (int k = 0; k < kRuns; ++k) {
@@ -115,7 +115,7 @@ TEST(LensAdjustment, GoesTheWholeWayWhereALongPathBends) {
   }
 }
 
-TEST(LensAdjustment, MotionStraightAheadTellsLittle) {
+TEST(LensAdjustmentLong, MotionStraightAheadTellsLittle) {
   BundleProblem ahead = seen_through(0, 1, Motion::ahead, 5), sideways = seen_through(0, 1, Motion::sideways, 5);
   const LensAdjustment little = adjust_lens(ahead, {kFocal, 0}), much = adjust_lens(sideways, {kFocal, 0});
   ASSERT_TRUE(much.ok);
