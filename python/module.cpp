@@ -119,8 +119,9 @@ void bind_slam(py::module_& m) {
       .def(
           "snapshot", [](const Slam& s) { return std::const_pointer_cast<MapSnapshot>(s.snapshot()); }, Released(),
           "The map and the trajectory as they are now: a Snapshot.")
-      .def_property_readonly("camera", py::cpp_function(&Slam::camera, Released()),
-                             "The Camera in use: its focal length, distortion and noise of depth as estimated so far.")
+      .def_property_readonly(
+          "camera", py::cpp_function(&Slam::camera, Released()),
+          "The Camera in use: its focal length, distortion, readout and noise of depth as estimated so far.")
       .def_property_readonly("rectified_left", &Slam::rectified_left,
                              "The rectified left camera's Pose in the given one's coordinates, a rotation; the "
                              "identity for pairs that are not rectified here.")

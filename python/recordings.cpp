@@ -279,7 +279,7 @@ void bind_recordings(py::module_& m) {
            "(height, width).")
       .def_property_readonly(
           "camera", [](const PyRecording& r) { return to_parameters(r.sequence->camera()); },
-          "The Camera of its images.")
+          "The Camera of its images, with the readout that its camera file has.")
       .def_property_readonly(
           "sensor", [](const PyRecording& r) { return public_sensor(r.sequence->sensor()); }, "The Sensor.")
       .def_property_readonly(

@@ -43,7 +43,7 @@ py::object to_array(const std::optional<PoseCovariance>& covariance) {
 
 CameraParameters make_camera(int width, int height, double fx, double fy, double cx, double cy, double baseline,
                              LensType lens, const std::vector<double>& distortion, double depth_sigma_a,
-                             double depth_sigma_b) {
+                             double depth_sigma_b, double readout) {
   CameraParameters c;
   c.width = width;
   c.height = height;
@@ -55,6 +55,7 @@ CameraParameters make_camera(int width, int height, double fx, double fy, double
   c.lens = lens;
   c.depth_sigma_a = depth_sigma_a;
   c.depth_sigma_b = depth_sigma_b;
+  c.readout = readout;
   if (distortion.size() > std::size(c.distortion)) throw py::value_error("distortion: five figures at most");
   std::copy(distortion.begin(), distortion.end(), std::begin(c.distortion));
   return c;
@@ -138,7 +139,8 @@ void bind_cameras(py::module_& m) {
   py::class_<CameraParameters>(m, "Camera", "A pinhole camera and its lens.")
       .def(py::init(&make_camera), py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"), py::arg("cx"),
            py::arg("cy"), py::kw_only(), py::arg("baseline") = 0., py::arg("lens") = LensType::none,
-           py::arg("distortion") = std::vector<double>(), py::arg("depth_sigma_a") = 0., py::arg("depth_sigma_b") = 0.)
+           py::arg("distortion") = std::vector<double>(), py::arg("depth_sigma_a") = 0., py::arg("depth_sigma_b") = 0.,
+           py::arg("readout") = 0.)
       .def_readonly("width", &CameraParameters::width, "Pixels.")
       .def_readonly("height", &CameraParameters::height, "Pixels.")
       .def_readonly("fx", &CameraParameters::fx, "Focal length along x, pixels.")
@@ -157,13 +159,18 @@ void bind_cameras(py::module_& m) {
       .def_readonly("depth_sigma_a", &CameraParameters::depth_sigma_a,
                     "Noise of a depth z: sigma = a + b z^2; a in metres. Both 0: estimated from the map.")
       .def_readonly("depth_sigma_b", &CameraParameters::depth_sigma_b,
-                    "Noise of a depth z: sigma = a + b z^2; b in 1 / metres. Both 0: estimated from the map.");
+                    "Noise of a depth z: sigma = a + b z^2; b in 1 / metres. Both 0: estimated from the map.")
+      .def_readonly("readout", &CameraParameters::readout,
+                    "Rolling shutter: seconds from the exposure of the first row to that of the last, from -0.2 to "
+                    "0.2; negative where the last row comes first. 0: all rows at once, or not known, and a run may "
+                    "find one.");
   py::class_<RightCamera>(m, "RightCamera", "The right camera of a stereo pair that is not rectified.")
       .def(py::init([](const CameraParameters& camera, const Pose& pose) {
              return RightCamera{camera, pose};
            }),
            py::arg("camera"), py::arg("pose"))
-      .def_readonly("camera", &RightCamera::camera, "Its Camera, without baseline.")
+      .def_readonly("camera", &RightCamera::camera,
+                    "Its Camera, without baseline; readout: 0, or that of the left one.")
       .def_readonly("pose", &RightCamera::pose, "The right camera's Pose in the left one's coordinates, metres.");
 }
 

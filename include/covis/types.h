@@ -25,6 +25,10 @@ struct CameraParameters {
   double depth_sigma_a = 0, depth_sigma_b = 0;
   LensType lens = LensType::none;          // a stereo pair has one only when it is rectified here (RightCamera)
   double distortion[5] = {0, 0, 0, 0, 0};  // brown_conrady: k1 k2 p1 p2 k3; kannala_brandt: k1 k2 k3 k4
+  // Rolling shutter: seconds from the exposure of the image's first row to that of the last, from -0.2 to 0.2; negative
+  // where the last row comes first. 0: all rows are exposed at once, or it is not known, and a run may find one. The
+  // setting tracker.readout goes before it.
+  double readout = 0;
 };
 
 struct Pose {
@@ -34,7 +38,7 @@ struct Pose {
 
 // The right camera of a stereo pair that is not rectified. The images are rectified when they come.
 struct RightCamera {
-  CameraParameters camera = {};  // without baseline
+  CameraParameters camera = {};  // without baseline; readout: 0, or that of the left camera
   Pose pose = {};                // T_left_right: the right camera's pose in the left one's coordinates
 };
 

@@ -324,6 +324,27 @@ def test_other_errors_have_their_message():
         covis.Slam(SMALL, covis.Sensor.rgbd, mode=covis.Mode.localisation)
 
 
+def test_a_readout_goes_in_and_comes_back(recording, tmp_path):
+    rolling = covis.Camera(WIDTH, HEIGHT, 130, 130, 80, 60, readout=-0.02)
+    assert rolling.readout == -0.02 and SMALL.readout == 0
+    for sensor in (covis.Sensor.monocular, covis.Sensor.rgbd):
+        slam = covis.Slam(rolling, sensor)
+        assert slam.camera.readout == pytest.approx(-0.02) and slam.snapshot().camera.readout == pytest.approx(-0.02)
+        assert covis.Slam(SMALL, sensor).camera.readout == 0
+    for readout in (0.5, -0.5, float('nan')):
+        wrong = covis.Camera(WIDTH, HEIGHT, 130, 130, 80, 60, readout=readout)
+        with pytest.raises(covis.Error, match='camera: the readout in seconds: .* from -0.2 to 0.2'):
+            covis.Slam(wrong, covis.Sensor.rgbd)
+
+    folder = recording('desk_rgbd')
+    assert covis.Recording(folder).camera.readout == 0
+    file = tmp_path / 'rolling.yaml'
+    file.write_text((pathlib.Path(folder) / 'camera.yaml').read_text() + 'readout: 0.015\n')
+    source = covis.Recording(folder, camera_file=str(file))
+    assert source.camera.readout == pytest.approx(0.015)
+    assert system(source).camera.readout == pytest.approx(0.015)
+
+
 def test_settings_are_listed_and_given():
     slam = covis.Slam(SMALL, covis.Sensor.monocular, settings={'orb.features': 700, 'loop.close': False})
     settings = {setting.name: setting for setting in slam.settings}

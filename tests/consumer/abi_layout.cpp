@@ -24,6 +24,7 @@ int main() {
   MEMBER(CameraParameters, depth_sigma_b);
   MEMBER(CameraParameters, lens);
   MEMBER(CameraParameters, distortion);
+  MEMBER(CameraParameters, readout);
   STRUCT(Pose);
   MEMBER(Pose, x);
   MEMBER(Pose, y);

@@ -52,6 +52,8 @@ std::optional<std::string> right_problem(const SlamOptions& options) {
   if (options.sensor != SensorType::stereo) return "right: only a stereo pair has a right camera";
   if (options.camera.baseline != 0)
     return "camera: baseline is that of a rectified pair; with `right` its pose says it";
+  if (right.camera.readout != 0 && right.camera.readout != options.camera.readout)
+    return "right: readout must be 0 or that of the left camera";
   if (const auto problem = lens_problem(right.camera)) return "right: " + *problem;
   if (const auto problem = problem_of(to_camera(right.camera, SensorType::monocular))) return "right: " + *problem;
   const Pose& p = right.pose;
@@ -158,6 +160,7 @@ Camera to_camera(const CameraParameters& parameters, SensorType sensor) {
                     parameters.cy,
                     parameters.fx * baseline,
                     {parameters.depth_sigma_a, parameters.depth_sigma_b}};
+  camera.pinhole.row_time = parameters.readout / parameters.height;
   camera.distortion = to_distortion(parameters.lens);
   std::copy(std::begin(parameters.distortion), std::end(parameters.distortion), camera.coefficients.begin());
   return camera;
@@ -174,7 +177,8 @@ CameraParameters to_parameters(const Camera& camera) {
                         .baseline = p.baseline(),
                         .depth_sigma_a = p.depth_noise.a,
                         .depth_sigma_b = p.depth_noise.b,
-                        .lens = to_lens(camera.distortion)};
+                        .lens = to_lens(camera.distortion),
+                        .readout = p.row_time * camera.height};
   std::copy(camera.coefficients.begin(), camera.coefficients.end(), std::begin(made.distortion));
   return made;
 }
@@ -189,6 +193,7 @@ CameraParameters in_use(CameraParameters given, const Pinhole& now) {
   }
   given.depth_sigma_a = now.depth_noise.a;
   given.depth_sigma_b = now.depth_noise.b;
+  given.readout = now.row_time * given.height;
   return given;
 }
 

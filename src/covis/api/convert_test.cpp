@@ -35,6 +35,19 @@ TEST(Convert, TheCameraInUseHasTheDistortionThatWasFound) {
   EXPECT_EQ(used.distortion[2], 0);
 }
 
+TEST(Convert, TheCameraInUseHasTheReadoutThatWasFound) {
+  CameraParameters given{.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 320, .cy = 240};
+  Pinhole now = to_camera(given, SensorType::rgbd).pinhole;
+  EXPECT_EQ(now.row_time, 0);
+  EXPECT_EQ(in_use(given, now).readout, 0);
+  now.row_time = 4e-5;
+  EXPECT_NEAR(in_use(given, now).readout, 0.0192, 1e-12) << "from the first of 480 rows to the last";
+  given.readout = -0.03;
+  EXPECT_NEAR(to_camera(given, SensorType::stereo).pinhole.row_time, -6.25e-5, 1e-15);
+  now.row_time = 0;
+  EXPECT_EQ(in_use(given, now).readout, 0) << "a setting says that there is none";
+}
+
 TEST(Convert, ACameraComesBack) {
   const CameraParameters given{.width = 640,
                                .height = 480,
@@ -46,7 +59,8 @@ TEST(Convert, ACameraComesBack) {
                                .depth_sigma_a = 0.001,
                                .depth_sigma_b = 0.002,
                                .lens = LensType::kannala_brandt,
-                               .distortion = {0.1, 0.2, 0.3, 0.4, 0}};
+                               .distortion = {0.1, 0.2, 0.3, 0.4, 0},
+                               .readout = -0.02};
   const CameraParameters back = to_parameters(to_camera(given, SensorType::rgbd));
   EXPECT_EQ(back.height, given.height);
   EXPECT_EQ(back.fy, given.fy);
@@ -54,6 +68,7 @@ TEST(Convert, ACameraComesBack) {
   EXPECT_EQ(back.depth_sigma_b, given.depth_sigma_b);
   EXPECT_EQ(back.lens, given.lens);
   EXPECT_EQ(back.distortion[3], given.distortion[3]);
+  EXPECT_NEAR(back.readout, given.readout, 1e-12);
 }
 
 TEST(Convert, OnlyAFrameWithAPoseHasItsFigures) {

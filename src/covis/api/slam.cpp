@@ -217,7 +217,9 @@ Expected<std::unique_ptr<Slam>> Slam::create(const SlamOptions& options) {
   if (options.right) {
     auto rectifier = Rectifier::create(impl->camera, *options.right);
     if (!rectifier) return Failure("right: " + rectifier.error().message);
+    const double row_time = impl->camera.pinhole.row_time;
     impl->camera = rectifier->camera();
+    impl->camera.pinhole.row_time = row_time;  // rows of rectified images are nearly those that were exposed
     impl->given = to_parameters(impl->camera);
     impl->rectifier = std::move(*rectifier);
   }

@@ -94,6 +94,9 @@ TEST(SlamCreate, RefusesAnImpossibleCamera) {
       {[](SlamOptions& o) { o.camera.baseline = -0.1; }, SensorType::rgbd, "baseline"},
       {[](SlamOptions& o) { o.camera.depth_sigma_a = -1; }, SensorType::rgbd, "depth_sigma_a"},
       {[](SlamOptions& o) { o.camera.lens = LensType::kannala_brandt; }, SensorType::stereo, "rectified"},
+      {[](SlamOptions& o) { o.camera.readout = 20; }, SensorType::monocular, "camera: the readout in seconds: 20 "},
+      {[](SlamOptions& o) { o.camera.readout = -0.3; }, SensorType::stereo, "from -0.2 to 0.2"},
+      {[](SlamOptions& o) { o.camera.readout = kNaN; }, SensorType::rgbd, "readout"},
   };
   for (const auto& c : cases) EXPECT_THAT(error_of_options(c.sensor, c.change), HasSubstr(c.message));
 }
@@ -108,6 +111,7 @@ TEST(SlamCreate, RefusesARightCameraThatIsNone) {
       {[](SlamOptions& o) { o.camera.baseline = 0.1; }, "camera: baseline"},
       {[](SlamOptions& o) { o.right->camera.fx = 0; }, "right: fx and fy"},
       {[](SlamOptions& o) { o.right->camera.width = 200; }, "one size"},
+      {[](SlamOptions& o) { o.right->camera.readout = 0.02; }, "right: readout must be 0 or that of the left"},
       {[](SlamOptions& o) { o.right->pose.qw = 0.5; }, "right: pose"},
       {[](SlamOptions& o) { o.right->pose.x = -0.1; }, "to the right"},
   };
@@ -215,6 +219,34 @@ TEST_F(SlamCalls, TheCameraIsTheOneGivenUntilItIsRefined) {
     EXPECT_GT(camera.fx, 0);
     EXPECT_GT(camera.baseline, 0) << "as it was given, whatever the sensor";
   }
+}
+
+TEST_F(SlamCalls, AReadoutThatWasGivenComesBack) {
+  SlamOptions options;
+  const auto expect_readout = [&](double readout) {
+    const auto slam = Slam::create(options);
+    ASSERT_TRUE(slam) << slam.error();
+    EXPECT_NEAR((*slam)->camera().readout, readout, 1e-12);
+    EXPECT_NEAR((*slam)->snapshot()->camera.readout, readout, 1e-12);
+    (*slam)->reset();
+    EXPECT_NEAR((*slam)->camera().readout, readout, 1e-12);
+  };
+  for (const SensorType sensor : {SensorType::monocular, SensorType::stereo, SensorType::rgbd}) {
+    options = options_of(sensor);
+    expect_readout(0);
+    options.camera.readout = -0.02;
+    expect_readout(-0.02);
+    options.settings = {{"tracker.readout", "0.01"}};
+    expect_readout(0.01);
+  }
+  // A pair that is rectified here.
+  options = options_of(SensorType::stereo);
+  options.camera.baseline = 0;
+  options.camera.readout = 0.02;
+  options.right = RightCamera{.camera = options.camera, .pose = {.x = 0.1}};
+  expect_readout(0.02);
+  options.right->camera.readout = 0;
+  expect_readout(0.02);
 }
 
 TEST_F(SlamCalls, StampsMustRiseUntilAReset) {
