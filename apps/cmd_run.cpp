@@ -295,6 +295,7 @@ int run(const RunArguments& arguments) {
     if (const auto set = system->set_map(std::move(map->map), map->header.camera); !set)
       return fail_with(arguments.map + ": " + set.error().message);
   }
+  record.given.row_time = system->camera().row_time;  // a setting or the map may have it too
   std::optional<MapSaver> saver;
   if (*interval != SaveInterval{}) saver.emplace(arguments.save_map, header, *interval);
   track_all(**sequence, *system,

@@ -52,14 +52,15 @@ uint32_t camera_of(const KeyFrame& key_frame, Scene& scene) {
   return index;
 }
 
-// By how much the turn between the rows of a rolling shutter was taken out of a keypoint. Other cameras of a map are
-// not known to have one.
+// By how much the turn between the rows of a rolling shutter was taken out of a keypoint of the map's camera, which
+// need not have one any more. Other cameras of a map are not known to have one.
 Eigen::Vector2d rolled(const SceneCamera& camera, const Features& features, size_t i) {
-  if (camera.pinhole.row_time == 0) return Eigen::Vector2d::Zero();
+  constexpr double kRounding = 0.01;  // pixels
   auto shown = camera.given.undistort(Eigen::Vector2f(features.image_x()[i], features.image_y()[i]).cast<double>());
   if (shown) shown = camera.refined.straightened(*shown);
   if (!shown) return Eigen::Vector2d::Zero();
-  return *shown - Eigen::Vector2f(features.x[i], features.y[i]).cast<double>();
+  const Eigen::Vector2d by = *shown - Eigen::Vector2f(features.x[i], features.y[i]).cast<double>();
+  return by.norm() > kRounding ? by : Eigen::Vector2d::Zero();
 }
 
 void add_view(const Map& map, const KeyFrame& from, Points& points, Scene& scene) {
@@ -78,7 +79,7 @@ void add_view(const Map& map, const KeyFrame& from, Points& points, Scene& scene
     const double scale = from.features->pyramid->scale[from.features->level[f]];  // in the map's camera
     view.keypoints.push_back({.u = at.x(),
                               .v = at.y(),
-                              .rolled = rolled(camera, *from.features, f),
+                              .rolled = view.camera > 0 ? Eigen::Vector2d::Zero() : rolled(camera, *from.features, f),
                               .point = points.index_of(map, from.points[f]),
                               .scale = scale * camera.pinhole.fx / map.camera().fx,
                               .disparity = disparity_of(*from.features, f, map.camera())});

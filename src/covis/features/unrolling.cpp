@@ -6,11 +6,14 @@
 namespace covis {
 namespace {
 
-// turn: to be taken out, from row to row, radians.
+// turn: to be taken out, from row to row, radians. A keypoint at the edge of a wide view that it would move out of the
+// camera's sight stays in its place.
 Eigen::Vector2d unrolled_place(const Pinhole& camera, const Eigen::Vector3d& turn, const Features& f, size_t i) {
+  constexpr double kLeast = 0.1;  // of the ray along the optical axis, which was 1
   const double rows = f.image_y()[i] - camera.cy;
   const Eigen::Vector3d ray = camera.unproject(f.x[i], f.y[i]);
-  return camera.project(ray + moved_by_turn(ray, -rows * turn));
+  const Eigen::Vector3d turned = ray + moved_by_turn(ray, -rows * turn);
+  return turned.z() > kLeast ? camera.project(turned) : Eigen::Vector2d(f.x[i], f.y[i]);
 }
 
 }  // namespace
@@ -32,10 +35,6 @@ void unroll(const Pinhole& camera, const ExposureTurn& exposure, Features& f) {
               std::max(bounds.max_y, at.y())};
   }
   f.grid.build(bounds, f.x, f.y);
-}
-
-Eigen::Vector2d rolled_place(const Pinhole& camera, const Features& f, size_t i) {
-  return unrolled_place(camera, -f.exposure.taken(), f, i);
 }
 
 }  // namespace covis

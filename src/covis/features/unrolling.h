@@ -18,7 +18,5 @@ inline Eigen::Vector3d moved_by_turn(const Eigen::Vector3d& ray, const Eigen::Ve
 
 // Takes the turn that `exposure` tells out of keypoints that have what their own `exposure` leaves in them.
 void unroll(const Pinhole& camera, const ExposureTurn& exposure, Features& features);
-// The place of a keypoint with its turn in it: where the undistorted image shows it.
-Eigen::Vector2d rolled_place(const Pinhole& camera, const Features& features, size_t i);
 
 }  // namespace covis

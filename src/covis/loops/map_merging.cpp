@@ -18,12 +18,12 @@ size_t best_camera(const std::vector<MergeSource>& maps) {
   const auto rank = [](const MergeSource& source) {
     const MapState& map = source.map;
     const bool depth = source.sensor != Sensor::monocular, stereo = source.sensor == Sensor::stereo;
-    // A distortion and a registration that were found are kept.
+    // A distortion, a registration and a rolling shutter that were found are kept.
     const ResidualDistortion& residual = map.camera.residual;
     const DepthRegistration& r = map.camera.registration;
-    return std::tuple(depth, stereo, residual.any(), r.any(), map.key_frames.size(), map.points.size(), map.camera.fx,
-                      map.camera.fy, residual.k1, residual.k2, r.scale, r.shift_x, r.shift_y, r.parallax_x,
-                      r.parallax_y);
+    return std::tuple(depth, stereo, residual.any(), r.any(), map.camera.row_time != 0, map.key_frames.size(),
+                      map.points.size(), map.camera.fx, map.camera.fy, residual.k1, residual.k2, r.scale, r.shift_x,
+                      r.shift_y, r.parallax_x, r.parallax_y, map.camera.row_time);
   };
   const auto best = std::max_element(maps.begin(), maps.end(),
                                      [&](const MergeSource& a, const MergeSource& b) { return rank(a) < rank(b); });

@@ -13,28 +13,24 @@
 
 namespace covis {
 
-std::unique_ptr<ShutterAdjustment> ShutterAdjustment::of(const Map& map, KeyFrameId key_frame, double row_time) {
-  std::optional<MapProblem> submap = copy_submap(map, key_frame);
-  if (!submap) return nullptr;
-  auto job = std::unique_ptr<ShutterAdjustment>(new ShutterAdjustment(std::move(*submap), row_time));
-  for (const KeyFrameId& id : job->submap_.key_frames) job->features_.push_back(map.at(id).features);
-  for (const BundleObservation& o : job->submap_.problem.observations) {
-    const MapPoint& point = map.at(job->submap_.points[static_cast<size_t>(o.point)]);
-    job->feature_.push_back(point.feature_in(job->submap_.key_frames[static_cast<size_t>(o.pose)]));
+ShutterAdjustment::Part::Part(const Map& map, MapProblem of_submap) : submap(std::move(of_submap)) {
+  for (const KeyFrameId& id : submap.key_frames) features.push_back(map.at(id).features);
+  for (const BundleObservation& o : submap.problem.observations) {
+    const MapPoint& point = map.at(submap.points[static_cast<size_t>(o.point)]);
+    feature.push_back(point.feature_in(submap.key_frames[static_cast<size_t>(o.pose)]));
   }
-  return job;
 }
 
-bool ShutterAdjustment::run(const std::atomic<bool>& interrupt) {
-  BundleProblem& problem = submap_.problem;
-  problem.camera.row_time = row_time_;
-  for (FeaturesPtr& features : features_)
-    if (!straight_for(*features, problem.camera)) features = straightened(*features, problem.camera);
+bool ShutterAdjustment::Part::adjust(const Pinhole& camera, const std::atomic<bool>& interrupt) {
+  BundleProblem& problem = submap.problem;
+  problem.camera = camera;
+  for (FeaturesPtr& f : features)
+    if (!straight_for(*f, camera)) f = straightened(*f, camera);
   for (size_t k = 0; k < problem.observations.size(); ++k) {
     BundleObservation& o = problem.observations[k];
-    const Features& f = *features_[static_cast<size_t>(o.pose)];
-    o.u = f.x[feature_[k]];
-    o.v = f.y[feature_[k]];
+    const Features& f = *features[static_cast<size_t>(o.pose)];
+    o.u = f.x[feature[k]];
+    o.v = f.y[feature[k]];
   }
   BundleAdjuster adjuster;
   const BundleSummary summary = adjuster.solve(problem, {.iterations = 20, .interrupt = &interrupt});
@@ -42,12 +38,35 @@ bool ShutterAdjustment::run(const std::atomic<bool>& interrupt) {
   return summary.ok && !summary.interrupted;
 }
 
+std::unique_ptr<ShutterAdjustment> ShutterAdjustment::of(const Map& map, double row_time) {
+  auto job = std::unique_ptr<ShutterAdjustment>(new ShutterAdjustment(row_time));
+  for (const Submap& submap : map.submaps()) {
+    std::optional<MapProblem> problem = copy_submap(map, submap.root);
+    if (problem) job->parts_.emplace_back(map, std::move(*problem));
+  }
+  if (job->parts_.empty()) return nullptr;
+  return job;
+}
+
+bool ShutterAdjustment::run(const std::atomic<bool>& interrupt) {
+  for (Part& part : parts_) {
+    Pinhole camera = part.submap.problem.camera;
+    camera.row_time = row_time_;
+    if (!part.adjust(camera, interrupt)) return false;
+  }
+  return true;
+}
+
 bool ShutterAdjustment::apply(SharedMap& map) const {
   Pinhole camera = map.read()->camera();
+  const bool is_first = camera.row_time == 0;
   camera.row_time = row_time_;
-  if (!apply_submap(submap_, map, camera)) return false;
+  bool applied = false;
+  for (const Part& part : parts_) applied |= apply_submap(part.submap, map, camera);
+  if (!applied) return false;
   std::array<char, 80> text{};
-  std::snprintf(text.data(), text.size(), "rolling shutter found: %.1f microseconds from row to row", 1e6 * row_time_);
+  std::snprintf(text.data(), text.size(), "rolling shutter %s: %.1f microseconds from row to row",
+                is_first ? "found" : "corrected", 1e6 * row_time_);
   log(LogLevel::info, row_time_ != 0 ? text.data() : "what was taken for a rolling shutter is none");
   return true;
 }

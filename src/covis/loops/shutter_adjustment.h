@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A map whose camera proves to have another rolling shutter: the turn between rows is taken out of the keypoints of its
-// key frames, as far as it is known, and the map is adjusted to them.
+// key frames, as far as it is known, and each submap is adjusted to them.
 #pragma once
 
 #include <memory>
@@ -15,19 +15,28 @@ namespace covis {
 class ShutterAdjustment : public AdjustmentJob {
  public:
   // row_time: Pinhole::row_time. Null when there is nothing to adjust.
-  static std::unique_ptr<ShutterAdjustment> of(const Map& map, KeyFrameId key_frame, double row_time);
+  static std::unique_ptr<ShutterAdjustment> of(const Map& map, double row_time);
 
   AdjustmentKind kind() const override { return AdjustmentKind::camera; }
   bool run(const std::atomic<bool>& interrupt) override;
   bool apply(SharedMap& map) const override;
 
  private:
-  ShutterAdjustment(MapProblem submap, double row_time) : submap_(std::move(submap)), row_time_(row_time) {}
+  // The key frames' features and, for each observation, the one of them.
+  struct Part {
+    MapProblem submap;
+    std::vector<FeaturesPtr> features;
+    std::vector<uint32_t> feature;
 
-  MapProblem submap_;
+    Part(const Map& map, MapProblem of_submap);
+    // Puts the observations where they are for the camera. False: the adjustment failed.
+    bool adjust(const Pinhole& camera, const std::atomic<bool>& interrupt);
+  };
+
+  explicit ShutterAdjustment(double row_time) : row_time_(row_time) {}
+
+  std::vector<Part> parts_;
   const double row_time_;
-  std::vector<FeaturesPtr> features_;  // those of key frames
-  std::vector<uint32_t> feature_;      // one for each observation
 };
 
 }  // namespace covis

@@ -40,7 +40,7 @@ struct SwayedMap {
     return most;
   }
   void adjust(double row_time) {
-    auto job = ShutterAdjustment::of(*world.shared.read(), world.frames.back(), row_time);
+    auto job = ShutterAdjustment::of(*world.shared.read(), row_time);
     ASSERT_TRUE(job);
     const std::atomic<bool> interrupt{false};
     ASSERT_TRUE(job->run(interrupt));
@@ -67,6 +67,25 @@ TEST(ShutterAdjustment, TakesTheTurnOutOfTheKeyFramesOfAMap) {
   }
 }
 
+TEST(ShutterAdjustment, EverySubmapIsAdjusted) {
+  SwayedMap swayed;
+  SceneMap& world = swayed.world;
+  world.begin_submap();
+  world.add_key_frames(8);
+  const SE3 moved = SE3::exp((Vector6d() << 0.02, -0.01, 0, 0.002, 0.004, 0).finished());
+  for (size_t i = 10; i < 16; ++i) {
+    const SE3 T_cw = moved * swayed.scene.T_cw(i - 8);
+    world.shared.write()->set_pose(world.frames[i], T_cw);
+  }
+  swayed.adjust(kRowTime);
+  const auto map = world.shared.read();
+  EXPECT_EQ(map->check(), "");
+  for (size_t i = 8; i < 16; ++i) {
+    const SE3 off = map->at(world.frames[i]).T_cw * swayed.scene.T_cw(i - 8).inverse();
+    EXPECT_LT(off.log().tail<3>().norm(), 1e-3) << "key frame " << i - 8 << " of the other submap";
+  }
+}
+
 TEST(ShutterAdjustment, CanBeTakenBack) {
   SwayedMap swayed;
   const double before = swayed.worst();
@@ -78,7 +97,7 @@ TEST(ShutterAdjustment, CanBeTakenBack) {
 
 TEST(ShutterAdjustment, OneThatIsInterruptedHasNoResult) {
   SwayedMap swayed;
-  auto job = ShutterAdjustment::of(*swayed.world.shared.read(), swayed.world.frames.back(), kRowTime);
+  auto job = ShutterAdjustment::of(*swayed.world.shared.read(), kRowTime);
   EXPECT_FALSE(job->run(std::atomic<bool>{true}));
 }
 

@@ -30,6 +30,12 @@ struct LocatedFrame {
   RelativePose pose;
 };
 
+// The rows of images prove to be exposed in other steps than the map's camera has: Pinhole::row_time of the camera that
+// this was found with, and what it is to be.
+struct ShutterChange {
+  double from = 0, to = 0;
+};
+
 // Make a key frame of this frame.
 struct KeyFrameRequest {
   int64_t frame = 0;
@@ -42,9 +48,9 @@ struct KeyFrameRequest {
   std::vector<PointCount> counts;
   std::vector<UnlocatedFrame> unlocated;                // earlier frames, newest first
   Eigen::Vector3d turn_rate = Eigen::Vector3d::Zero();  // of the rays, radians a second; zero: not known
-  std::optional<double> row_time;  // the camera has another rolling shutter than the map's: Pinhole::row_time
-  bool doubted_depth = false;      // true: neither noise nor focal length is to be estimated
-  bool suspected_depth = false;    // true: it was doubted once, so that every key frame is compared
+  std::optional<ShutterChange> shutter;
+  bool doubted_depth = false;    // true: neither noise nor camera is to be estimated
+  bool suspected_depth = false;  // true: it was doubted once, so that every key frame is compared
 };
 
 // Make the first two key frames and points of a monocular submap, beside what is there. World = camera of the first.

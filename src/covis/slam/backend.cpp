@@ -36,7 +36,7 @@ MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic
   const Stopwatch watch;
   apply_adjustment(report);
   close_loop(report);
-  if (!adjusts_shutter(request, report.key_frame) && !request.doubted_depth) refine_camera(report.key_frame);
+  if (!request.doubted_depth && !adjusts_shutter(request)) refine_camera(report.key_frame);
   if (!background_.running()) RegistrationSchedule::drop_depths(map_);
   forget_replaced_points(report.key_frame);
   report.loop_ms = watch.ms();
@@ -96,10 +96,13 @@ bool Backend::registers_depth(KeyFrameId current) {
 }
 
 // True: the camera has another rolling shutter, and the map is being adjusted to it.
-bool Backend::adjusts_shutter(const KeyFrameRequest& request, KeyFrameId current) {
-  constexpr int kKeyFrames = 2;  // after which the map is to have it
-  if (!request.row_time || background_.running()) return false;
-  background_.start(ShutterAdjustment::of(*map_.read(), current, *request.row_time), kKeyFrames);
+bool Backend::adjusts_shutter(const KeyFrameRequest& request) {
+  if (!request.shutter || background_.running()) return false;
+  const auto map = map_.read();
+  // A request that was on its way while the map was adjusted says nothing of its camera now.
+  if (map->camera().row_time != request.shutter->from) return false;
+  const int key_frames = 2 + static_cast<int>(map->key_frame_count() / 25);  // after which the map is to have it
+  background_.start(ShutterAdjustment::of(*map, request.shutter->to), key_frames);
   return true;
 }
 

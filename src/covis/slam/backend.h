@@ -52,7 +52,7 @@ class Backend {
   void apply_adjustment(MappingReport& report);
   void close_loop(MappingReport& report);
   void refine_camera(KeyFrameId current);
-  bool adjusts_shutter(const KeyFrameRequest& request, KeyFrameId current);
+  bool adjusts_shutter(const KeyFrameRequest& request);
   bool registers_depth(KeyFrameId current);
   std::vector<DepthAgainstMotion> check_depth(KeyFrameId current, MotionDepthCheck::Pace pace);
   void forget_replaced_points(KeyFrameId current);

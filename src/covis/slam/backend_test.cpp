@@ -81,6 +81,24 @@ TEST_F(BackendTest, OnlyTheSubmapThatIsDiscardedGoes) {
   EXPECT_FALSE(process(late).key_frame.valid()) << "asked for beside a key frame that is gone";
 }
 
+TEST_F(BackendTest, AnotherRollingShutterIsAppliedOnceHoweverManyKeyFramesAskedForIt) {
+  constexpr double kRowTime = 4e-5;
+  KeyFrameId last = process(request(0)).key_frame;
+  for (size_t i = 1; i < 8; ++i) {
+    KeyFrameRequest r = request(i, last);
+    r.shutter = ShutterChange{0, kRowTime * static_cast<double>(i)};
+    last = process(r).key_frame;
+    const double in_use = shared.read()->camera().row_time;
+    EXPECT_EQ(in_use, i < 3 ? 0 : kRowTime) << "key frame " << i;
+  }
+  KeyFrameRequest doubted = request(8, last);
+  doubted.shutter = ShutterChange{kRowTime, 0};
+  doubted.doubted_depth = true;
+  process(doubted);
+  backend.finish();
+  EXPECT_EQ(shared.read()->camera().row_time, kRowTime) << "its depth is doubted";
+}
+
 // A camera that drives forward and turns, and has another focal length than the map is reported. The map is asked for
 // it at its twentieth key frame, and the answer is applied a fixed number of key frames later.
 TEST_F(BackendTest, TheFocalLengthIsAppliedSoManyKeyFramesAfterItWasAskedFor) {

@@ -122,7 +122,7 @@ class CameraSearch {
     options_.sensor = Sensor::monocular;
     options_.mapper.refine_focal = options_.mapper.refine_distortion = false;
     options_.realtime = options_.localize = false;
-    if (options_.tracker.readout == kFindReadout) options_.tracker.readout = 0;  // other wrong figures look like one
+    options_.tracker.readout = 0;  // other wrong figures look like one, and lenses are compared by pixels as they are
     options_.orb.patches = false;  // with a wrong focal length matches don't fit as closely as aligned ones should
   }
 

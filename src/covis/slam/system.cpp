@@ -26,6 +26,11 @@ Camera with_shutter(Camera camera, const SystemOptions& options) {
   return camera;
 }
 
+ShutterOptions shutter_of(const Camera& camera, const SystemOptions& options) {
+  using RowTime = ShutterOptions::RowTime;
+  return {camera.height, finds_shutter(options, camera) ? RowTime::sought : RowTime::given};
+}
+
 TrackingSettings tracking_settings(const SystemOptions& o, const Camera& camera) {
   return {.sensor = o.sensor,
           .options = o.tracker,
@@ -33,7 +38,7 @@ TrackingSettings tracking_settings(const SystemOptions& o, const Camera& camera)
           .mode = o.localize ? TrackingMode::localisation : TrackingMode::mapping,
           .closes_loops = o.loop.close,
           .seed = o.seed,
-          .shutter_rows = finds_shutter(o, camera) ? camera.height : 0};
+          .shutter = shutter_of(camera, o)};
 }
 
 // Noise, distortion and registration that were given are not looked for.

@@ -10,6 +10,7 @@
 
 #include "covis/core/atomic_file.h"
 #include "covis/core/log.h"
+#include "covis/geometry/camera_check.h"
 #include "covis/storage/load_cost.h"
 #include "covis/storage/map_anchors.h"
 #include "covis/storage/map_cameras.h"
@@ -227,7 +228,8 @@ Result<DepthRegistration> read_registration(SectionFile& file) {
   return registration;
 }
 
-Result<double> read_row_time(SectionFile& file) {
+Result<double> read_row_time(SectionFile& file, int image_height) {
+  constexpr double kRounding = 1e-9;  // seconds
   double row_time = 0;
   if (!file.has(kShutter)) return row_time;
   const auto bytes = file.read(kShutter, "rolling shutter");
@@ -235,15 +237,17 @@ Result<double> read_row_time(SectionFile& file) {
   FieldReader fields(*bytes);
   fields(row_time);
   if (!fields.whole()) return fail(file.error(kNotRightLength));
-  if (!std::isfinite(row_time)) return fail(file.error("its rolling shutter is not valid"));
+  // Not the other way about: it may be a NaN.
+  if (!(std::abs(row_time * image_height) <= CameraBounds::kLongestReadout + kRounding))
+    return fail(file.error("its rolling shutter is not valid"));
   return row_time;
 }
 
 // What a map learned of its camera that no key frame's record has.
-Result<void> read_learned(SectionFile& file, Pinhole& camera) {
+Result<void> read_learned(SectionFile& file, int image_height, Pinhole& camera) {
   const auto registration = read_registration(file);
   if (!registration) return tl::unexpected(registration.error());
-  const auto row_time = read_row_time(file);
+  const auto row_time = read_row_time(file, image_height);
   if (!row_time) return tl::unexpected(row_time.error());
   camera.registration = *registration;
   camera.row_time = *row_time;
@@ -270,7 +274,7 @@ Result<MapState> read_state(SectionFile& file, const Counts& counts, const MapHe
   const auto noise = read_depth_noise(file, header.sensor);
   if (!noise) return tl::unexpected(noise.error());
   state.camera.depth_noise = *noise;
-  Result<void> read = read_learned(file, state.camera);
+  Result<void> read = read_learned(file, header.camera.height, state.camera);
   if (read) read = read_features(file, records, state);
   if (read) read = read_observations(file, state.key_frames);
   if (read) read = read_points(file, counts.points, state.points);
@@ -336,7 +340,8 @@ Result<MapInfo> read_map_info(const std::filesystem::path& path) {
   info.camera = records.empty() ? info.header.camera.pinhole : records.front().camera;
   const auto cameras = read_key_frame_cameras(*file, key_frames->size(), info.camera);
   if (!cameras) return tl::unexpected(cameras.error());
-  if (auto read = read_learned(*file, info.camera); !read) return tl::unexpected(read.error());
+  if (auto read = read_learned(*file, info.header.camera.height, info.camera); !read)
+    return tl::unexpected(read.error());
   for (const RefinedCamera& camera : cameras->cameras) info.other_cameras.push_back({camera.given, 0});
   for (const uint32_t k : cameras->of) {
     if (k > 0) ++info.other_cameras[k - 1].key_frames;

@@ -22,7 +22,7 @@ std::string problem_of(const Camera& camera) {
 
 std::string problem_of(const MapHeader& h) {
   constexpr size_t kVocabularyDigits = 16;  // hexadecimal digits of 64 bits
-  if (std::string problem = problem_of(h.camera); !problem.empty()) return problem;
+  if (std::string problem = storage::problem_of(h.camera); !problem.empty()) return problem;
   const int sensor = static_cast<int>(h.sensor);
   if (sensor < 0 || sensor > static_cast<int>(Sensor::rgbd)) return "its sensor is unknown";
   if (!valid_pyramid(h.levels, h.factor)) return "its pyramid is not valid";

@@ -23,11 +23,6 @@ std::optional<SE3> MotionModel::predict(Timestamp elapsed) const {
   return times < kJitter && times > 1 / kJitter ? motion_->T_21 : SE3::exp(times * motion_->T_21.log());
 }
 
-std::optional<Eigen::Vector3d> MotionModel::turn_rate(Timestamp elapsed) const {
-  if (!motion_ || is_pause(elapsed)) return std::nullopt;
-  return turn_rate(motion_->T_21, motion_->elapsed);
-}
-
 Eigen::Vector3d MotionModel::turn_rate(const SE3& T_21, Timestamp elapsed) {
   return SE3(T_21.R(), Eigen::Vector3d::Zero()).log().tail<3>() / to_seconds(elapsed);
 }

@@ -21,8 +21,7 @@ class MotionModel {
   void rescale(double growth);
   // T_21 of the camera after this time. Without a motion, or after a pause, there is no prediction.
   std::optional<SE3> predict(Timestamp elapsed) const;
-  // The turn of the rays a second as a rotation vector, radians. Without a motion, or after a pause, there is none.
-  std::optional<Eigen::Vector3d> turn_rate(Timestamp elapsed) const;
+  // The turn of the rays a second as a rotation vector, radians.
   static Eigen::Vector3d turn_rate(const SE3& T_21, Timestamp elapsed);
   // True when frames did not come for so long that nothing can be predicted from the motion before.
   bool is_pause(Timestamp elapsed) const;

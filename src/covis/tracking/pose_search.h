@@ -33,9 +33,8 @@ struct PoseSearch {
   std::vector<MapPointId> matched;  // work space of update_local_map()
   TrackedFrame unfitted;            // kept by Tracker: the frame before fit_local_map()
 
-  // shutter_rows: TrackingSettings::shutter_rows.
-  PoseSearch(const RecoveryOptions& options, Subject subject, int shutter_rows = 0)
-      : shutter(shutter_rows), place(options, subject) {}
+  PoseSearch(const RecoveryOptions& options, Subject subject, const ShutterOptions& images = {})
+      : shutter(images), place(options, subject) {}
 
   // The map's camera may have been refined.
   void refresh_camera(const Map& map) { camera = map.camera(); }

@@ -27,10 +27,15 @@ void ReadoutEstimate::restart() {
   frames_ = 0;
 }
 
-// The quantile of Student's t, within 5 % from three degrees of freedom on.
+// The quantile of Student's t that belongs to 3.5 sigma of a normal distribution: a run asks again with each key frame,
+// and chance has many goes. Of 2000 simulated runs of 300 blocks without a readout 14 found one.
+// Source: Wallace, "Bounds on normal approximations to Student's and the chi-square distributions", Annals of
+// Mathematical Statistics 30, 1959.
 double ReadoutEstimate::Value::sure() const {
+  constexpr double kNormal = 3.5;
   const double freedom = blocks - 1;
-  return 2.81 * (1 + 2 / (freedom - 1.8)) * sigma;
+  const double normal = kNormal * (8 * freedom + 3) / (8 * freedom + 1);
+  return sigma * std::sqrt(freedom * std::expm1(normal * normal / freedom));
 }
 
 // Residuals of neighbouring frames err alike: the variance is that of blocks of frames, and a block counts for as much

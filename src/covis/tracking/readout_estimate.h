@@ -33,7 +33,7 @@ class ReadoutEstimate {
     double readout = 0, sigma = 0;  // seconds
     double blocks = 0;              // as many as tell the same
 
-    // A difference that chance alone has once in 200 cases, seconds.
+    // A difference that chance alone has in one run of 150, however often it is asked for, seconds.
     double sure() const;
   };
   // Nothing before enough was seen.

@@ -12,19 +12,17 @@
 namespace covis {
 namespace {
 
-constexpr double kMostTurn = 0.3;  // radians an image: a faster turn is that of a wrong pose
-constexpr double kFastest = 10;    // radians a second: the same
+constexpr double kMostTurn = 0.3;    // radians an image: a faster turn is that of a wrong pose
+constexpr double kFastest = 10;      // radians a second: the same
+constexpr double kRemembered = 0.5;  // seconds: after a longer pause the camera turns in another way
 
 bool may_be(const Eigen::Vector3d& rate, double readout) {
   return !rate.isZero(0) && rate.norm() < kFastest && std::abs(readout) * rate.norm() < kMostTurn;
 }
 
-double image_rows(const Features& features) { return features.grid.bounds.max_y - features.grid.bounds.min_y; }
-
 }  // namespace
 
 FeaturesPtr RollingShutter::straighten(FeaturesPtr features, const Pinhole& camera, Timestamp stamp) {
-  constexpr double kRemembered = 0.5;  // seconds
   straight_ = nullptr;
   if (to_seconds(std::abs(stamp - stamp_)) > kRemembered) rate_.setZero();
   if (camera.row_time == 0) return features;
@@ -37,13 +35,13 @@ FeaturesPtr RollingShutter::straighten(FeaturesPtr features, const Pinhole& came
 void RollingShutter::follow(const Last& last, const Pinhole& camera, const TrackedFrame& frame) {
   constexpr double kSmooth = 1.0 / 30;  // seconds
   const Timestamp elapsed = frame.stamp - last.stamp;
-  if (elapsed <= 0) return;
+  if (elapsed <= 0 || to_seconds(elapsed) > kRemembered) return;
   const Eigen::Vector3d rate = MotionModel::turn_rate(frame.T_cw * last.T_cw.inverse(), elapsed);
   const bool goes_on = !rate_.isZero(0) && stamp_ == last.stamp;
   const double weight = goes_on ? to_seconds(elapsed) / (to_seconds(elapsed) + kSmooth) : 1;
   rate_ += weight * (rate - rate_);
   stamp_ = frame.stamp;
-  if (!may_be(rate_, camera.row_time * image_rows(*frame.features))) rate_.setZero();
+  if (!may_be(rate_, camera.row_time * options_.rows)) rate_.setZero();
   if (camera.row_time != 0 && straight_ == frame.features) unroll(camera, {rate_, camera.row_time}, *straight_);
 }
 
@@ -52,13 +50,13 @@ void RollingShutter::follow(const Last& last, const Pinhole& camera, const Track
 void RollingShutter::compare(const TrackedFrame& frame, const Pinhole& camera, const Map& map, KeyFrameId reference) {
   constexpr int kFewestMatches = 30;
   const KeyFrame* key_frame = map.find(reference);
-  if (rows_ == 0 || !key_frame || rate_.isZero(0)) return;
+  if (options_.row_time == ShutterOptions::RowTime::given || !key_frame || rate_.isZero(0)) return;
   if (camera.row_time != estimated_with_) estimate_.restart();
   estimated_with_ = camera.row_time;
   const Features &f = *frame.features, &f_r = *key_frame->features;
   const Eigen::Vector3d& rate_then = f_r.exposure.rate;
   if (rate_then.isZero(0)) return;
-  const Eigen::Vector3d taken = rows_ * f.exposure.taken(), taken_then = rows_ * f_r.exposure.taken();
+  const Eigen::Vector3d taken = options_.rows * f.exposure.taken(), taken_then = options_.rows * f_r.exposure.taken();
   const SE3 T_cr = frame.T_cw * key_frame->T_cw.inverse();
   Matrix6d H = Matrix6d::Zero();
   Eigen::Matrix<double, 6, 3> h = Eigen::Matrix<double, 6, 3>::Zero();  // beside the readout, the row, and residuals
@@ -72,7 +70,8 @@ void RollingShutter::compare(const TrackedFrame& frame, const Pinhole& camera, c
     const Eigen::Vector3d p_r = depth * camera.unproject(f_r.x[k], f_r.y[k]);
     const Eigen::Vector3d p = T_cr * p_r;
     if (depth <= 0 || p.z() <= 0) continue;
-    const double row = (f.image_y()[i] - camera.cy) / rows_, row_then = (f_r.image_y()[k] - camera.cy) / rows_;
+    const double row = (f.image_y()[i] - camera.cy) / options_.rows,
+                 row_then = (f_r.image_y()[k] - camera.cy) / options_.rows;
     // The move of the point where these are the turns of both views from the first row to the last.
     const auto moved = [&](const Eigen::Vector3d& now, const Eigen::Vector3d& before) {
       return Eigen::Vector3d(row * now.cross(p) - row_then * (T_cr.R() * before.cross(p_r)));
@@ -98,19 +97,21 @@ void RollingShutter::compare(const TrackedFrame& frame, const Pinhole& camera, c
   estimate_.add(equations);
 }
 
-std::optional<double> RollingShutter::found(const Pinhole& camera) const {
+std::optional<ShutterChange> RollingShutter::found(const Pinhole& camera) const {
   constexpr double kLeastChange = 0.1;                 // as a share
   constexpr double kShortest = 0.005, kLongest = 0.1;  // seconds
-  if (rows_ == 0 || camera.row_time != estimated_with_) return std::nullopt;
+  constexpr double kNone = 0.0025;                     // seconds: what was found is kept down to here
+  if (options_.row_time == ShutterOptions::RowTime::given || camera.row_time != estimated_with_) return std::nullopt;
   const std::optional<ReadoutEstimate::Value> value = estimate_.value();
   if (!value) return std::nullopt;
-  const double present = camera.row_time * rows_, size = std::abs(value->readout);
-  const bool is_there = size > value->sure() && size >= kShortest && size <= kLongest;
+  const double present = camera.row_time * options_.rows, size = std::abs(value->readout);
+  const double least = present == 0 ? kShortest : kNone;
+  const bool is_there = size > value->sure() && size >= least && size <= kLongest;
   const double change = std::abs(value->readout - present);
-  if (present == 0) return is_there ? std::optional(value->readout / rows_) : std::nullopt;
-  if (is_there && change > kLeastChange * std::abs(present) && 2 * change > value->sure())
-    return value->readout / rows_;
-  return !is_there && change > value->sure() ? std::optional(0.0) : std::nullopt;
+  const ShutterChange another{camera.row_time, value->readout / options_.rows}, none{camera.row_time, 0};
+  if (present == 0) return is_there ? std::optional(another) : std::nullopt;
+  if (is_there && change > kLeastChange * std::abs(present) && 2 * change > value->sure()) return another;
+  return !is_there && change > value->sure() ? std::optional(none) : std::nullopt;
 }
 
 }  // namespace covis

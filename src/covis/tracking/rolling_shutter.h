@@ -10,15 +10,24 @@
 
 #include "covis/features/features_ring.h"
 #include "covis/map/map.h"
+#include "covis/map/map_requests.h"
 #include "covis/tracking/readout_estimate.h"
 #include "covis/tracking/tracked_frame.h"
 
 namespace covis {
 
+struct ShutterOptions {
+  enum class RowTime { given, sought };
+
+  int rows = 0;  // those of an image
+  RowTime row_time = RowTime::given;
+};
+
 class RollingShutter {
  public:
-  // Finds the row time of images with so many rows; 0: it is the camera's.
-  explicit RollingShutter(int rows = 0) : rows_(rows) {}
+  explicit RollingShutter(const ShutterOptions& options) : options_(options) {}
+  RollingShutter(const RollingShutter&) = delete;  // a copy would not keep its room
+  RollingShutter& operator=(const RollingShutter&) = delete;
 
   // The features of a frame without the turn between their rows, as far as the frames before tell it.
   FeaturesPtr straighten(FeaturesPtr features, const Pinhole& camera, Timestamp stamp);
@@ -35,11 +44,11 @@ class RollingShutter {
 
   // Compares a frame that was followed with a key frame that sees the same points.
   void compare(const TrackedFrame& frame, const Pinhole& camera, const Map& map, KeyFrameId reference);
-  // The row time that frames tell, where it is clearly another one than the camera's.
-  std::optional<double> found(const Pinhole& camera) const;
+  // The row time that frames tell, where one is sought and it is clearly another one than the camera's.
+  std::optional<ShutterChange> found(const Pinhole& camera) const;
 
  private:
-  int rows_;
+  const ShutterOptions options_;
   Eigen::Vector3d rate_ = Eigen::Vector3d::Zero();
   Timestamp stamp_ = 0;  // of the rate
   FeaturesRing ring_{5};

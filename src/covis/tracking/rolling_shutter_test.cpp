@@ -16,6 +16,7 @@ namespace covis {
 namespace {
 
 constexpr int kRows = 480;
+constexpr ShutterOptions kGiven{kRows}, kSought{kRows, ShutterOptions::RowTime::sought};
 constexpr double kElapsed = 0.03;  // seconds from frame to frame
 
 PointScene noisy_wall() {
@@ -89,13 +90,13 @@ struct SwayingCamera {
 };
 
 double found_readout(const RollingShutter& shutter, const Pinhole& camera) {
-  return shutter.found(camera).value_or(0) * kRows;
+  return shutter.found(camera).value_or(ShutterChange()).to * kRows;
 }
 
 TEST(RollingShutter, IsFoundWhereTheCameraTurns) {
   for (const double readout : {0.02, -0.02}) {
     SwayingCamera camera(readout);
-    RollingShutter shutter(kRows);
+    RollingShutter shutter(kSought);
     camera.track(shutter, 200);
     EXPECT_NEAR(found_readout(shutter, camera.given), readout, 0.3 * std::abs(readout));
   }
@@ -106,18 +107,18 @@ TEST(RollingShutter, IsNotFoundWhereAllRowsAreExposedAtOnce) {
   other_row.pace = 0.15;  // it goes on turning as it turned in its key frame
   other_row.every = 30;
   for (SwayingCamera* camera : {&exact, &other_focal_length, &other_row}) {
-    RollingShutter shutter(kRows);
+    RollingShutter shutter(kSought);
     camera->track(shutter, 200);
-    EXPECT_EQ(shutter.found(camera->given), std::nullopt) << camera->given.fx << " " << camera->given.cy;
+    EXPECT_FALSE(shutter.found(camera->given)) << camera->given.fx << " " << camera->given.cy;
   }
 }
 
 TEST(RollingShutter, OneThatTheCameraHasIsTakenOutOfFramesAndOfKeyFrames) {
   SwayingCamera camera(0.02);
   camera.given.row_time = 0.02 / kRows;
-  RollingShutter shutter(kRows);
+  RollingShutter shutter(kSought);
   camera.track(shutter, 60);
-  EXPECT_EQ(shutter.found(camera.given), std::nullopt) << "it is the camera's";
+  EXPECT_FALSE(shutter.found(camera.given)) << "it is the camera's";
   const Features& straight = *camera.frame.features;
   const Eigen::Vector3d rate = camera.rate(59);
   EXPECT_NEAR((shutter.turn_rate() - rate).norm(), 0, 0.4 * rate.norm()) << "it is smoothed, and late";
@@ -137,16 +138,19 @@ TEST(RollingShutter, OneThatTheCameraHasIsTakenOutOfFramesAndOfKeyFrames) {
 TEST(RollingShutter, OneThatProvesToBeNoneIsGivenBack) {
   SwayingCamera camera(0);
   camera.given.row_time = 0.012 / kRows;
-  RollingShutter shutter(kRows);
+  RollingShutter shutter(kSought);
   camera.track(shutter, 200);
-  EXPECT_EQ(shutter.found(camera.given), 0.0);
+  const std::optional<ShutterChange> change = shutter.found(camera.given);
+  ASSERT_TRUE(change);
+  EXPECT_EQ(change->from, camera.given.row_time);
+  EXPECT_EQ(change->to, 0);
 }
 
-TEST(RollingShutter, NobodyLooksForOneWhereTheRowsAreNotAskedFor) {
+TEST(RollingShutter, NobodyLooksForOneThatIsGiven) {
   SwayingCamera camera(0.02);
-  RollingShutter shutter;
+  RollingShutter shutter(kGiven);
   camera.track(shutter, 120);
-  EXPECT_EQ(shutter.found(camera.given), std::nullopt);
+  EXPECT_FALSE(shutter.found(camera.given));
   EXPECT_EQ(camera.frame.features->exposure.row_time, 0);
   EXPECT_FALSE(shutter.turn_rate().isZero()) << "key frames are to know it all the same";
 }
@@ -154,7 +158,7 @@ TEST(RollingShutter, NobodyLooksForOneWhereTheRowsAreNotAskedFor) {
 TEST(RollingShutter, ATurnIsForgottenAfterAPauseAndBelievedOfNoCameraThatFast) {
   SwayingCamera camera(0);
   camera.given.row_time = 0.02 / kRows;
-  RollingShutter shutter;
+  RollingShutter shutter(kGiven);
   camera.track(shutter, 3, SwayingCamera::Poses::true_ones);
   const PointScene::View view = camera.seen(3);
   const auto taken = [&](double seconds) {
@@ -163,6 +167,9 @@ TEST(RollingShutter, ATurnIsForgottenAfterAPauseAndBelievedOfNoCameraThatFast) {
   EXPECT_EQ(taken(3 * kElapsed), shutter.turn_rate());
   EXPECT_FALSE(shutter.turn_rate().isZero());
   EXPECT_TRUE(taken(3).isZero());
+  shutter.follow({camera.T_cw(2), from_seconds(2 * kElapsed)}, camera.given,
+                 frame_of(view, camera.T_cw(30), 3, from_seconds(3)));
+  EXPECT_TRUE(shutter.turn_rate().isZero()) << "it may have turned there and back";
 
   TrackedFrame jumped = frame_of(view, SE3(so3_exp({0, 1, 0}), Eigen::Vector3d::Zero()), 4, from_seconds(3.03));
   shutter.follow({SE3(), from_seconds(3)}, camera.given, jumped);
@@ -172,7 +179,7 @@ TEST(RollingShutter, ATurnIsForgottenAfterAPauseAndBelievedOfNoCameraThatFast) {
 TEST(RollingShutter, AFrameThatGotOtherFeaturesKeepsThem) {
   SwayingCamera camera(0.02);
   camera.given.row_time = 0.02 / kRows;
-  RollingShutter shutter;
+  RollingShutter shutter(kGiven);
   const PointScene::View view = camera.seen(1);
   shutter.straighten(view.features, camera.given, from_seconds(kElapsed));
   const TrackedFrame other = frame_of(view, camera.T_cw(1), 1, from_seconds(kElapsed));
@@ -184,7 +191,7 @@ TEST(RollingShutter, AFrameThatGotOtherFeaturesKeepsThem) {
 TEST(RollingShutter, AllocatesNothingInTheSteadyState) {
   SwayingCamera camera(0.02);
   camera.given.row_time = 0.02 / kRows;
-  RollingShutter shutter;
+  RollingShutter shutter(kGiven);
   const FeaturesPtr view = camera.seen(3).features;
   for (int k = 0; k < 5; ++k) shutter.straighten(view, camera.given, 0);
   const long before = own_allocations;

@@ -24,7 +24,7 @@ FirstPose::Support support_of(const TrackingSettings& s) {
 Tracker::Tracker(const SharedMap& map, const TrackingSettings& settings, std::shared_ptr<const Vocabulary> vocabulary)
     : map_(map),
       settings_(settings),
-      search_(settings.options.recovery, Subject::stream, settings.shutter_rows),
+      search_(settings.options.recovery, Subject::stream, settings.shutter),
       first_pose_(settings.sensor, settings.options.first_pose, support_of(settings), settings.seed),
       key_frames_(settings.sensor, settings.options.key_frame, settings.schedule),
       starter_(starter_settings(settings, vocabulary.get())),
@@ -69,7 +69,8 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       if (search_.local_map.reference.submap < last_.submap) depth_.change_map(current_);
       if (result.method != TrackMethod::initialised) {
         const Stopwatch watch;
-        if (state_ == TrackingState::tracking && search_.local_map.reference.submap == last_.submap)
+        if (state_ == TrackingState::tracking && search_.local_map.reference.submap == last_.submap &&
+            !result.doubts.torn)
           search_.shutter.follow({last_.frame.T_cw, last_.frame.stamp}, search_.camera, current_);
         search_.alignment.refine_pose(live, search_.camera, moves(), current_);
         result.ms.align = watch.ms();
@@ -91,7 +92,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
           key_frames_.is_due(current_, result.inliers, search_.local_map, search_.camera, mapping.load)) {
         KeyFrameRequest request = key_frames_.request(current_, last_.pose, search_.camera);
         request.turn_rate = search_.shutter.turn_rate();
-        request.row_time = search_.shutter.found(search_.camera);
+        request.shutter = search_.shutter.found(search_.camera);
         request.unlocated = backlog_.take();
         outcome.request = std::move(request);
         result.key_frame = true;

@@ -47,7 +47,7 @@ struct TrackingSettings {
   TrackingMode mode = TrackingMode::mapping;
   bool closes_loops = true;  // submaps can be joined: only then a second one is begun
   int seed = 0;
-  int shutter_rows = 0;  // rows of an image whose rolling shutter is to be found; 0: it is not
+  ShutterOptions shutter;
 
   bool dead_reckons() const { return mode == TrackingMode::localisation && sensor != Sensor::monocular; }
 };
