@@ -38,4 +38,16 @@ struct RelativePose {
   }
 };
 
+// What another rolling shutter of the camera does to a pose: T_cr is moved by so much for each second by which
+// Pinhole::row_time differs from the one that the frame was tracked with.
+struct ShutterResponse {
+  Eigen::Matrix<float, 6, 1> move = Eigen::Matrix<float, 6, 1>::Zero();  // a twist of the camera; zero: not known
+  double row_time = 0;                                                   // the frame was tracked with it
+
+  SE3 corrected(const SE3& T_cr, double row_time_now) const {
+    if (row_time_now == row_time || move.isZero(0)) return T_cr;
+    return SE3::exp((row_time_now - row_time) * move.cast<double>()) * T_cr;
+  }
+};
+
 }  // namespace covis

@@ -121,7 +121,8 @@ void add_frames(const References& references, const std::vector<FrameRecord>& re
     const auto found = references.find(record.pose->key_frame);
     if (found == references.end()) continue;
     const Reference& reference = found->second;
-    const SE3 T_cw = reference.living.carry(record.pose->T_cr, record.pose->scale) * reference.T_rw;
+    const SE3 T_cr = record.shutter.corrected(record.pose->T_cr, snapshot.camera.row_time);
+    const SE3 T_cw = reference.living.carry(T_cr, record.pose->scale) * reference.T_rw;
     snapshot.trajectory.push_back(pose_of(record, {T_cw.inverse(), reference.submap}));
   }
 }
@@ -163,7 +164,13 @@ Pinhole SnapshotSource::camera() const { return map_.read()->camera(); }
 std::vector<PoseOfFrame> SnapshotSource::trajectory() const {
   const std::vector<FrameRecord> records = log_.records();
   Snapshot snapshot;
-  add_frames(references_of(*map_.read(), records), records, snapshot);
+  References references;
+  {
+    const auto map = map_.read();
+    snapshot.camera = map->camera();
+    references = references_of(*map, records);
+  }
+  add_frames(references, records, snapshot);
   return std::move(snapshot.trajectory);
 }
 

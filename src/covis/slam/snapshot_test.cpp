@@ -64,6 +64,30 @@ TEST_F(SnapshotTest, HasWhatMapAndLogHave) {
   EXPECT_EQ(snapshot->camera, shared.read()->camera());
 }
 
+TEST_F(SnapshotTest, FramesAreWhereTheRollingShutterThatWasFoundPutsThem) {
+  append(3, b);
+  FrameRecord record = *log.last();
+  record.frame = 4;
+  record.shutter.move << 100, 0, 0, 0, 0, 0;
+  record.shutter.row_time = 1e-3;
+  log.append(record);
+  const double before = source.get()->trajectory[1].T_wc.t().x();
+  EXPECT_NEAR(before - source.get()->trajectory[0].T_wc.t().x(), 0.1, 1e-6)
+      << "the map's camera has no rolling shutter";
+  Pinhole camera = shared.read()->camera();
+  camera.row_time = 1e-3;
+  shared.write()->set_camera(camera);
+  EXPECT_EQ(source.get()->trajectory[1].T_wc.t(), source.get()->trajectory[0].T_wc.t())
+      << "it was tracked with this one";
+  camera.row_time = 3e-3;
+  shared.write()->set_camera(camera);
+  const auto snapshot = source.get();
+  EXPECT_NEAR(snapshot->trajectory[1].T_wc.t().x() - snapshot->trajectory[0].T_wc.t().x(), -0.2, 1e-6);
+  EXPECT_EQ(source.trajectory()[1].T_wc.t(), snapshot->trajectory[1].T_wc.t());
+  log.anchor(4, RelativePose::at(*shared.read(), b));
+  EXPECT_NEAR(source.get()->trajectory[1].T_wc.t().x(), 1, 1e-12) << "as a key frame it moved with the map";
+}
+
 TEST_F(SnapshotTest, EdgesAndObservationsReferToWhatIsListed) {
   {
     const auto map = shared.write();

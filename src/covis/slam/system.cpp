@@ -327,6 +327,7 @@ void System::record(const Input& input, const Tracker::Outcome& outcome, FrameRe
   FrameRecord record{.frame = input.frame, .stamp = input.stamp, .pose = {}, .online = {}};
   if (result.state == TrackingState::tracking && result.method != TrackMethod::initialised) {
     record.pose = result.pose;
+    record.shutter = result.shutter;
     record.online = SubmapPose{result.T_cw.inverse(), result.submap};
   }
   log_.append(record);

@@ -47,6 +47,7 @@ void TrajectoryLog::anchor(int64_t frame, const RelativePose& pose, const std::o
   ++revision_;
   if (!record->pose && online) record->online = online;
   record->pose = pose;
+  record->shutter = {};
 }
 
 std::optional<Timestamp> TrajectoryLog::retract(int64_t from) {
@@ -79,6 +80,7 @@ std::optional<uint64_t> TrajectoryLog::reanchor(const Map& map) {
   if (map.erasures() < reanchored_at_ + kEvery) return std::nullopt;
   for (FrameRecord& record : records_.all()) {
     if (!record.pose || map.find(record.pose->key_frame)) continue;
+    record.pose->T_cr = std::exchange(record.shutter, {}).corrected(record.pose->T_cr, map.camera().row_time);
     if (const auto resolved = record.pose->resolved(map)) record.pose = resolved;
   }
   records_.page_out();

@@ -28,6 +28,7 @@ struct FrameRecord {
   int64_t frame = 0;
   Timestamp stamp = 0;
   std::optional<RelativePose> pose;  // with every correction; nothing: the frame has no pose in the map
+  ShutterResponse shutter = {};      // the correction of `pose` that is left to the reader
   // The pose as it was when the frame was tracked; nothing: there was none. (The first view of a monocular submap gets
   // its pose later.)
   std::optional<SubmapPose> online;

@@ -47,15 +47,16 @@ void RollingShutter::follow(const Last& last, const Pinhole& camera, const Track
 
 // The keypoints of both views are compared, with nothing of the map but depths: poses and points have taken up what the
 // shutter did to many views. The motion between the two is eliminated.
-void RollingShutter::compare(const TrackedFrame& frame, const Pinhole& camera, const Map& map, KeyFrameId reference) {
+ShutterResponse RollingShutter::compare(const TrackedFrame& frame, const Pinhole& camera, const Map& map,
+                                        KeyFrameId reference) {
   constexpr int kFewestMatches = 30;
   const KeyFrame* key_frame = map.find(reference);
-  if (options_.row_time == ShutterOptions::RowTime::given || !key_frame || rate_.isZero(0)) return;
+  if (options_.row_time == ShutterOptions::RowTime::given || !key_frame || rate_.isZero(0)) return {};
   if (camera.row_time != estimated_with_) estimate_.restart();
   estimated_with_ = camera.row_time;
   const Features &f = *frame.features, &f_r = *key_frame->features;
   const Eigen::Vector3d& rate_then = f_r.exposure.rate;
-  if (rate_then.isZero(0)) return;
+  if (rate_then.isZero(0)) return {};
   const Eigen::Vector3d taken = options_.rows * f.exposure.taken(), taken_then = options_.rows * f_r.exposure.taken();
   const SE3 T_cr = frame.T_cw * key_frame->T_cw.inverse();
   Matrix6d H = Matrix6d::Zero();
@@ -89,18 +90,20 @@ void RollingShutter::compare(const TrackedFrame& frame, const Pinhole& camera, c
     equations += {square.topLeftCorner<2, 2>(), square.topRightCorner<2, 1>()};
     ++matches;
   }
-  if (matches < kFewestMatches) return;
+  if (matches < kFewestMatches) return {};
   const Eigen::Matrix<double, 6, 3> explained = H.ldlt().solve(h);
-  if (!explained.allFinite()) return;
+  if (!explained.allFinite()) return {};
   const Eigen::Matrix3d square = h.transpose() * explained;
   equations += {-square.topLeftCorner<2, 2>(), -square.topRightCorner<2, 1>()};
   estimate_.add(equations);
+  return {(-options_.rows * explained.col(0)).cast<float>(), camera.row_time};
 }
 
 std::optional<ShutterChange> RollingShutter::found(const Pinhole& camera) const {
   constexpr double kLeastChange = 0.1;                 // as a share
   constexpr double kShortest = 0.005, kLongest = 0.1;  // seconds
   constexpr double kNone = 0.0025;                     // seconds: what was found is kept down to here
+  constexpr double kLikely = 0.4;                      // share of sure() that a better value is to differ by
   if (options_.row_time == ShutterOptions::RowTime::given || camera.row_time != estimated_with_) return std::nullopt;
   const std::optional<ReadoutEstimate::Value> value = estimate_.value();
   if (!value) return std::nullopt;
@@ -110,7 +113,7 @@ std::optional<ShutterChange> RollingShutter::found(const Pinhole& camera) const 
   const double change = std::abs(value->readout - present);
   const ShutterChange another{camera.row_time, value->readout / options_.rows}, none{camera.row_time, 0};
   if (present == 0) return is_there ? std::optional(another) : std::nullopt;
-  if (is_there && change > kLeastChange * std::abs(present) && 2 * change > value->sure()) return another;
+  if (is_there && change > kLeastChange * std::abs(present) && change > kLikely * value->sure()) return another;
   return !is_there && change > value->sure() ? std::optional(none) : std::nullopt;
 }
 

@@ -42,8 +42,9 @@ class RollingShutter {
   // The turn of the last frame that was followed, of the rays, radians a second; zero: not known.
   const Eigen::Vector3d& turn_rate() const { return rate_; }
 
-  // Compares a frame that was followed with a key frame that sees the same points.
-  void compare(const TrackedFrame& frame, const Pinhole& camera, const Map& map, KeyFrameId reference);
+  // Compares a frame that was followed with a key frame that sees the same points. Returns what another row time does
+  // to the pose between the two, where that is known.
+  ShutterResponse compare(const TrackedFrame& frame, const Pinhole& camera, const Map& map, KeyFrameId reference);
   // The row time that frames tell, where one is sought and it is clearly another one than the camera's.
   std::optional<ShutterChange> found(const Pinhole& camera) const;
 

@@ -75,8 +75,16 @@ struct SwayingCamera {
       }
       if (k > 0) shutter.follow({last, stamp - from_seconds(kElapsed)}, given, frame);
       last = frame.T_cw;
-      shutter.compare(frame, given, *world.shared.read(), world.frames.back());
+      const ShutterResponse response = shutter.compare(frame, given, *world.shared.read(), world.frames.back());
+      if (!response.move.isZero(0)) note_errors(response, k);
     }
+  }
+  // The errors of a frame's pose beside its key frame, as it was fitted and as the true readout corrects it.
+  void note_errors(const ShutterResponse& response, int k) {
+    const SE3 fitted = frame.T_cw * world.shared.read()->at(world.frames.back()).T_cw.inverse();
+    const SE3 truth = T_cw(k) * T_cw(k - k % every).inverse();
+    as_fitted += (fitted * truth.inverse()).log().norm();
+    corrected += (response.corrected(fitted, readout / kRows) * truth.inverse()).log().norm();
   }
 
   double readout;
@@ -87,6 +95,7 @@ struct SwayingCamera {
   SceneMap world{scene, Sensor::monocular};
   FrameMatcher matcher;
   TrackedFrame frame;  // the last one
+  double as_fitted = 0, corrected = 0;
 };
 
 double found_readout(const RollingShutter& shutter, const Pinhole& camera) {
@@ -99,6 +108,17 @@ TEST(RollingShutter, IsFoundWhereTheCameraTurns) {
     RollingShutter shutter(kSought);
     camera.track(shutter, 200);
     EXPECT_NEAR(found_readout(shutter, camera.given), readout, 0.3 * std::abs(readout));
+  }
+}
+
+TEST(RollingShutter, PosesAreCorrectedByWhatTheReadoutDoesToThem) {
+  for (const double given : {0.0, 0.01}) {
+    SwayingCamera camera(0.02);
+    camera.given.row_time = given / kRows;
+    RollingShutter shutter(kSought);
+    camera.track(shutter, 100);
+    EXPECT_GT(camera.as_fitted, 0);
+    EXPECT_LT(camera.corrected, 0.8 * camera.as_fitted) << "tracked with " << given << " s";
   }
 }
 

@@ -90,6 +90,7 @@ struct TrackResult : TrackFigures {
   SE3 T_cw;                                  // meaningful when tracking
   Matrix6d information = Matrix6d::Zero();   // of T_cw, given the map; 0 for the frame that begins a submap
   RelativePose pose;                         // the same relative to its reference key frame
+  ShutterResponse shutter;                   // corrects `pose`
   uint32_t submap = 0;                       // id of its submap: poses of different submaps have different worlds
 };
 

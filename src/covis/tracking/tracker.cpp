@@ -103,7 +103,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
   if (live && state_ == TrackingState::tracking && result.method == TrackMethod::motion_model && !result.tentative) {
     const auto map = live->read();
     if (!moves() || map->moves() == *moves())
-      search_.shutter.compare(current_, search_.camera, *map, last_.pose.key_frame);
+      result.shutter = search_.shutter.compare(current_, search_.camera, *map, last_.pose.key_frame);
   }
   if (state_ != TrackingState::tracking || result.method == TrackMethod::initialised) backlog_.keep(current_);
   result.state = state_;
