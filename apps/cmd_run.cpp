@@ -205,6 +205,12 @@ Result<SaveInterval> check_saving(const RunArguments& arguments, const SystemOpt
   return interval;
 }
 
+nlohmann::json live_info(const RunRecord& record, const RunArguments& arguments, bool realtime) {
+  nlohmann::json info = view_info(record, title_of(arguments), "live");
+  info["realtime"] = realtime;
+  return info;
+}
+
 Result<void> open_outputs(const RunArguments& arguments, const SaveInterval& interval, const io::Sequence& sequence) {
   const bool unchecked = !arguments.save_map.empty() && comes_with_results(arguments.save_map, arguments.out);
   if (auto opened = open_results(arguments, sequence); !opened) return opened;
@@ -276,7 +282,7 @@ int run(const RunArguments& arguments) {
   std::optional<System> system;  // must outlive the viewer, which reads its map
   std::unique_ptr<RunViewer> viewer;
   if (!arguments.view.port.empty()) {
-    auto started = RunViewer::start(arguments.view, view_info(record, title_of(arguments), "live"));
+    auto started = RunViewer::start(arguments.view, live_info(record, arguments, options.realtime));
     if (!started) return fail_with("--view: " + started.error().message);
     viewer = std::move(*started);
   }

@@ -156,6 +156,12 @@ std::string answer(const ViewState& state, std::string_view question) {
   return out.take();
 }
 
+std::optional<std::chrono::milliseconds> interval_in(std::string_view question) {
+  const auto json = nlohmann::json::parse(question, nullptr, false);
+  if (!json.is_object() || !json.contains("interval") || !json["interval"].is_number_unsigned()) return {};
+  return std::chrono::milliseconds(json["interval"].get<uint32_t>());
+}
+
 std::string file_of(const ViewState& state) {
   Sent nothing;
   const MapScene& map = *state.map;

@@ -3,8 +3,10 @@
 // is in it.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,6 +48,8 @@ std::string message_since(const ViewState& state, Sent& sent);
 // The answer to what a page asks: JSON {"key_frame": ID} or {"point": ID}, for its observations. Empty: the question
 // makes no sense.
 std::string answer(const ViewState& state, std::string_view question);
+// The time between two messages that a page asks for, JSON {"interval": MILLISECONDS}; nothing: it asks something else.
+std::optional<std::chrono::milliseconds> interval_in(std::string_view question);
 
 // The whole state, with all observations: the content of the file of a finished run.
 std::string file_of(const ViewState& state);

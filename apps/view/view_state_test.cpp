@@ -127,5 +127,12 @@ TEST(ViewState, QuestionsAreAnswered) {
     EXPECT_EQ(answer(state, nonsense), "") << nonsense;
 }
 
+TEST(ViewState, APageAsksForAnInterval) {
+  EXPECT_EQ(interval_in(R"({"interval":2000})"), std::chrono::milliseconds(2000));
+  for (const char* another :
+       {"", "[]", R"({"point":2})", R"({"interval":-1})", R"({"interval":"2"})", R"({"interval":0.5})"})
+    EXPECT_FALSE(interval_in(another)) << another;
+}
+
 }  // namespace
 }  // namespace covis::view

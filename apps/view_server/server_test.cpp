@@ -150,6 +150,26 @@ TEST_F(ServerTest, QuestionsAreAnswered) {
   EXPECT_THAT(kinds(read(*socket)), testing::ElementsAre(Block::key_frame_observations));
 }
 
+TEST_F(ServerTest, AClientThatAsksForFewerMessagesGetsWhatChangedInOne) {
+  const auto spare = connect(), often = connect();
+  read(*often);
+  const auto ask = [&] {
+    spare->write(boost::asio::buffer(std::string(R"({"key_frame":15})")));
+    return read(*spare);
+  };
+  read(*spare);
+  spare->write(boost::asio::buffer(std::string(R"({"interval":10000})")));
+  ask();  // an answer comes at once, and the next message only after the interval
+  for (int k = 0; k < 3; ++k) {
+    source->add(1);
+    read(*often);
+  }
+  const std::string message = ask();
+  const auto blocks = read_blocks(message);
+  ASSERT_THAT(kinds(message), testing::ElementsAre(Block::frames, Block::key_frame_observations));
+  EXPECT_EQ(blocks->front().body.size(), 3 * sizeof(FrameRow));
+}
+
 TEST_F(ServerTest, AClientThatReadsNothingHoldsUpNobody) {
   const auto stalled = connect(), lively = connect();
   read(*lively);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/view_server/session.h"
 
+#include <algorithm>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/ip/address.hpp>
 #include <boost/asio/ip/host_name.hpp>
@@ -20,8 +21,10 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using ErrorCode = beast::error_code;
 
-constexpr std::chrono::milliseconds kInterval{66};  // between two messages to a client
-constexpr size_t kMostQuestions = 64;               // that wait for their answers
+// Between two messages to a client, where it asks for no other.
+constexpr std::chrono::milliseconds kInterval{66}, kLongestInterval{10'000};
+constexpr std::chrono::milliseconds kImageTime{100};  // until an image that is asked for is there
+constexpr size_t kMostQuestions = 64;                 // that wait for their answers
 constexpr size_t kMostRequestBytes = 16384;
 constexpr auto kIdle = std::chrono::seconds(60);  // a connection without a request ends
 
@@ -133,7 +136,11 @@ void HttpSession::write(Response response) {
 }
 
 SocketSession::SocketSession(beast::tcp_stream stream, Shared& shared)
-    : socket_(std::move(stream)), shared_(shared), timer_(socket_.get_executor()), stall_(socket_.get_executor()) {
+    : socket_(std::move(stream)),
+      shared_(shared),
+      interval_(kInterval),
+      timer_(socket_.get_executor()),
+      stall_(socket_.get_executor()) {
   ++shared_.clients;
 }
 
@@ -155,15 +162,22 @@ void SocketSession::accept(const Request& request) {
 void SocketSession::read() {
   socket_.async_read(question_, [self = shared_from_this()](ErrorCode error, size_t) {
     if (error) return self->drop();
-    if (self->answers_.size() < kMostQuestions) {
-      std::string reply = answer(self->shared_.source->refresh(), beast::buffers_to_string(self->question_.data()));
-      if (!reply.empty()) self->answers_.push_back(std::move(reply));
-    }
+    self->take_question(beast::buffers_to_string(self->question_.data()));
     self->question_.clear();
-    // Wakes send(), which otherwise looks after its interval.
-    self->timer_.cancel();
     self->read();
   });
+}
+
+void SocketSession::take_question(const std::string& question) {
+  if (const auto interval = interval_in(question)) {
+    interval_ = std::clamp(*interval, kInterval, kLongestInterval);
+    return;
+  }
+  if (answers_.size() >= kMostQuestions) return;
+  std::string reply = answer(shared_.source->refresh(), question);
+  if (reply.empty()) return;
+  answers_.push_back(std::move(reply));
+  timer_.cancel();  // wakes send(), which otherwise looks after its interval
 }
 
 void SocketSession::send() {
@@ -192,9 +206,20 @@ void SocketSession::drop() {
 }
 
 void SocketSession::wait_and_send() {
-  timer_.expires_after(kInterval);
-  timer_.async_wait([self = shared_from_this()](ErrorCode) {
+  const auto then_send = [self = shared_from_this()](ErrorCode) {
     if (beast::get_lowest_layer(self->socket_).socket().is_open()) self->send();
+  };
+  if (interval_ <= kInterval + kImageTime) {
+    timer_.expires_after(interval_);
+    return timer_.async_wait(then_send);
+  }
+  // The source is asked for an image before the message that is to have it.
+  timer_.expires_after(interval_ - kImageTime);
+  timer_.async_wait([self = shared_from_this(), then_send](ErrorCode error) {
+    if (error) return then_send(error);
+    self->shared_.source->refresh();
+    self->timer_.expires_after(kImageTime);
+    self->timer_.async_wait(then_send);
   });
 }
 

@@ -11,6 +11,7 @@
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/websocket/stream.hpp>
+#include <chrono>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -67,6 +68,7 @@ class SocketSession : public std::enable_shared_from_this<SocketSession> {
 
  private:
   void read();
+  void take_question(const std::string& question);
   // Sends what the client lacks or asked for, unless a message is on its way; looks again after a while.
   void send();
   void wait_and_send();
@@ -77,9 +79,10 @@ class SocketSession : public std::enable_shared_from_this<SocketSession> {
   boost::beast::flat_buffer question_;
   std::deque<std::string> answers_;
   Sent sent_;
-  std::string message_;              // on its way; empty: none
-  boost::asio::steady_timer timer_;  // until the next look
-  boost::asio::steady_timer stall_;  // until a message on its way has taken too long
+  std::chrono::milliseconds interval_;  // between two messages
+  std::string message_;                 // on its way; empty: none
+  boost::asio::steady_timer timer_;     // until the next look
+  boost::asio::steady_timer stall_;     // until a message on its way has taken too long
 };
 
 }  // namespace covis::view

@@ -85,12 +85,12 @@ class Browser:
     def js(self, script, *arguments):
         return self.driver.execute_script(script, *arguments)
 
-    def until(self, condition):
+    def until(self, condition, pause=0.05):
         end = time.monotonic() + PATIENCE
         while not self.js(condition):
             if time.monotonic() > end:
                 raise TimeoutError(f'{condition}: it did not come true; the page says {self.problems()}')
-            time.sleep(0.05)
+            time.sleep(pause)
 
     def settle(self):
         """Waits until what was asked for is drawn: two frames of the browser."""

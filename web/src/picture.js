@@ -7,7 +7,7 @@ const kinds = [colours.tracked, colours.unmatched, colours.lost];
 export class Picture {
   constructor(canvas) {
     this.canvas = canvas;
-    this.drawn = 0;
+    this.asked = 0;
   }
 
   // size: of the image in which the keypoints are. picture: anything drawImage() takes; null: none. keypoints: {u, v, kind},
@@ -30,22 +30,22 @@ export class Picture {
     }
   }
 
-  // Decodes the picture first. An older one that is decoded later is not drawn.
-  async drawJpeg(size, jpeg, keypoints) {
-    const turn = ++this.drawn;
-    const picture = jpeg.length ? await createImageBitmap(new Blob([jpeg], {type: 'image/jpeg'})) : null;
-    if (turn === this.drawn) this.draw(size, picture, keypoints);
+  // Gives what draw() takes; undefined: a newer one was asked for meanwhile.
+  async decode(jpeg) {
+    const turn = ++this.asked;
+    const picture = await createImageBitmap(new Blob([jpeg], {type: 'image/jpeg'})).catch(() => null);
+    return turn === this.asked ? picture : undefined;
   }
 
   // url: null: none. Gives whether there was a picture.
   async drawUrl(size, url, keypoints) {
-    const turn = ++this.drawn;
+    const turn = ++this.asked;
     this.draw(size, null, keypoints);
     this.canvas.dataset.picture = 'no';
     const response = url ? await fetch(url).catch(() => null) : null;
     if (!response?.ok) return false;
     const picture = await createImageBitmap(await response.blob());
-    if (turn === this.drawn) this.draw(size, picture, keypoints);
+    if (turn === this.asked) this.draw(size, picture, keypoints);
     this.canvas.dataset.picture = 'yes';
     return true;
   }

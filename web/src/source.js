@@ -25,6 +25,12 @@ export class SocketSource {
     });
   }
 
+  // Asks for at most one message in that time.
+  askEvery(milliseconds) {
+    this.interval = milliseconds;
+    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({interval: milliseconds}));
+  }
+
   #connect() {
     this.socket = new WebSocket(`ws://${location.host}/ws`);
     this.socket.binaryType = 'arraybuffer';
@@ -60,6 +66,7 @@ export class EmbeddedSource {
     model.apply(decode(bytes.buffer));
     changed('embedded');
   }
+  askEvery() {}
   imageOf() { return null; }
   ask() { return Promise.resolve(null); }
 }

@@ -12,8 +12,11 @@ import {Selection} from './selection.js';
 import {EmbeddedSource, SocketSource} from './source.js';
 
 const CLICK_PIXELS = 4;
-// The time between two pictures of a run that goes on, where the processor draws: it may be the one that tracks.
-const PAUSE_MS = 500;
+// The time between two pictures of a run that goes on, where the processor draws, which may be the one that tracks: of a
+// run in real time, and of one that takes frames as fast as it can.
+const REALTIME_MS = 500, FAST_MS = 2000;
+// Where the processor draws such a run and the view has not moved for a while, it is looked that often whether there is something to draw.
+const LOOK_MS = 100, WHILE_MS = 300;
 
 class Page {
   constructor(root, embedded) {
@@ -33,7 +36,6 @@ class Page {
       chart(this.parts.times, {title: 'time of tracking', unit: 'ms', digits: 1, colour: palette[3], of: f => f.trackingMs > 0 ? f.trackingMs : null}),
     ];
     this.shownLoop = null;
-    this.updated = -Infinity;  // when, milliseconds
     this.#listen();
     this.forced = false;
     requestAnimationFrame(now => this.#step(now));
@@ -66,21 +68,35 @@ class Page {
     });
   }
 
+  // True while a run goes on and the processor draws.
+  get #sparing() { return this.model.info.mode === 'live' && !this.scene.drawsFast; }
+
   // Draws what changed since the last time.
   #step(now) {
-    requestAnimationFrame(next => this.#step(next));
+    const next = () => requestAnimationFrame(then => this.#step(then));
+    if (this.#sparing && now - this.scene.rendered > WHILE_MS) setTimeout(next, LOOK_MS);
+    else next();
     this.player.tick(now);
-    if (this.scene.drawsFast || this.model.info.mode !== 'live' || now - this.updated >= PAUSE_MS) this.#takeChanges(now);
+    this.#takeChanges(now);
     if (this.forced) this.scene.stale = true;
+    this.#draw(now);
+  }
+
+  #draw(now) {
     this.scene.render(now);
     for (const chart of this.charts) chart.draw();
   }
 
-  #takeChanges(now) {
+  // The image is decoded first, so that all that changed is one picture for the browser.
+  async #takeChanges(now) {
     const changed = this.model.takeChanges();
     if (!changed.size) return;
-    this.updated = now;
+    if (changed.has('info')) this.source.askEvery(this.#sparing ? (this.model.info.realtime ? REALTIME_MS : FAST_MS) : 0);
+    const image = changed.has('image') && this.player.atEnd ? this.model.image : null;
+    const picture = image?.jpeg.length ? await this.picture.decode(image.jpeg) : null;
     this.#update(changed);
+    if (image) this.#showImage(image, picture);
+    this.#draw(now);
   }
 
   #update(changed) {
@@ -93,7 +109,6 @@ class Page {
     }
     if (changed.has('loops')) this.#showLoops();
     if (changed.has('keyFrames')) this.#showSubmaps();
-    if (changed.has('image') && this.player.atEnd) this.#showImage();
     this.#moveInTime();
   }
 
@@ -160,13 +175,12 @@ class Page {
     this.#showLoops();
   }
 
-  #showImage() {
-    const {image} = this.model;
-    if (!image) return;
+  #showImage(image, picture) {
+    if (picture === undefined) return;
     this.parts.imagePanel.style.display = '';
     const count = kind => image.keypoints.filter(k => k.kind === kind).length;
     this.parts.imageText.textContent = `frame ${image.frame}: ${count(0)} tracked, ${count(1)} new, ${count(2)} lost`;
-    this.picture.drawJpeg(image, image.jpeg, image.keypoints);
+    this.picture.draw(image, picture, image.keypoints);
   }
 
   #moveInTime() {
