@@ -11,29 +11,6 @@
 #include "covis/matching/point_set.h"
 
 namespace covis {
-namespace {
-
-// Tells which observations of a point were aligned with one another: those with the anchor of its reference, if there
-// are at least two.
-class AlignedObservations {
- public:
-  AlignedObservations(const Map& map, const MapPoint& point)
-      : anchor_(anchor_of(map.at(point.reference), point.feature_in(point.reference))) {
-    const auto& all = point.observations;
-    several_ = std::count_if(all.begin(), all.end(), [&](const Observation& seen) {
-                 return anchor_of(map.at(seen.key_frame), seen.feature) == anchor_;
-               }) > 1;
-  }
-  bool contain(const KeyFrame& key_frame, uint32_t feature) const {
-    return several_ && anchor_of(key_frame, feature) == anchor_;
-  }
-
- private:
-  uint64_t anchor_;
-  bool several_ = false;
-};
-
-}  // namespace
 
 void MapProblem::gather(const Map& map, const std::vector<KeyFrameId>& frames, size_t moving) {
   key_frames = frames;

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "covis/core/log.h"
+#include "covis/map/anchors.h"
+#include "covis/matching/patch_alignment.h"
 #include "covis/slam/lens_answers.h"
 #include "covis/slam/system.h"
 
@@ -30,6 +32,8 @@ constexpr std::array<double, 4> kGuesses{0.45, 0.65, 0.9, 1.3};
 // Logarithms of the focal length.
 constexpr double kNear = 0.04;           // change after which longer pieces are tracked
 constexpr double kAside = 0.06;          // how far to both sides it is looked at then
+constexpr double kLittleAside = 0.01;    // the same at last, when matches are aligned
+constexpr double kAlike = 4.0 / 3;       // aligned places of neighbours err alike: times the deviations of others
 constexpr double kSettledChange = 0.02;  // change after which it is taken for found
 constexpr double kSure = 0.04;           // standard deviation up to which it is known
 constexpr int kMostRounds = 6;
@@ -85,6 +89,7 @@ BundleProblem problem_of(const Map& map, const Pinhole& camera) {
   const auto largest = std::max_element(submaps.begin(), submaps.end(),
                                         [](const Submap& a, const Submap& b) { return a.key_frames < b.key_frames; });
   if (largest == submaps.end()) return problem;
+  const float closer = aligned_weight(map.camera());
   std::unordered_map<KeyFrameId, int32_t> pose_of;
   for (const KeyFrameId& id : map.key_frames(largest->id)) {
     pose_of.emplace(id, static_cast<int32_t>(problem.poses.size()));
@@ -94,14 +99,17 @@ BundleProblem problem_of(const Map& map, const Pinhole& camera) {
   map.for_each_point([&](MapPointId, const MapPoint& point) {
     if (point.observations.size() < kLeastObservers) return;
     if (!pose_of.contains(point.observations.front().key_frame)) return;
+    const AlignedObservations aligned(map, point);
     for (const Observation& seen : point.observations) {
-      const Features& features = *map.at(seen.key_frame).features;
+      const KeyFrame& key_frame = map.at(seen.key_frame);
+      const Features& features = *key_frame.features;
       const uint32_t i = seen.feature;
+      const float weight = aligned.contain(key_frame, i) ? closer : 1;
       problem.observations.push_back({.pose = pose_of.at(seen.key_frame),
                                       .point = static_cast<int32_t>(problem.points.size()),
                                       .u = features.image_x()[i],
                                       .v = features.image_y()[i],
-                                      .inv_sigma2 = features.pyramid->inv_sigma2[features.level[i]]});
+                                      .inv_sigma2 = weight * features.pyramid->inv_sigma2[features.level[i]]});
     }
     problem.points.push_back(point.position_w);
   });
@@ -123,7 +131,8 @@ class CameraSearch {
     options_.mapper.refine_focal = options_.mapper.refine_distortion = false;
     options_.realtime = options_.localize = false;
     options_.tracker.readout = 0;  // other wrong figures look like one, and lenses are compared by pixels as they are
-    options_.orb.patches = false;  // with a wrong focal length matches don't fit as closely as aligned ones should
+    // With a wrong focal length matches don't fit as closely as aligned ones should.
+    aligning_ = std::exchange(options_.orb.patches, false);
   }
 
   // The lens is that of the shrunken images.
@@ -140,10 +149,10 @@ class CameraSearch {
     }
     SettledLens settled{.lens = lens, .sigma = {}};
     for (int i = 0; i < kMostRounds; ++i) {
-      const auto next = between(settled.lens);
+      const auto next = between(settled.lens, kAside);
       if (!next) return next;
       settled = *next;
-      if (settled.change < kSettledChange && !settled.repeats) break;
+      if (settled.change < kSettledChange && !settled.repeats) return sharpened(settled);
     }
     return settled;
   }
@@ -168,9 +177,21 @@ class CameraSearch {
  private:
   double longer_side() const { return std::max(shrink_.width(), shrink_.height()); }
 
+  // Near the lens that was found matches can be aligned, and tell it more closely.
+  Result<SettledLens> sharpened(const SettledLens& settled) {
+    if (!aligning_) return settled;
+    options_.orb.patches = true;
+    std::vector<LensAnswer> before = std::exchange(answers_, {});
+    auto sharper = between(settled.lens, kLittleAside, settled.fall);
+    if (interrupt_ && *interrupt_) return fail("interrupted");
+    if (sharper && !sharper->repeats && sharper->change < kSettledChange) return sharper;
+    answers_ = std::move(before);
+    return settled;
+  }
+
   // The recording is tracked with a shorter and with a longer focal length than that of `lens`.
-  Result<SettledLens> between(const Lens& lens) {
-    for (const double aside : {-kAside, kAside}) {
+  Result<SettledLens> between(const Lens& lens, double apart, std::optional<double> fall = std::nullopt) {
+    for (const double aside : {-apart, apart}) {
       Lens given = lens;
       given.focal *= std::exp(aside);
       auto made = answer(given, kLong);
@@ -179,7 +200,7 @@ class CameraSearch {
       say(*made);
       answers_.push_back(std::move(*made));
     }
-    const auto settled = settle(answers_, lens, longer_side());
+    const auto settled = settle(answers_, lens, longer_side(), fall);
     if (!settled) return fail(kNotTold);
     return *settled;
   }
@@ -206,6 +227,7 @@ class CameraSearch {
     LensAnswer made = answer_of(tracked->problem, lens, longer_side(), interrupt_);
     if (interrupt_ && *interrupt_) return fail("interrupted");
     made.tracked = tracked->frames;
+    if (options_.orb.patches) scale_deviations(made, kAlike);
     return made;
   }
 
@@ -242,6 +264,7 @@ class CameraSearch {
   Shrinker shrink_;
   const RecordingPlayer& play_;
   SystemOptions options_;
+  bool aligning_ = false;  // at last, where the lens is nearly known
   const std::function<void(const std::string&)>& tell_;
   const std::atomic<int>* interrupt_;
   std::vector<LensAnswer> answers_;  // results of long pieces

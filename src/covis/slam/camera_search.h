@@ -2,9 +2,10 @@
 // Finds the camera that a recording was made with from the recording alone: the focal length, two radial coefficients
 // and the principal point. The recording's beginning is tracked with a few guesses of the focal length. The map of each
 // is adjusted together with the lens (lens_adjustment.h). From the guess whose map fits best afterwards on it is
-// tracked with less and with more, until the focal length that gives back itself is known (lens_answers.h). What does
-// not show is left out: no distortion, the principal point in the middle of the image. Pixels are square. The same
-// frames give the same camera. Measured: notes/039-a-camera-found.md.
+// tracked with less and with more, until the focal length that gives back itself is known (lens_answers.h). At last it
+// is tracked twice close beside that with matches that are aligned, which tell it more closely. What does not show is
+// left out: no distortion, the principal point in the middle of the image. Pixels are square. The same frames give the
+// same camera. Measured: notes/039-a-camera-found.md.
 #pragma once
 
 #include <atomic>

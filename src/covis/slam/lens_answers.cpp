@@ -52,7 +52,7 @@ bool all_have(const Answers& answers, size_t model) {
 
 // By weighted least squares through the changes over what was given: the line crosses zero at the result. The less
 // steeply it falls, the less is known.
-SettledLens on_the_line(const Answers& answers, const Lens& lens, size_t model) {
+SettledLens on_the_line(const Answers& answers, const Lens& lens, size_t model, std::optional<double> known_fall) {
   const auto mean = [&](const auto& quantity) {
     double sum = 0, weights = 0;
     for (const LensAnswer* answer : answers) {
@@ -69,7 +69,7 @@ SettledLens on_the_line(const Answers& answers, const Lens& lens, size_t model) 
   const double change = mean(change_of);
   const double product = mean([&](double at, const auto& a) { return (at - given) * (change_of(at, a) - change); });
   const double spread = mean([&](double at, const auto&) { return std::pow(at - given, 2); });
-  const double measured_fall = -product / std::max(spread, 1e-9);
+  const double measured_fall = known_fall ? *known_fall : -product / std::max(spread, 1e-9);
   const double fall = std::clamp(measured_fall, kLeastFall, 1.0);
   const double step = given + change / fall;
   const double misfit =
@@ -77,6 +77,7 @@ SettledLens on_the_line(const Answers& answers, const Lens& lens, size_t model) 
   const double freedom = std::max(static_cast<double>(answers.size()) - 2, 1.0);
   SettledLens settled;
   settled.change = std::abs(step);
+  settled.fall = fall;
   settled.repeats = measured_fall < kLeastFall;
   settled.lens.focal = lens.focal * std::exp(std::clamp(step, -kFarthest, kFarthest));
   // The results' own deviations have one cause, the recording; what they miss the line by is each one's own.
@@ -116,6 +117,13 @@ LensAnswer answer_of(BundleProblem& problem, const Lens& given, double longer_si
   return answer;
 }
 
+void scale_deviations(LensAnswer& answer, double factor) {
+  for (LensAdjustment& found : answer.found) {
+    for (Lens* deviations : {&found.sigma, &found.scatter})
+      for (double Lens::*one : {&Lens::focal, &Lens::k1, &Lens::k2, &Lens::cx, &Lens::cy}) deviations->*one *= factor;
+  }
+}
+
 const LensAdjustment* believed(const LensAnswer& answer) {
   const LensAdjustment* best = nullptr;
   for (size_t model = kLensModels; model-- > 0;) {
@@ -126,7 +134,8 @@ const LensAdjustment* believed(const LensAnswer& answer) {
   return best;
 }
 
-std::optional<SettledLens> settle(std::span<const LensAnswer> answers, const Lens& lens, double longer_side) {
+std::optional<SettledLens> settle(std::span<const LensAnswer> answers, const Lens& lens, double longer_side,
+                                  std::optional<double> fall) {
   Answers nearby;
   for (const LensAnswer& answer : answers)
     if (std::abs(std::log(answer.given / lens.focal)) <= kNearby) nearby.push_back(&answer);
@@ -136,7 +145,7 @@ std::optional<SettledLens> settle(std::span<const LensAnswer> answers, const Len
   for (size_t model = kLensModels; model-- > 0;) {
     if (nearby.empty() || !all_have(nearby, model)) continue;
     if (best) left_out = best->sigma;
-    best = on_the_line(nearby, lens, model);
+    best = on_the_line(nearby, lens, model, fall);
     focal.push_back(best->lens.focal);
     const bool shown = model > 0 && shows(model, best->lens, best->sigma);
     for (double Lens::*more : kMore)

@@ -34,6 +34,8 @@ inline constexpr double kLeastFocal = 0.25, kGreatestFocal = 4;  // over the lon
 LensAnswer answer_of(BundleProblem& problem, const Lens& given, double longer_side,
                      const std::atomic<int>* interrupt = nullptr);
 
+void scale_deviations(LensAnswer& answer, double factor);
+
 // The adjustment to believe of one answer; nullptr where none is ok.
 const LensAdjustment* believed(const LensAnswer& answer);
 
@@ -42,12 +44,15 @@ struct SettledLens {
   Lens lens;
   Lens sigma;         // standard deviations; also of what was left out, and what that would change of the focal length
   double change = 1;  // how far the focal length's logarithm is from where it was looked for
+  double fall = 0;    // share of a focal length's error that a map takes away
   bool repeats = true;  // the maps keep nearly the whole error of the focal length they were given, so tell nothing
 };
 
 // A map remembers the focal length that it was tracked with: a part of an error can stay. So the focal length that
 // would give itself is found on the line through the answers whose given one is near that of `lens`. nullopt where
-// these have no model in common. `longer_side`: of the image, pixels.
-std::optional<SettledLens> settle(std::span<const LensAnswer> answers, const Lens& lens, double longer_side);
+// these have no model in common. `longer_side`: of the image, pixels. `fall`: that of answers that were farther apart,
+// where these are too near one another to show it.
+std::optional<SettledLens> settle(std::span<const LensAnswer> answers, const Lens& lens, double longer_side,
+                                  std::optional<double> fall = std::nullopt);
 
 }  // namespace covis

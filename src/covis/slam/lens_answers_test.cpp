@@ -59,6 +59,28 @@ TEST(LensAnswers, MapsThatGiveBackWhatTheyWereGivenTellNothing) {
   EXPECT_TRUE(settled->repeats);
 }
 
+TEST(LensAnswers, WhatIsLessSureMustShowMore) {
+  LensAnswer answer = answer_at(kFocal, 0, {.focal = kFocal, .k1 = 0.035}, kSigma);
+  EXPECT_EQ(believed(answer), &answer.found[1]);
+  scale_deviations(answer, 1.25);
+  EXPECT_EQ(believed(answer), &answer.found[0]);
+  EXPECT_NEAR(believed(answer)->deviation().focal, 1.25 * kSigma.focal, 1e-12);
+}
+
+// Between answers so near one another a small error by chance looks like a map that keeps much of an error, or nothing.
+TEST(LensAnswers, NearOneAnotherTakeTheFallOfOthers) {
+  std::vector<LensAnswer> answers{answer_at(0.99 * kFocal, 0.2, {.focal = kFocal}, kSigma),
+                                  answer_at(1.01 * kFocal, 0.2, {.focal = kFocal}, kSigma)};
+  for (LensAdjustment& found : answers[0].found) found.lens.focal *= 0.996;
+  const auto alone = settle(answers, {.focal = kFocal}, kLongerSide);
+  const auto helped = settle(answers, {.focal = kFocal}, kLongerSide, 0.8);
+  ASSERT_TRUE(alone && helped);
+  EXPECT_NEAR(helped->fall, 0.8, 1e-9);
+  EXPECT_NEAR(std::log(helped->lens.focal / kFocal), 0.5 * std::log(0.996) / 0.8, 1e-4);
+  EXPECT_LT(alone->fall, 0.65);
+  EXPECT_LT(alone->lens.focal, helped->lens.focal);
+}
+
 TEST(LensAnswers, FarAwayDoNotCount) {
   std::vector<LensAnswer> answers = both_sides({.focal = kFocal});
   answers.push_back(answer_at(1.3 * kFocal, 0.9, {.focal = kFocal}, kSigma));
