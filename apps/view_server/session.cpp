@@ -209,12 +209,14 @@ void SocketSession::wait_and_send() {
   const auto then_send = [self = shared_from_this()](ErrorCode) {
     if (beast::get_lowest_layer(self->socket_).socket().is_open()) self->send();
   };
-  if (interval_ <= kInterval + kImageTime) {
-    timer_.expires_after(interval_);
+  // What was asked while a message was on its way does not wait for long.
+  const auto interval = answers_.empty() ? interval_ : kInterval;
+  if (interval <= kInterval + kImageTime) {
+    timer_.expires_after(interval);
     return timer_.async_wait(then_send);
   }
   // The source is asked for an image before the message that is to have it.
-  timer_.expires_after(interval_ - kImageTime);
+  timer_.expires_after(interval - kImageTime);
   timer_.async_wait([self = shared_from_this(), then_send](ErrorCode error) {
     if (error) return then_send(error);
     self->shared_.source->refresh();
