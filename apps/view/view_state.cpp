@@ -159,7 +159,7 @@ std::string answer(const ViewState& state, std::string_view question) {
 std::optional<std::chrono::milliseconds> interval_in(std::string_view question) {
   const auto json = nlohmann::json::parse(question, nullptr, false);
   if (!json.is_object() || !json.contains("interval") || !json["interval"].is_number_unsigned()) return {};
-  return std::chrono::milliseconds(json["interval"].get<uint32_t>());
+  return std::chrono::milliseconds(std::min(json["interval"].get<uint64_t>(), uint64_t{1} << 31));
 }
 
 std::string file_of(const ViewState& state) {

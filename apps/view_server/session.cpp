@@ -23,8 +23,9 @@ using ErrorCode = beast::error_code;
 
 // Between two messages to a client, where it asks for no other.
 constexpr std::chrono::milliseconds kInterval{66}, kLongestInterval{10'000};
-constexpr std::chrono::milliseconds kImageTime{100};  // until an image that is asked for is there
-constexpr size_t kMostQuestions = 64;                 // that wait for their answers
+// Until an image that is asked for is there; shorter than the time after which a source makes another.
+constexpr std::chrono::milliseconds kImageTime{66};
+constexpr size_t kMostQuestions = 64;  // that wait for their answers
 constexpr size_t kMostRequestBytes = 16384;
 constexpr auto kIdle = std::chrono::seconds(60);  // a connection without a request ends
 
@@ -209,7 +210,7 @@ void SocketSession::wait_and_send() {
   const auto then_send = [self = shared_from_this()](ErrorCode) {
     if (beast::get_lowest_layer(self->socket_).socket().is_open()) self->send();
   };
-  // What was asked while a message was on its way does not wait for long.
+  // A question that came while a message was on its way does not wait for long.
   const auto interval = answers_.empty() ? interval_ : kInterval;
   if (interval <= kInterval + kImageTime) {
     timer_.expires_after(interval);

@@ -77,7 +77,7 @@ class Page {
     if (this.#sparing && now - this.scene.rendered > WHILE_MS) setTimeout(next, LOOK_MS);
     else next();
     this.player.tick(now);
-    this.#takeChanges(now);
+    this.#takeChanges();
     if (this.forced) this.scene.stale = true;
     this.#draw(now);
   }
@@ -88,7 +88,7 @@ class Page {
   }
 
   // The image is decoded first, so that all that changed is one picture for the browser.
-  async #takeChanges(now) {
+  async #takeChanges() {
     const changed = this.model.takeChanges();
     if (!changed.size) return;
     if (changed.has('info')) this.source.askEvery(this.#sparing ? (this.model.info.realtime ? REALTIME_MS : FAST_MS) : 0);
@@ -96,7 +96,7 @@ class Page {
     const picture = image?.jpeg.length ? await this.picture.decode(image.jpeg) : null;
     this.#update(changed);
     if (image) this.#showImage(image, picture);
-    this.#draw(now);
+    this.#draw(performance.now());
   }
 
   #update(changed) {

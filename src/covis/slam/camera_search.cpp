@@ -184,7 +184,7 @@ class CameraSearch {
     std::vector<LensAnswer> before = std::exchange(answers_, {});
     auto sharper = between(settled.lens, kLittleAside, settled.fall);
     if (interrupt_ && *interrupt_) return fail("interrupted");
-    if (sharper && !sharper->repeats && sharper->change < kSettledChange) return sharper;
+    if (sharper && sharper->change < kSettledChange) return sharper;
     answers_ = std::move(before);
     return settled;
   }
