@@ -34,6 +34,7 @@ inline constexpr double kLeastFocal = 0.25, kGreatestFocal = 4;  // over the lon
 LensAnswer answer_of(BundleProblem& problem, const Lens& given, double longer_side,
                      const std::atomic<int>* interrupt = nullptr);
 
+// For observations that err more alike than the adjustment can tell.
 void scale_deviations(LensAnswer& answer, double factor);
 
 // The adjustment to believe of one answer; nullptr where none is ok.
