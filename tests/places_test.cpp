@@ -120,6 +120,39 @@ TEST_P(SavedDesk, IsLocalisedInAndContinued) {
   ASSERT_NO_FATAL_FAILURE(go_on());
 }
 
+// A hall of posters is mapped, and single images of other instants are located in it, of another light.
+class HallInAnotherLight : public testing::Test {
+ protected:
+  static constexpr int kMapped = 60, kImages = 16;
+  static constexpr double kRate = 8, kImageRate = 2.3;  // frames a second
+
+  // The number of images that are found; each must be where it was taken.
+  int found(double min_shown_share) {
+    SystemOptions options = options_for(Sensor::rgbd);
+    options.tracker.recovery.min_shown_share = min_shown_share;
+    System system(mapped.synth.camera(), options, vocabulary());
+    for (int i = 0; i < kMapped; ++i) system.process(mapped.frame(i));
+    system.finish();
+    int count = 0;
+    for (int i = 0; i < kImages; ++i) {
+      const auto located = system.locate(images.frame(i));
+      if (!located) continue;
+      ++count;
+      const SE3 truth = mapped.synth.T_wc(0).inverse() * images.synth.T_wc(i);
+      EXPECT_LT((located->T_wc.t() - truth.t()).norm(), 0.1) << "image " << i;
+    }
+    return count;
+  }
+
+  Recording mapped{Sensor::rgbd, kMapped, kRate, "posters"};
+  Recording images{Sensor::rgbd, kImages, kImageRate, "posters", {}, 0, 2};
+};
+
+TEST_F(HallInAnotherLight, IsRecognisedByWhatItsPointsLookLike) {
+  EXPECT_LT(found(1), kImages / 4) << "by matches alone";
+  EXPECT_GE(found(RecoveryOptions{}.min_shown_share), 3 * kImages / 4);
+}
+
 // Saves a system's map repeatedly during its run, and checks each saved state.
 class Saver {
  public:

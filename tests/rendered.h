@@ -31,8 +31,8 @@ struct Size {
 class Recording {
  public:
   explicit Recording(Sensor sensor, int frames, double fps = 8, const std::string& world = "room", Size size = {},
-                     double distortion = 0)
-      : synth(make(sensor, world, frames, fps, size, distortion)), frames_(static_cast<size_t>(frames)) {}
+                     double distortion = 0, int light = 0)
+      : synth(make(sensor, world, frames, fps, size, distortion, light)), frames_(static_cast<size_t>(frames)) {}
 
   int size() const { return static_cast<int>(frames_.size()); }
   System::Input frame(int i) {
@@ -57,9 +57,11 @@ class Recording {
     ImageF depth;
   };
 
-  static Synth make(Sensor sensor, const std::string& world, int frames, double fps, Size size, double distortion) {
+  static Synth make(Sensor sensor, const std::string& world, int frames, double fps, Size size, double distortion,
+                    int light) {
     SynthOptions options;
     options.distortion = distortion;
+    options.light = light;
     options.world = world;
     options.sensor = sensor_name(sensor);
     options.frames = frames;

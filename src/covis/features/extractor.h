@@ -46,6 +46,11 @@ class OrbExtractor {
   int levels() const { return static_cast<int>(levels_.size()); }
   // Returns a level of the last image's pyramid; level 0 is the caller's image.
   ImageView<const uint8_t> level(int l) const { return levels_[static_cast<size_t>(l)].view; }
+  // The same, blurred as descriptors are made of it; empty where the level has no keypoint.
+  ImageView<const uint8_t> blurred(int l) const {
+    const Level& level = levels_[static_cast<size_t>(l)];
+    return level.kept.empty() ? ImageView<const uint8_t>() : level.blurred.view();
+  }
   // Conversion between pixels of a level and pixels of the image. Pixel centres lie at integer coordinates and a
   // level's pixels tile the same area, so its centre (0, 0) lies half a pixel of the level inside the corner. Ignoring
   // that would shift the keypoints of the coarsest level by more than a pixel.

@@ -135,6 +135,7 @@ struct Frontend::Impl {
   std::shared_ptr<const Pinhole> refined;  // null: undistorted keypoints stay as they are
   DepthRegistration registration;
   OrbExtractor left;
+  const ImageProbe probe{camera, left};
   std::optional<OrbExtractor> right;
   std::optional<PairExtractor> pair;
   StereoMatcher matcher;
@@ -195,6 +196,8 @@ Frontend::~Frontend() = default;
 const Frontend::Timing& Frontend::timing() const { return impl_->timing; }
 
 const DepthRegistration& Frontend::registration() const { return impl_->registration; }
+
+const ImageProbe& Frontend::probe() const { return impl_->probe; }
 
 double Frontend::row_error() const { return impl_->matcher.row_error(); }
 

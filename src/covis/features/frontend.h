@@ -9,6 +9,7 @@
 #include "covis/core/image.h"
 #include "covis/core/sensor.h"
 #include "covis/features/features.h"
+#include "covis/features/image_probe.h"
 #include "covis/geometry/camera.h"
 
 namespace covis {
@@ -61,6 +62,9 @@ class Frontend {
   double row_error() const;
   // depth: metres, same size, registered to the image unless follow() said how it is; 0 or non-finite: no measurement.
   FeaturesPtr rgbd(ImageView<const uint8_t> image, ImageView<const float> depth);
+
+  // Looks at the last (left) image, which must still be there.
+  const ImageProbe& probe() const;
 
  private:
   struct Impl;

@@ -10,18 +10,11 @@ namespace {
 enum class Seen { elsewhere, near, here };
 
 Seen seen_before(const MapPoint& point, const Map& map, const Eigen::Vector3d& centre_w) {
-  constexpr double kNearCosine = 0.866, kNearFactor = 2.1;    // 30 degrees; ratio of distances
-  constexpr double kHereCosine = 0.9962, kHereFactor = 1.44;  // 5 degrees
-  const Eigen::Vector3d ray = point.position_w - centre_w;
-  const double distance = ray.norm();
   Seen seen = Seen::elsewhere;
   for (const Observation& observation : point.observations) {
-    const Eigen::Vector3d before = point.position_w - map.at(observation.key_frame).T_cw.centre();
-    const double distance_before = before.norm();
-    const double cosine = ray.dot(before) / (distance * distance_before);
-    const double factor = std::max(distance, distance_before) / std::min(distance, distance_before);
-    if (cosine > kNearCosine && factor < kNearFactor) seen = Seen::near;
-    if (cosine > kHereCosine && factor < kHereFactor) return Seen::here;
+    const ViewChange change(point.position_w, centre_w, map.at(observation.key_frame).T_cw.centre());
+    if (change.is_here()) return Seen::here;
+    if (change.is_near()) seen = Seen::near;
   }
   return seen;
 }

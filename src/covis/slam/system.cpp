@@ -31,14 +31,15 @@ ShutterOptions shutter_of(const Camera& camera, const SystemOptions& options) {
   return {camera.height, finds_shutter(options, camera) ? RowTime::sought : RowTime::given};
 }
 
-TrackingSettings tracking_settings(const SystemOptions& o, const Camera& camera) {
+TrackingSettings tracking_settings(const SystemOptions& o, const Camera& camera, const ImageProbe& image) {
   return {.sensor = o.sensor,
           .options = o.tracker,
           .schedule = o.schedule(),
           .mode = o.localize ? TrackingMode::localisation : TrackingMode::mapping,
           .closes_loops = o.loop.close,
           .seed = o.seed,
-          .shutter = shutter_of(camera, o)};
+          .shutter = shutter_of(camera, o),
+          .image = &image};
 }
 
 // Noise, distortion and registration that were given are not looked for.
@@ -59,7 +60,7 @@ System::System(const Camera& camera, const SystemOptions& options, std::shared_p
       map_(for_sensor(given_.pinhole, options.sensor)),
       log_(static_cast<size_t>(options.trajectory_frames)),
       frontend_(given_, options.orb, options.sensor),
-      tracker_(map_, tracking_settings(options, given_), vocabulary_),
+      tracker_(map_, tracking_settings(options, given_, frontend_.probe()), vocabulary_),
       mapping_(map_, backend_options(options, given_), vocabulary_) {
   // A lost camera is looked for in the map; it begins none.
   if (options_.localize) tracker_.start_lost();
@@ -144,7 +145,7 @@ std::optional<LocatedImage> System::locate(const Input& input) {
   mapping_.wait_idle();
   Relocaliser relocaliser(map_, options_.tracker, options_.seed, vocabulary_);
   const int budget = (options_.tracker.local_map.weak_inliers > 0 ? 2 : 1) * options_.orb.features;
-  const auto found = relocaliser.locate(extract(input, budget), input.frame);
+  const auto found = relocaliser.locate(extract(input, budget), input.frame, &frontend_.probe());
   if (!found) return std::nullopt;
   return LocatedImage{{found->T_cw.inverse(), found->submap}, found->inliers, found->information};
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "covis/matching/expected_matches.h"
+#include "covis/matching/shown_points.h"
 
 namespace covis {
 namespace {
@@ -112,15 +113,28 @@ bool PlaceCheck::jumped(const Found& found, Arrival arrival) const {
 // Holds a read guard for as long as it goes through the points in view and their observers, some thousands of plain
 // numbers: copying these would take as long.
 //
+// In another light fewer points match than usual, but what is around them still looks alike. A single image, which no
+// later ones confirm, has to look alike also where enough match: points side by side match by a pose of which nothing
+// else is true, and so does half of a look-alike (docs/notes/024-places-in-another-light.md).
+bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand demand) {
+  if (options_.min_expected_match_ratio == 0) return true;
+  const Matches matches = matches_as_expected(found, map, demand);
+  if (matches.enough && subject_ == Subject::stream) return true;
+  const std::optional<double> shown = shown_share(found, map);
+  return shown ? *shown >= std::min(matches.least_shown, options_.min_shown_share) : matches.enough;
+}
+
 // Compares the points in view that were seen from about here before with how often they usually match. Points seen from
 // here decide: 0.6 of what is expected is exceeded by some 98 % of right places and 3 % of wrong ones. Where they are
 // too few, those seen from the same side say less, and must not speak against the place. More is asked of a single
 // image, which no later ones confirm.
-bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand demand) {
+PlaceCheck::Matches PlaceCheck::matches_as_expected(const Found& found, const Map& map, Demand demand) {
   const bool strict = demand == Demand::strict;
   constexpr double kUsualFactor = 0.5;                              // on the share asked for where there was no jump
   constexpr double kNearFactor = 0.25, kNearFactorSingle = 0.5;     // on it for points seen from the same side
   constexpr double kYoungFactor = 0.17, kYoungFactorSingle = 0.25;  // the same with points not known well yet
+  constexpr double kShown = 0.4;                                    // share that matches times the one shown
+  constexpr Matches kFew{false, 1}, kNear{true, 0.4};
   const double share = (strict ? 1 : kUsualFactor) * options_.min_expected_match_ratio;
   const bool single = subject_ == Subject::single_image;
   const Eigen::Vector3d centre_w = found.frame.T_cw.centre();
@@ -132,11 +146,22 @@ bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand de
     const MapPoint* point = found.in_view[k] ? map.find(points[k]) : nullptr;
     if (point) expected.add(*point, map, centre_w, std::binary_search(matched_.begin(), matched_.end(), points[k]));
   }
-  const MatchTally &near = expected.from_near, &young_too = expected.young_too;
-  if (expected.from_here.enough()) return expected.from_here.reaches(share);
-  if (near.enough() && !near.reaches((single ? kNearFactorSingle : kNearFactor) * share)) return false;
-  if (young_too.enough()) return young_too.reaches((single ? kYoungFactorSingle : kYoungFactor) * share);
-  return !strict || share == 0;  // no point was seen from here before
+  const MatchTally &here = expected.from_here, &near = expected.from_near, &young_too = expected.young_too;
+  if (here.enough())
+    return here.reaches(share) ? Matches{true, kShown / std::min(1.0, here.found / here.expected)} : kFew;
+  if (near.enough() && !near.reaches((single ? kNearFactorSingle : kNearFactor) * share)) return kFew;
+  if (young_too.enough()) return young_too.reaches((single ? kYoungFactorSingle : kYoungFactor) * share) ? kNear : kFew;
+  return strict ? kFew : kNear;  // no point was seen from here before
+}
+
+std::optional<double> PlaceCheck::shown_share(const Found& found, const Map& map) const {
+  if (!found.image || options_.min_shown_share >= 1) return std::nullopt;
+  ShownPoints shown(*found.image, map.camera(), found.frame.T_cw, found.frame.features->grid.bounds);
+  const std::vector<MapPointId>& points = found.local_map.points.id;
+  for (size_t k = 0; k < points.size(); ++k) {
+    if (const MapPoint* point = found.in_view[k] ? map.find(points[k]) : nullptr) shown.add(*point, map);
+  }
+  return shown.enough() ? std::optional(shown.even_share()) : std::nullopt;
 }
 
 bool well_determined(const Matrix6d& information, double mean_depth, const Pinhole& camera) {

@@ -14,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "covis/features/image_probe.h"
 #include "covis/map/shared_map.h"
 #include "covis/tracking/local_map.h"
 #include "covis/tracking/tracked_frame.h"
@@ -36,8 +37,9 @@ class PlaceCheck {
   struct Found {
     const TrackedFrame& frame;  // the frame at the place, with its matches
     const LocalMap& local_map;
-    std::span<const uint8_t> in_view;  // a flag for each point of the local map
-    const SharedMap* live;             // null: the map may not be read now, and its copies serve
+    std::span<const uint8_t> in_view;   // a flag for each point of the local map
+    const SharedMap* live;              // null: the map may not be read now, and its copies serve
+    const ImageProbe* image = nullptr;  // null: the frame's image is gone
   };
   // True when the frame may be where it was found.
   bool is_right(const Found& found, Arrival arrival);
@@ -82,6 +84,13 @@ class PlaceCheck {
   void settle(const Place& place);
   enum class Demand { usual, strict };  // strict: after a jump, and while the place is tentative
   bool looks_as_expected(const Found& found, const Map& map, Demand demand);
+  struct Matches {
+    bool enough = false;     // as many as usual, about
+    double least_shown = 1;  // ShownPoints::even_share() of the image without which they do not make a place right
+  };
+  Matches matches_as_expected(const Found& found, const Map& map, Demand demand);
+  // ShownPoints::even_share(); nothing: the image is gone, or shows too few points.
+  std::optional<double> shown_share(const Found& found, const Map& map) const;
   void take_back_jump();
 
   const RecoveryOptions options_;

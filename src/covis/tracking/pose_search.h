@@ -30,8 +30,9 @@ struct PoseSearch {
   ExpectedView view;
   PlaceCheck place;
   TornImage torn;
-  std::vector<MapPointId> matched;  // work space of update_local_map()
-  TrackedFrame unfitted;            // kept by Tracker: the frame before fit_local_map()
+  const ImageProbe* image = nullptr;  // looks at the image whose frame is searched; null: it is gone
+  std::vector<MapPointId> matched;    // work space of update_local_map()
+  TrackedFrame unfitted;              // kept by Tracker: the frame before fit_local_map()
 
   PoseSearch(const RecoveryOptions& options, Subject subject, const ShutterOptions& images = {})
       : shutter(images), place(options, subject) {}
@@ -83,7 +84,7 @@ struct PoseSearch {
     fit_local_map(o, factor, frame, figures);
   }
   PlaceCheck::Found found(const TrackedFrame& frame, const SharedMap* live) const {
-    return {frame, local_map, view.points(), live};
+    return {frame, local_map, view.points(), live, image};
   }
   // Sees which points of the local map the frame should show at its pose, and returns how many usually match.
   double look(const TrackedFrame& frame) { return view.look(local_map, matcher.in_view(), frame, camera); }

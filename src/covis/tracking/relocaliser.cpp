@@ -15,8 +15,9 @@ Relocaliser::Relocaliser(const SharedMap& map, const TrackerOptions& options, in
                          std::shared_ptr<const Vocabulary> vocabulary)
     : map_(map), options_(options), seed_(seed), vocabulary_(std::move(vocabulary)) {}
 
-std::optional<Relocaliser::Located> Relocaliser::locate(FeaturesPtr features, int64_t frame) {
+std::optional<Relocaliser::Located> Relocaliser::locate(FeaturesPtr features, int64_t frame, const ImageProbe* probe) {
   PoseSearch search(options_.recovery, Subject::single_image);
+  search.image = probe;
   search.refresh_camera(*map_.read());
   TrackedFrame image;
   image.start(std::move(features), frame, 0);

@@ -29,14 +29,15 @@ class Relocaliser {
   // is all there is then. True: the frame has its pose and matches, and the local map is that around it.
   bool find(TrackedFrame& frame, PoseSearch& search, const SharedMap* live, const Where& where, TrackFigures& figures);
 
-  // Returns the pose of one image in the map, from the image alone; no pose when its place is not recognised.
+  // Returns the pose of one image in the map, from the image alone; no pose when its place is not recognised. `probe`
+  // looks at that image; null: only its features are left.
   struct Located {
     SE3 T_cw;
     uint32_t submap = 0;
     int inliers = 0;       // map points that agree with the pose
     Matrix6d information;  // of T_cw, given the map
   };
-  std::optional<Located> locate(FeaturesPtr features, int64_t frame);
+  std::optional<Located> locate(FeaturesPtr features, int64_t frame, const ImageProbe* probe = nullptr);
 
  private:
   // `words`: those of the image; null without a vocabulary.

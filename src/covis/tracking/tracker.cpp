@@ -29,6 +29,7 @@ Tracker::Tracker(const SharedMap& map, const TrackingSettings& settings, std::sh
       key_frames_(settings.sensor, settings.options.key_frame, settings.schedule),
       starter_(starter_settings(settings, vocabulary.get())),
       relocaliser_(map, settings.options, settings.seed, std::move(vocabulary)) {
+  search_.image = settings.image;
   search_.refresh_camera(*map_.read());
 }
 

@@ -48,6 +48,7 @@ struct TrackingSettings {
   bool closes_loops = true;  // submaps can be joined: only then a second one is begun
   int seed = 0;
   ShutterOptions shutter;
+  const ImageProbe* image = nullptr;  // looks at the image of the frame that is tracked; null: none is kept
 
   bool dead_reckons() const { return mode == TrackingMode::localisation && sensor != Sensor::monocular; }
 };

@@ -42,6 +42,9 @@ struct RecoveryOptions {
   // The same of the points seen from about there before, as a share of those expected to match: where there are several
   // things alike, one of them matches, but its surroundings do not.
   double min_expected_match_ratio = 0.6;
+  // A place that matches less: share of all points in view whose descriptors must agree with the image, even over it
+  // (matching/shown_points.h; docs/notes/024-places-in-another-light.md). 1: no image does.
+  double min_shown_share = 0.68;
 };
 
 // The criteria of a key frame, and the points it makes.

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "covis/matching/shown_points.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "covis/features/frontend.h"
+#include "covis/features/test_images.h"
+
+namespace covis {
+namespace {
+
+// One key frame before a wall of boxes, two metres away.
+class ShownPointsTest : public testing::Test {
+ protected:
+  static constexpr int kWidth = 640, kHeight = 480;
+
+  ShownPointsTest() {
+    const FeaturesPtr features = frontend.monocular(image.view());
+    key_frame = map.add_key_frame(0, 0, SE3(), features->for_key_frame());
+    for (uint32_t i = 0; i < static_cast<uint32_t>(features->size()); ++i)
+      map.add_point(2 * camera.pinhole.unproject(features->x[i], features->y[i]), key_frame, i);
+  }
+  static Camera camera_in_front() {
+    Camera made;
+    made.width = kWidth;
+    made.height = kHeight;
+    made.pinhole = {500, 500, 319.5, 239.5};
+    return made;
+  }
+  // The image with another one in the columns before `until`.
+  ImageU8 with_other(int until) const {
+    ImageU8 mixed(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y) {
+      std::copy_n(other.row(y), until, mixed.row(y));
+      std::copy(image.row(y) + until, image.row(y) + kWidth, mixed.row(y) + until);
+    }
+    return mixed;
+  }
+  // Compares all points, or one in so many, with this image at this pose.
+  ShownPoints compared(const ImageU8& shown, const SE3& T_cw = SE3(), size_t every = 1) {
+    frontend.monocular(shown.view());
+    ShownPoints points(frontend.probe(), camera.pinhole, T_cw, bounds);
+    const std::vector<MapPointId> all = map.points();
+    for (size_t k = 0; k < all.size(); k += every) points.add(map.at(all[k]), map);
+    return points;
+  }
+
+  const Camera camera = camera_in_front();
+  const ImageBounds bounds{0, 0, kWidth, kHeight};
+  const ImageU8 image = texture(kWidth, kHeight, 3), other = texture(kWidth, kHeight, 4);
+  Frontend frontend{camera, {}, Sensor::monocular};
+  Map map;
+  KeyFrameId key_frame;
+};
+
+TEST_F(ShownPointsTest, TheSameViewShowsAll) {
+  const ShownPoints points = compared(image);
+  EXPECT_TRUE(points.enough());
+  EXPECT_GT(points.even_share(), 0.99);
+}
+
+TEST_F(ShownPointsTest, ACameraThatHasTurnedAroundItsAxisShowsThemTurned) {
+  ImageU8 turned(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) turned(x, y) = image(kWidth - 1 - x, kHeight - 1 - y);
+  }
+  const SE3 half_turn(so3_exp({0, 0, std::numbers::pi}), Eigen::Vector3d::Zero());
+  EXPECT_GT(compared(turned, half_turn).even_share(), 0.9);
+}
+
+TEST_F(ShownPointsTest, AThingThatIsThereAndNothingAroundItCountsLessThanItsShare) {
+  EXPECT_LT(compared(other).even_share(), 0.15);
+  const double half = compared(with_other(kWidth / 2)).even_share();
+  EXPECT_LT(half, 0.45);
+  EXPECT_GT(half, 0.2);
+}
+
+TEST_F(ShownPointsTest, AtAnotherPoseNothingAgrees) {
+  const SE3 aside(Eigen::Matrix3d::Identity(), {0.1, 0, 0});  // 25 pixels
+  EXPECT_LT(compared(image, aside).even_share(), 0.15);
+}
+
+TEST_F(ShownPointsTest, FewPointsSayNothing) {
+  const ShownPoints points = compared(image, SE3(), map.points().size() / 40);
+  EXPECT_FALSE(points.enough());
+  const SE3 from_behind(so3_exp({0, std::numbers::pi, 0}), {0, 0, 4});
+  EXPECT_FALSE(compared(image, from_behind).enough()) << "nobody was ever there";
+  EXPECT_EQ(compared(image, from_behind).even_share(), 0);
+}
+
+}  // namespace
+}  // namespace covis
