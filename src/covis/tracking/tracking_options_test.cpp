@@ -16,7 +16,7 @@ TEST(TrackingOptions, EverySettingHasANameOfItsOwn) {
     EXPECT_EQ(field.name.rfind("tracker.", 0), 0u) << field.name;
     EXPECT_TRUE(names.insert(field.name).second) << field.name;
   }
-  constexpr size_t kNumbers = 1 + 6 + 7 + 3 + 11 + 7;  // shutter, first pose, local map, recovery, key frame, start
+  constexpr size_t kNumbers = 1 + 6 + 7 + 4 + 11 + 7;  // shutter, first pose, local map, recovery, key frame, start
   EXPECT_EQ(names.size(), kNumbers);
 }
 
