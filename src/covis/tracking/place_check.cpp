@@ -113,13 +113,13 @@ bool PlaceCheck::jumped(const Found& found, Arrival arrival) const {
 // Holds a read guard for as long as it goes through the points in view and their observers, some thousands of plain
 // numbers: copying these would take as long.
 //
-// In another light fewer points match than usual, but what is around them still looks alike. A single image, which no
-// later ones confirm, has to look alike also where enough match: points side by side match by a pose of which nothing
-// else is true, and so does half of a look-alike (docs/notes/024-places-in-another-light.md).
+// In another light fewer points match than usual, but what is around them still looks alike. A camera that jumped, and a
+// single image, have to show something alike also where enough match: points side by side match by a pose of which
+// nothing else is true, and so does half of a look-alike (docs/notes/024-places-in-another-light.md).
 bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand demand) {
   if (options_.min_expected_match_ratio == 0) return true;
   const Matches matches = matches_as_expected(found, map, demand);
-  if (matches.enough && subject_ == Subject::stream) return true;
+  if (matches.enough && demand == Demand::usual) return true;
   const std::optional<double> shown = shown_share(found, map);
   return shown ? *shown >= std::min(matches.least_shown, options_.min_shown_share) : matches.enough;
 }
@@ -134,7 +134,7 @@ PlaceCheck::Matches PlaceCheck::matches_as_expected(const Found& found, const Ma
   constexpr double kNearFactor = 0.25, kNearFactorSingle = 0.5;     // on it for points seen from the same side
   constexpr double kYoungFactor = 0.17, kYoungFactorSingle = 0.25;  // the same with points not known well yet
   constexpr double kShown = 0.4;                                    // share that matches times the one shown
-  constexpr Matches kFew{false, 1}, kNear{true, 0.4};
+  constexpr Matches kFew{false, 1}, kNear{true, 0.36};
   const double share = (strict ? 1 : kUsualFactor) * options_.min_expected_match_ratio;
   const bool single = subject_ == Subject::single_image;
   const Eigen::Vector3d centre_w = found.frame.T_cw.centre();
