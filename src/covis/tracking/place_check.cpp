@@ -113,8 +113,8 @@ bool PlaceCheck::jumped(const Found& found, Arrival arrival) const {
 // Holds a read guard for as long as it goes through the points in view and their observers, some thousands of plain
 // numbers: copying these would take as long.
 //
-// In another light fewer points match than usual, but what is around them still looks alike. A camera that jumped, and a
-// single image, have to show something alike also where enough match: points side by side match by a pose of which
+// In another light fewer points match than usual, but what is around them still looks alike. A camera that jumped, and
+// a single image, have to show something alike also where enough match: points side by side match by a pose of which
 // nothing else is true, and so does half of a look-alike (docs/notes/024-places-in-another-light.md).
 bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand demand) {
   if (options_.min_expected_match_ratio == 0) return true;
