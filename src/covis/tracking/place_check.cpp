@@ -20,7 +20,10 @@ constexpr double kTentativeTime = 1.0;  // seconds
 bool PlaceCheck::is_right(const Found& found, Arrival arrival) {
   const bool jump = jumped(found, arrival);
   const Demand demand = jump || tentative() ? Demand::strict : Demand::usual;
-  if (found.live && !looks_as_expected(found, *found.live->read(), demand)) return false;
+  const Witness witness = !jump                             ? Witness::for_it
+                          : arrival == Arrival::relocalised ? Witness::both
+                                                            : Witness::against_it;
+  if (found.live && !looks_as_expected(found, *found.live->read(), demand, witness)) return false;
   // Back where it was: the tentative place in another submap was a wrong one.
   if (!jump && last_ && last_->submap != found.local_map.reference.submap) take_back_jump();
   if (jump && (arrival != Arrival::tracked || tentative() || !found.live)) {
@@ -116,10 +119,10 @@ bool PlaceCheck::jumped(const Found& found, Arrival arrival) const {
 // In another light fewer points match than usual, but what is around them still looks alike. A camera that jumped, and
 // a single image, have to show something alike also where enough match: points side by side match by a pose of which
 // nothing else is true, and so does half of a look-alike (docs/notes/024-places-in-another-light.md).
-bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand demand) {
+bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand demand, Witness image) {
   if (options_.min_expected_match_ratio == 0) return true;
   const Matches matches = matches_as_expected(found, map, demand);
-  if (matches.enough && demand == Demand::usual) return true;
+  if (image == (matches.enough ? Witness::for_it : Witness::against_it)) return matches.enough;
   const std::optional<double> shown = shown_share(found, map);
   return shown ? *shown >= std::min(matches.least_shown, options_.min_shown_share) : matches.enough;
 }
