@@ -32,11 +32,12 @@ LensAnswer answer_at(double given, double stays, const Lens& truth, const Lens& 
     if (model > 0) found.lens.k1 = truth.k1, found.sigma.k1 = sigma.k1;
     if (model > 1) found.lens.k2 = truth.k2, found.scatter.k2 = sigma.k2;
     if (model > 2) found.lens.cx = truth.cx, found.lens.cy = truth.cy, found.sigma.cx = found.sigma.cy = sigma.cx;
+    if (model > 3) found.lens.p1 = truth.p1, found.lens.p2 = truth.p2, found.sigma.p1 = found.sigma.p2 = sigma.p1;
   }
   return answer;
 }
 
-const Lens kSigma{.focal = 0.004, .k1 = 0.01, .k2 = 0.01, .cx = 2, .cy = 2};
+const Lens kSigma{.focal = 0.004, .k1 = 0.01, .k2 = 0.01, .cx = 2, .cy = 2, .p1 = 0.0002, .p2 = 0.0002};
 
 std::vector<LensAnswer> both_sides(const Lens& truth, double stays = 0.2) {
   return {answer_at(0.95 * kFocal, stays, truth, kSigma), answer_at(1.06 * kFocal, stays, truth, kSigma)};
@@ -147,9 +148,10 @@ TEST(LensAnswers, WhatShowsIsKept) {
     Lens truth;
     size_t model;
   };
-  for (const auto& [truth, model] : {Shown{{.focal = kFocal, .k1 = -0.05}, 1}, Shown{{.focal = kFocal, .k2 = 0.05}, 2},
-                                     Shown{{.focal = kFocal, .k1 = -0.1, .k2 = 0.05}, 2},
-                                     Shown{{.focal = kFocal, .cx = -9}, 3}, Shown{{.focal = kFocal, .cy = 9}, 3}}) {
+  for (const auto& [truth, model] :
+       {Shown{{.focal = kFocal, .k1 = -0.05}, 1}, Shown{{.focal = kFocal, .k2 = 0.05}, 2},
+        Shown{{.focal = kFocal, .k1 = -0.1, .k2 = 0.05}, 2}, Shown{{.focal = kFocal, .cx = -9}, 3},
+        Shown{{.focal = kFocal, .cy = 9}, 3}, Shown{{.focal = kFocal, .p1 = -0.0004, .p2 = 0.0004}, 4}}) {
     const std::vector<LensAnswer> answers = both_sides(truth);
     EXPECT_EQ(believed(answers[0]), &answers[0].found[model]);
     const auto settled = settle(answers, {.focal = kFocal}, kLongerSide);
@@ -158,13 +160,23 @@ TEST(LensAnswers, WhatShowsIsKept) {
     EXPECT_NEAR(settled->lens.k2, truth.k2, 1e-9);
     EXPECT_NEAR(settled->lens.cx, truth.cx, 1e-9);
     EXPECT_NEAR(settled->lens.cy, truth.cy, 1e-9);
+    EXPECT_NEAR(settled->lens.p1, truth.p1, 1e-9);
+    EXPECT_NEAR(settled->lens.p2, truth.p2, 1e-9);
+  }
+}
+
+TEST(LensAnswers, TangentialCoefficientsShowTogether) {
+  for (const double both : {0.0003, 0.0004}) {  // 1.5 and 2 deviations each
+    const auto settled = settle(both_sides({.focal = kFocal, .p1 = both, .p2 = both}), {.focal = kFocal}, kLongerSide);
+    ASSERT_TRUE(settled);
+    EXPECT_EQ(settled->lens.p1 != 0, both > 0.00035);
   }
 }
 
 TEST(LensAnswers, AModelThatOneOfThemLacksIsNotBelieved) {
   const Lens truth{.focal = kFocal, .k1 = -0.1, .k2 = 0.05, .cx = 20};
   std::vector<LensAnswer> answers = both_sides(truth);
-  answers[1].found[kRichest].ok = false;
+  for (size_t model = 3; model < kLensModels; ++model) answers[1].found[model].ok = false;
   EXPECT_EQ(believed(answers[1]), &answers[1].found[2]);
   auto settled = settle(answers, {.focal = kFocal}, kLongerSide);
   ASSERT_TRUE(settled);
