@@ -5,8 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "covis/geometry/measurement.h"
-
 namespace covis {
 namespace {
 
@@ -15,7 +13,7 @@ constexpr std::array<Lens, kLensModels> kUsual{
     {{},
      {.k1 = 0.3},
      {.k1 = 0.3, .k2 = 0.1},
-     {.k1 = 0.3, .k2 = 0.1, .cx = 0.02, .cy = 0.02},
+     {.k1 = 0.3, .k2 = 0.1, .p1 = 0.002, .p2 = 0.002},
      {.k1 = 0.3, .k2 = 0.1, .cx = 0.02, .cy = 0.02, .p1 = 0.002, .p2 = 0.002}}};
 // Those beside the focal length.
 constexpr std::array<double Lens::*, 6> kMore{&Lens::k1, &Lens::k2, &Lens::cx, &Lens::cy, &Lens::p1, &Lens::p2};
@@ -47,11 +45,8 @@ bool plausible(const Lens& lens, double longer_side) {
          std::max(std::abs(lens.cx), std::abs(lens.cy)) <= kFarthestCentre * longer_side;
 }
 
-// Returns true where what the model has beyond the one before differs from 0. The tangential coefficients make the
-// focal length little less certain, and wrong where they are left out: the 95 % bound of both serves for them.
+// Returns true where what the model has beyond the one before differs from 0.
 bool shows(size_t model, const Lens& lens, const Lens& sigma) {
-  if (kUsual[model - 1].p1 == 0 && kUsual[model].p1 != 0)
-    return std::pow(lens.p1 / sigma.p1, 2) + std::pow(lens.p2 / sigma.p2, 2) > kChi2Mono;
   return std::ranges::any_of(kMore, [&](double Lens::*more) {
     return kUsual[model - 1].*more == 0 && std::abs(lens.*more) > kShown * (sigma.*more);
   });

@@ -31,8 +31,8 @@ LensAnswer answer_at(double given, double stays, const Lens& truth, const Lens& 
     found.sigma.focal = sigma.focal;
     if (model > 0) found.lens.k1 = truth.k1, found.sigma.k1 = sigma.k1;
     if (model > 1) found.lens.k2 = truth.k2, found.scatter.k2 = sigma.k2;
-    if (model > 2) found.lens.cx = truth.cx, found.lens.cy = truth.cy, found.sigma.cx = found.sigma.cy = sigma.cx;
-    if (model > 3) found.lens.p1 = truth.p1, found.lens.p2 = truth.p2, found.sigma.p1 = found.sigma.p2 = sigma.p1;
+    if (model > 2) found.lens.p1 = truth.p1, found.lens.p2 = truth.p2, found.sigma.p1 = found.sigma.p2 = sigma.p1;
+    if (model > 3) found.lens.cx = truth.cx, found.lens.cy = truth.cy, found.sigma.cx = found.sigma.cy = sigma.cx;
   }
   return answer;
 }
