@@ -159,8 +159,8 @@ TEST(LensAdjustment, FindsTangentialCoefficientsWhenAskedTo) {
   EXPECT_NEAR(found.variance, kPixelNoise * kPixelNoise, 0.1 * kPixelNoise * kPixelNoise);
   const LensAdjustment radial = adjust_lens(without, {1.1 * kFocal});
   ASSERT_TRUE(radial.ok);
-  EXPECT_EQ(std::abs(radial.lens.p1) > 1e-6, false) << "a parameter that is not free stays";
-  EXPECT_GT(radial.variance, 1.1 * found.variance);
+  EXPECT_NEAR(radial.lens.p1, 0, 1e-6) << "a parameter that is not free stays";
+  EXPECT_GT(radial.variance, 1.03 * found.variance);
 }
 
 // Straight ahead nothing tells the principal point from the direction that the camera goes in.
