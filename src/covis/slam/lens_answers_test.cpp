@@ -112,7 +112,7 @@ TEST(LensAnswers, WhatDoesNotShowIsLeftOutAndStaysUncertain) {
   EXPECT_EQ(settled->lens.k2, 0);
   EXPECT_EQ(settled->lens.cx, 0);
   EXPECT_NEAR(settled->sigma.focal, std::hypot(0.005, std::log(1.01) / 0.8 / std::sqrt(kLensModels)), 1e-5)
-      << "one of four models says more";
+      << "one of the models says more";
   EXPECT_NEAR(settled->sigma.k1, kSigma.k1, 1e-9);
   EXPECT_NEAR(settled->sigma.k2, kSigma.k2, 1e-9);
   EXPECT_NEAR(settled->sigma.cy, kSigma.cy, 1e-9);
