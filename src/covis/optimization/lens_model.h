@@ -19,7 +19,7 @@ struct Lens {
   double p1 = 0, p2 = 0;  // tangential coefficients of Brown's model
 };
 
-inline constexpr int kLensParameters = 7;  // of the focal length the logarithm where it is adjusted
+inline constexpr int kLensParameters = 7;  // the focal length is adjusted by its logarithm
 using LensVector = Eigen::Matrix<double, kLensParameters, 1>;
 using LensMatrix = Eigen::Matrix<double, kLensParameters, kLensParameters>;
 
@@ -35,8 +35,8 @@ struct LensImage {
   Eigen::Matrix<double, 2, kLensParameters> by_lens;
 };
 
-// Where the lens shows the point p_c in the camera, metres; without the derivatives. nullopt: it is behind the camera,
-// or the lens would fold the image over itself there.
+// The pixel at which the lens shows the point p_c in the camera, metres; no derivatives. nullopt: it is behind the
+// camera, or the lens would fold the image over itself there.
 inline std::optional<Eigen::Vector2d> lens_pixel(const Eigen::Vector3d& p_c, const Lens& lens) {
   if (!(p_c.z() > kMinDepth)) return std::nullopt;
   const Eigen::Vector2d at = p_c.head<2>() / p_c.z();

@@ -83,7 +83,7 @@ class PlaceCheck {
   // The camera is at this place without doubt.
   void settle(const Place& place);
   enum class Demand { usual, strict };  // strict: after a jump, and while the place is tentative
-  // What the image can do beside matches: make a place right where they are few, or wrong where they are enough.
+  // The image can do this beside matches: make a place right where they are few, or wrong where they are enough.
   enum class Witness { for_it, against_it, both };
   bool looks_as_expected(const Found& found, const Map& map, Demand demand, Witness image);
   struct Matches {
