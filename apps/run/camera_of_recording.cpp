@@ -29,15 +29,12 @@ Result<void> play(const std::string& path, const io::SequenceOptions& reading, c
 }
 
 std::string file_text(const FoundCamera& found) {
-  char head[500];
+  char head[400];
   std::snprintf(
       head, sizeof head,
       "# An estimate from the recording itself, by %zu key frames: the focal length is uncertain by %.1f %% (one\n"
-      "# standard deviation), k1 by %.3f, k2 by %.3f, p1 and p2 by %.4f and %.4f, the principal point by %.1f and "
-      "%.1f\n"
-      "# pixels.\n",
-      found.key_frames, 100 * found.sigma.focal, found.sigma.k1, found.sigma.k2, found.sigma.p1, found.sigma.p2,
-      found.sigma.cx, found.sigma.cy);
+      "# standard deviation), k1 by %.3f, k2 by %.3f, the principal point by %.1f and %.1f pixels.\n",
+      found.key_frames, 100 * found.sigma.focal, found.sigma.k1, found.sigma.k2, found.sigma.cx, found.sigma.cy);
   io::CameraFile file;
   file.camera = found.camera;
   return head + io::camera_text(file);
@@ -64,8 +61,7 @@ Result<CameraEstimate> find_camera_of(const std::string& path, const io::Sequenc
     return fail(path + ": no camera is given, and the recording does not tell it: " + found.error().message +
                 ". Give one with --camera FILE; covis calibrate makes one");
   }
-  const auto& [k1, k2, p1, p2, k3] = found->camera.coefficients;
-  CameraEstimate estimate{file, k1, k2, p1, p2, found->sigma};
+  CameraEstimate estimate{file, found->camera.coefficients[0], found->camera.coefficients[1], found->sigma};
   if (const auto written = write_atomically(estimate.file, file_text(*found)); !written)
     return tl::unexpected(written.error());
   return estimate;

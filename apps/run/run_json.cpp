@@ -206,10 +206,6 @@ json estimate_json(const CameraEstimate& estimate) {
           {"k1_sigma", estimate.sigma.k1},
           {"k2", estimate.k2},
           {"k2_sigma", estimate.sigma.k2},
-          {"p1", estimate.p1},
-          {"p1_sigma", estimate.sigma.p1},
-          {"p2", estimate.p2},
-          {"p2_sigma", estimate.sigma.p2},
           {"cx_sigma", estimate.sigma.cx},
           {"cy_sigma", estimate.sigma.cy}};
 }

@@ -68,7 +68,6 @@ inline constexpr std::array<Stage, 9> kStages{
 struct CameraEstimate {
   std::filesystem::path file;  // the camera file that holds it
   double k1 = 0, k2 = 0;       // its radial coefficients
-  double p1 = 0, p2 = 0;       // its tangential coefficients
   Lens sigma;                  // standard deviations
 };
 

@@ -33,7 +33,7 @@ std::string shutter_text(const RunSummary& s) {
 
 // "526.2 pixels ± 0.8 %, k1 -0.022 ± 0.003, k2 0.000 ± 0.007"
 std::string estimate_text(const RunSummary& s) {
-  const auto& [file, k1, k2, p1, p2, sigma] = *s.estimate;
+  const auto& [file, k1, k2, sigma] = *s.estimate;
   return fixed(s.given.fx, 1, " pixels ± ") + fixed(100 * sigma.focal, 1, " %, k1 ") + fixed(k1, 3, " ± ") +
          fixed(sigma.k1, 3, ", k2 ") + fixed(k2, 3, " ± ") + fixed(sigma.k2, 3, "");
 }

@@ -63,7 +63,7 @@ class Frontend {
   // depth: metres, same size, registered to the image unless follow() said how it is; 0 or non-finite: no measurement.
   FeaturesPtr rgbd(ImageView<const uint8_t> image, ImageView<const float> depth);
 
-  // Looks at the last (left) image, which must still be there.
+  // Looks at the last (left) image, until the next one is taken.
   const ImageProbe& probe() const;
 
  private:

@@ -21,7 +21,7 @@ std::optional<int> ImageProbe::distance(const Descriptor& descriptor, const Expe
   const Eigen::Vector2f at = extractor_.to_level(level, static_cast<float>(pixel->x()), static_cast<float>(pixel->y()));
   constexpr float kBorder = kEdgeBorder + kAround;
   const Eigen::Vector2f last(static_cast<float>(image.width) - 1, static_cast<float>(image.height) - 1);
-  if (!(at.minCoeff() >= kBorder && (last - at).minCoeff() >= kBorder + 1)) return std::nullopt;
+  if (!((at.array() >= kBorder).all() && ((last - at).array() >= kBorder + 1).all())) return std::nullopt;
   const int x = static_cast<int>(std::lround(at.x())), y = static_cast<int>(std::lround(at.y()));
   int least = kHammingBeyond;
   for (int row = y - kAround; row <= y + kAround; ++row) {

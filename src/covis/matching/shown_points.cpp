@@ -41,7 +41,7 @@ ImageProbe::Expected expected(const Features& f, size_t i, const Eigen::Vector3d
 }  // namespace
 
 void ShownPoints::add(const MapPoint& point, const Map& map) {
-  constexpr int kAgree = 88;  // Hamming distance that 5 % of other points do not exceed
+  constexpr int kAgree = 88;  // Hamming distance that 5 % of other points fall below
   const Eigen::Vector3d p_c = T_cw_ * point.position_w;
   const Observation* view = p_c.z() > kMinDepth ? nearest_view(point, map, T_cw_.centre()) : nullptr;
   if (!view) return;

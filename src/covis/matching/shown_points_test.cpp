@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "covis/features/frontend.h"
 #include "covis/features/test_images.h"

@@ -15,13 +15,15 @@
 namespace covis {
 namespace {
 
-constexpr int kLens = kLensParameters;  // these come first
-constexpr double kStays = 1e-6;         // standard deviation of a parameter that stays
-constexpr double kFarBehind = 1e3;      // residual of a point behind the camera, sigmas
+constexpr int kLens = 5;            // parameters of the lens, which come first; of the focal length the logarithm
+constexpr double kStays = 1e-6;     // standard deviation of a parameter that stays
+constexpr double kFarBehind = 1e3;  // residual of a point behind the camera, sigmas
 
 using Matrix2x6d = Eigen::Matrix<double, 2, 6>;
 using Matrix2x3d = Eigen::Matrix<double, 2, 3>;
 using Vector2d = Eigen::Vector2d;
+using LensVector = Eigen::Matrix<double, kLens, 1>;
+using LensMatrix = Eigen::Matrix<double, kLens, kLens>;
 
 // One observation's residual, and its Jacobians with their signs turned round: those of the prediction.
 struct Row {
@@ -40,11 +42,30 @@ struct State {
   Lens lens;
 };
 
+LensVector vector_of(const Lens& lens) { return {lens.focal, lens.k1, lens.k2, lens.cx, lens.cy}; }
+Lens lens_of(const LensVector& v) { return {v(0), v(1), v(2), v(3), v(4)}; }
+
 // Returns the information on each parameter before anything was seen.
 LensVector information_of(const LensOptions& options) {
   LensVector deviation = vector_of(options.usual);
   deviation(0) = options.usual_focal;
   return deviation.cwiseMax(kStays).cwiseAbs2().cwiseInverse();
+}
+
+Vector2d distorted(const Eigen::Vector3d& p_c, const Lens& lens) {
+  const Vector2d at = p_c.head<2>() / p_c.z();
+  const double r2 = at.squaredNorm();
+  return lens.focal * (1 + (lens.k1 + lens.k2 * r2) * r2) * at + Vector2d(lens.cx, lens.cy);
+}
+
+// Returns nullopt where the point is behind the camera, or where the lens would fold the image over itself.
+std::optional<Vector2d> residual_of(const BundleObservation& o, const Eigen::Vector3d& p_c, const Lens& lens,
+                                    const Pinhole& camera) {
+  if (!(p_c.z() > kMinDepth)) return std::nullopt;
+  const double r2 = p_c.head<2>().squaredNorm() / (p_c.z() * p_c.z());
+  if (!(1 + (3 * lens.k1 + 5 * lens.k2 * r2) * r2 > 0)) return std::nullopt;
+  return Vector2d(Vector2d(static_cast<double>(o.u) - camera.cx, static_cast<double>(o.v) - camera.cy) -
+                  distorted(p_c, lens));
 }
 
 class LensProblem {
@@ -66,19 +87,14 @@ class LensProblem {
   void scale_information(double variance) { information_ *= variance; }
 
   // How far a lens is from what was usual.
-  LensVector off(const Lens& lens) const {
-    LensVector off = vector_of(lens);
-    off(0) = std::log(lens.focal / given_focal_);
-    return off;
-  }
+  LensVector off(const Lens& l) const { return {std::log(l.focal / given_focal_), l.k1, l.k2, l.cx, l.cy}; }
 
   double cost(const State& state) const {
     double sum = information_.dot(off(state.lens).cwiseAbs2());
     for (const BundleObservation& o : observations_) {
       double weight = 1;
-      const auto pixel = lens_pixel(camera_point(state, o), state.lens);
-      const double chi2 =
-          pixel ? (seen(o) - *pixel).squaredNorm() * static_cast<double>(o.inv_sigma2) : kFarBehind * kFarBehind;
+      const auto r = residual_of(o, camera_point(state, o), state.lens, camera_);
+      const double chi2 = r ? r->squaredNorm() * static_cast<double>(o.inv_sigma2) : kFarBehind * kFarBehind;
       sum += huber(chi2, kChi2Mono, weight);
     }
     return sum;
@@ -87,20 +103,31 @@ class LensProblem {
   Row row(const State& state, const BundleObservation& o) const {
     Row row;
     const Eigen::Vector3d p_c = camera_point(state, o);
-    const auto image = lens_image(p_c, state.lens);
-    if (!image) {
+    const auto r = residual_of(o, p_c, state.lens, camera_);
+    if (!r) {
       row.pose.setZero();
       row.point.setZero();
       row.lens.setZero();
       return row;
     }
-    row.residual = seen(o) - image->pixel;
-    row.cost = huber(row.residual.squaredNorm() * static_cast<double>(o.inv_sigma2), kChi2Mono, row.weight);
+    row.residual = *r;
+    const double chi2 = r->squaredNorm() * static_cast<double>(o.inv_sigma2);
+    row.cost = huber(chi2, kChi2Mono, row.weight);
     row.weight *= static_cast<double>(o.inv_sigma2);
-    row.pose.leftCols<3>() = image->by_point;
-    row.pose.rightCols<3>() = -image->by_point * hat(p_c);
-    row.point = image->by_point * state.poses[static_cast<size_t>(o.pose)].R();
-    row.lens = image->by_lens;
+    const Vector2d at = p_c.head<2>() / p_c.z();
+    const auto& [focal, k1, k2, cx, cy] = state.lens;
+    const double r2 = at.squaredNorm(), d = 1 + (k1 + k2 * r2) * r2;
+    Matrix2x3d ray;  // d at / d p_c
+    ray << 1, 0, -at.x(), 0, 1, -at.y();
+    ray /= p_c.z();
+    const Matrix2x3d J = focal * (d * Eigen::Matrix2d::Identity() + 2 * (k1 + 2 * k2 * r2) * at * at.transpose()) * ray;
+    row.pose.leftCols<3>() = J;
+    row.pose.rightCols<3>() = -J * hat(p_c);
+    row.point = J * state.poses[static_cast<size_t>(o.pose)].R();
+    row.lens.col(0) = focal * d * at;
+    row.lens.col(1) = focal * r2 * at;
+    row.lens.col(2) = focal * r2 * r2 * at;
+    row.lens.rightCols<2>().setIdentity();
     return row;
   }
 
@@ -123,11 +150,6 @@ class LensProblem {
  private:
   static Eigen::Vector3d camera_point(const State& state, const BundleObservation& o) {
     return state.poses[static_cast<size_t>(o.pose)] * state.points[static_cast<size_t>(o.point)];
-  }
-
-  // An observation's pixel from where the camera has its principal point.
-  Vector2d seen(const BundleObservation& o) const {
-    return {static_cast<double>(o.u) - camera_.cx, static_cast<double>(o.v) - camera_.cy};
   }
 
   Pinhole camera_;
@@ -181,35 +203,34 @@ class ReducedSystem {
   };
   struct Coupling {  // couples the parameters from `at` on with the point
     int at = 0, size = 0;
-    Eigen::Matrix<double, kLens, 3> W;  // a pose has a parameter less than the lens and fills the first rows
+    Eigen::Matrix<double, 6, 3> W;  // the lens has a parameter less than a pose and fills the first rows
   };
 
   void add_point(size_t first, size_t last) {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     PointBlock block{.inverse = {}, .g = Eigen::Vector3d::Zero()};
     couplings_.clear();
-    couplings_.push_back({0, kLens, Eigen::Matrix<double, kLens, 3>::Zero()});
+    couplings_.push_back({0, kLens, Eigen::Matrix<double, 6, 3>::Zero()});
     for (size_t k = first; k < last; ++k) {
       const Row& row = rows_[k];
       H += row.weight * row.point.transpose() * row.point;
       block.g += row.weight * row.point.transpose() * row.residual;
       S.topLeftCorner<kLens, kLens>() += row.weight * row.lens.transpose() * row.lens;
       g.head<kLens>() += row.weight * row.lens.transpose() * row.residual;
-      couplings_.front().W += row.weight * row.lens.transpose() * row.point;
+      couplings_.front().W.topRows<kLens>() += row.weight * row.lens.transpose() * row.point;
       const auto at = problem_.offset(problem_.observations()[k]);
       if (!at) continue;
       S.block<6, 6>(*at, *at) += row.weight * row.pose.transpose() * row.pose;
       S.block<kLens, 6>(0, *at) += row.weight * row.lens.transpose() * row.pose;
       g.segment<6>(*at) += row.weight * row.pose.transpose() * row.residual;
-      couplings_.push_back({*at, 6, Eigen::Matrix<double, kLens, 3>::Zero()});
-      couplings_.back().W.topRows<6>() = row.weight * row.pose.transpose() * row.point;
+      couplings_.push_back({*at, 6, row.weight * row.pose.transpose() * row.point});
     }
     H.diagonal() *= 1 + damping_;
     H.diagonal().array() += 1e-12 * H.trace() + 1e-30;
     block.inverse = H.inverse();
     points_.push_back(block);
     for (const Coupling& a : couplings_) {
-      const Eigen::Matrix<double, kLens, 3> WH = a.W * block.inverse;
+      const Eigen::Matrix<double, 6, 3> WH = a.W * block.inverse;
       g.segment(a.at, a.size) -= (WH * block.g).head(a.size);
       for (const Coupling& b : couplings_) {
         if (b.at < a.at) continue;

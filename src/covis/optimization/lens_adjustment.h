@@ -1,18 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bundle adjustment in which the camera moves too: one focal length for columns and rows, the first two radial and the
-// tangential coefficients of Brown's model, and the principal point. It converges from a focal length that is wrong by
-// a third, where the motion tells it, and says how sure it is. Small maps only: the reduced system is dense. Sources:
-// Triggs et al., "Bundle adjustment, a modern synthesis", 2000 (Schur complement, section 6; covariance,
-// section 9.3.3).
+// Bundle adjustment in which the camera moves too: one focal length for columns and rows, the first two radial
+// coefficients of Brown's model, and the principal point. It converges from a focal length that is wrong by a third,
+// where the motion tells it, and says how sure it is. Small maps only: the reduced system is dense.
+// Sources: Triggs et al., "Bundle adjustment, a modern synthesis", 2000 (Schur complement, section 6; covariance,
+// section 9.3.3); Brown, "Close-range camera calibration", 1971.
 #pragma once
 
 #include <functional>
 #include <limits>
 
 #include "covis/optimization/bundle_adjustment.h"
-#include "covis/optimization/lens_model.h"
 
 namespace covis {
+
+// The parameters of a camera that are adjusted, or their standard deviations: that of the focal length is a share of
+// it.
+struct Lens {
+  double focal = 0;       // pixels
+  double k1 = 0, k2 = 0;  // coefficients of Brown's model: radii in focal lengths
+  double cx = 0, cy = 0;  // how far the principal point is off where the problem's camera has it, pixels
+};
 
 struct LensAdjustment {
   bool ok = false;          // false: interrupted, or nothing to solve

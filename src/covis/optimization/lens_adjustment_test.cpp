@@ -145,24 +145,6 @@ TEST(LensAdjustment, FindsThePrincipalPointWhenAskedTo) {
   EXPECT_NEAR(found.lens.focal, kFocal, 4 * found.deviation().focal * kFocal);
 }
 
-TEST(LensAdjustment, FindsTangentialCoefficientsWhenAskedTo) {
-  const Lens truth{.focal = kFocal, .k1 = -0.2, .k2 = 0.05, .p1 = -0.0012, .p2 = 0.0008};
-  BundleProblem problem = seen_through(camera_with(truth), 1.1, Motion::sideways, 5);
-  BundleProblem without = problem;
-  const LensOptions free{.usual = {.k1 = 0.3, .k2 = 0.1, .p1 = 0.002, .p2 = 0.002}};
-  const LensAdjustment found = adjust_lens(problem, {1.1 * kFocal}, free);
-  ASSERT_TRUE(found.ok);
-  EXPECT_NEAR(found.lens.p1, truth.p1, 4 * found.deviation().p1);
-  EXPECT_NEAR(found.lens.p2, truth.p2, 4 * found.deviation().p2);
-  EXPECT_LT(std::max(found.deviation().p1, found.deviation().p2), 0.0003);
-  EXPECT_NEAR(found.lens.focal, kFocal, 4 * found.deviation().focal * kFocal);
-  EXPECT_NEAR(found.variance, kPixelNoise * kPixelNoise, 0.1 * kPixelNoise * kPixelNoise);
-  const LensAdjustment radial = adjust_lens(without, {1.1 * kFocal});
-  ASSERT_TRUE(radial.ok);
-  EXPECT_NEAR(radial.lens.p1, 0, 1e-6) << "a parameter that is not free stays";
-  EXPECT_GT(radial.variance, 1.03 * found.variance);
-}
-
 // Straight ahead nothing tells the principal point from the direction that the camera goes in.
 TEST(LensAdjustment, WhatNothingTellsIsAsUncertainAsBefore) {
   BundleProblem problem = seen_through(0, 1, Motion::ahead, 5);

@@ -19,7 +19,8 @@ enum class Motion { sideways, ahead };
 inline Camera camera_with(const Lens& lens) {
   Camera camera{.width = 640, .height = 480, .pinhole = {lens.focal, lens.focal, 320, 240, 0}};
   camera.distortion = Distortion::brown_conrady;
-  camera.coefficients = {lens.k1, lens.k2, lens.p1, lens.p2};
+  camera.coefficients[0] = lens.k1;
+  camera.coefficients[1] = lens.k2;
   return camera;
 }
 

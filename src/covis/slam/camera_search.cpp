@@ -166,8 +166,9 @@ class CameraSearch {
                       .fy = lens.focal,
                       .cx = 0.5 * (camera.width - 1) + lens.cx,
                       .cy = 0.5 * (camera.height - 1) + lens.cy};
-    camera.coefficients = {lens.k1, lens.k2, lens.p1, lens.p2};
-    if (camera.coefficients != Camera().coefficients) camera.distortion = Distortion::brown_conrady;
+    if (lens.k1 != 0 || lens.k2 != 0) camera.distortion = Distortion::brown_conrady;
+    camera.coefficients[0] = lens.k1;
+    camera.coefficients[1] = lens.k2;
     return camera;
   }
 

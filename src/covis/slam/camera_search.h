@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the camera that a recording was made with from the recording alone: the focal length, two radial and
-// two tangential coefficients and the principal point. The recording's beginning is tracked with a few guesses of the
-// focal length. The map of each is adjusted together with the lens (lens_adjustment.h). From the guess whose map fits
-// best afterwards on it is tracked with less and with more, until the focal length that gives back itself is known
-// (lens_answers.h). At last it is tracked twice close beside that with matches that are aligned, which tell it more
-// closely. What does not show is left out: no distortion, the principal point in the middle of the image. Pixels are
-// square. The same frames give the same camera. Measured: notes/039-a-camera-found.md.
+// Finds the camera that a recording was made with from the recording alone: the focal length, two radial coefficients
+// and the principal point. The recording's beginning is tracked with a few guesses of the focal length. The map of each
+// is adjusted together with the lens (lens_adjustment.h). From the guess whose map fits best afterwards on it is
+// tracked with less and with more, until the focal length that gives back itself is known (lens_answers.h). At last it
+// is tracked twice close beside that with matches that are aligned, which tell it more closely. What does not show is
+// left out: no distortion, the principal point in the middle of the image. Pixels are square. The same frames give the
+// same camera. Measured: notes/039-a-camera-found.md.
 #pragma once
 
 #include <atomic>
@@ -29,7 +29,7 @@ using FrameVisitor = std::function<bool(ImageView<const uint8_t> image, Timestam
 using RecordingPlayer = std::function<Result<void>(const FrameVisitor& visit)>;
 
 struct FoundCamera {
-  Camera camera;          // has Brown's model with what of it shows
+  Camera camera;          // has Brown's model with k1 and k2 where they show
   Lens sigma;             // standard deviations, also of what was left as usual
   size_t key_frames = 0;  // number of key frames of the map that shows it
 };

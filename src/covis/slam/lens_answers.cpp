@@ -10,13 +10,8 @@ namespace {
 
 // Standard deviations of the parameters over lenses; those of the principal point over the image's longer side.
 constexpr std::array<Lens, kLensModels> kUsual{
-    {{},
-     {.k1 = 0.3},
-     {.k1 = 0.3, .k2 = 0.1},
-     {.k1 = 0.3, .k2 = 0.1, .p1 = 0.002, .p2 = 0.002},
-     {.k1 = 0.3, .k2 = 0.1, .cx = 0.02, .cy = 0.02, .p1 = 0.002, .p2 = 0.002}}};
-// Those beside the focal length.
-constexpr std::array<double Lens::*, 6> kMore{&Lens::k1, &Lens::k2, &Lens::cx, &Lens::cy, &Lens::p1, &Lens::p2};
+    {{}, {.k1 = 0.3}, {.k1 = 0.3, .k2 = 0.1}, {.k1 = 0.3, .k2 = 0.1, .cx = 0.02, .cy = 0.02}}};
+constexpr std::array<double Lens::*, 4> kMore{&Lens::k1, &Lens::k2, &Lens::cx, &Lens::cy};  // beside the focal length
 constexpr double kFarthestCentre =
     0.06;  // greatest distance of the principal point from the middle, over the longer side
 constexpr double kGreatestCoefficient = 1;
@@ -40,8 +35,7 @@ Lens usual(size_t model, double longer_side) {
 bool plausible(const Lens& lens, double longer_side) {
   const double focal = lens.focal / longer_side;
   return focal >= kLeastFocal && focal <= kGreatestFocal &&
-         std::max({std::abs(lens.k1), std::abs(lens.k2), std::abs(lens.p1), std::abs(lens.p2)}) <=
-             kGreatestCoefficient &&
+         std::max(std::abs(lens.k1), std::abs(lens.k2)) <= kGreatestCoefficient &&
          std::max(std::abs(lens.cx), std::abs(lens.cy)) <= kFarthestCentre * longer_side;
 }
 
@@ -125,7 +119,8 @@ LensAnswer answer_of(BundleProblem& problem, const Lens& given, double longer_si
 
 void scale_deviations(LensAnswer& answer, double factor) {
   for (LensAdjustment& found : answer.found) {
-    for (Lens* deviations : {&found.sigma, &found.scatter}) *deviations = lens_of(factor * vector_of(*deviations));
+    for (Lens* deviations : {&found.sigma, &found.scatter})
+      for (double Lens::*one : {&Lens::focal, &Lens::k1, &Lens::k2, &Lens::cx, &Lens::cy}) deviations->*one *= factor;
   }
 }
 

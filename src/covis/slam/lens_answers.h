@@ -16,9 +16,8 @@
 
 namespace covis {
 
-// The focal length is free in all of them; in the second also k1, in the third k2, in the fourth the tangential
-// coefficients, in the last the principal point.
-inline constexpr size_t kLensModels = 5;
+// The focal length is free in all of them; in the second also k1, in the third k2, in the last the principal point.
+inline constexpr size_t kLensModels = 4;
 
 // The lens that one map shows.
 struct LensAnswer {

@@ -113,8 +113,8 @@ bool PlaceCheck::jumped(const Found& found, Arrival arrival) const {
          (T_cl.R().trace() - 1) / 2 < std::cos(turn);
 }
 
-// Holds a read guard for as long as it goes through the points in view and their observers, some thousands of plain
-// numbers: copying these would take as long.
+// Holds a read guard for as long as it goes through the points in view and their observers, and, where the image is
+// asked, describes their places in it: some milliseconds at most.
 //
 // In another light fewer points match than usual, but what is around them still looks alike. A camera that jumped, and
 // a single image, have to show something alike also where enough match: points side by side match by a pose of which
@@ -122,7 +122,8 @@ bool PlaceCheck::jumped(const Found& found, Arrival arrival) const {
 bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand demand, Witness image) {
   if (options_.min_expected_match_ratio == 0) return true;
   const Matches matches = matches_as_expected(found, map, demand);
-  if (image == (matches.enough ? Witness::for_it : Witness::against_it)) return matches.enough;
+  const bool decided = image == (matches.enough ? Witness::for_it : Witness::against_it);  // the image adds nothing
+  if (decided) return matches.enough;
   const std::optional<double> shown = shown_share(found, map);
   return shown ? *shown >= std::min(matches.least_shown, options_.min_shown_share) : matches.enough;
 }
@@ -136,9 +137,10 @@ PlaceCheck::Matches PlaceCheck::matches_as_expected(const Found& found, const Ma
   constexpr double kUsualFactor = 0.5;                              // on the share asked for where there was no jump
   constexpr double kNearFactor = 0.25, kNearFactorSingle = 0.5;     // on it for points seen from the same side
   constexpr double kYoungFactor = 0.17, kYoungFactorSingle = 0.25;  // the same with points not known well yet
-  constexpr double kShown = 0.4;                                    // share that matches times the one shown
-  constexpr Matches kFew{false, 1}, kNear{true, 0.36};
-  const double share = (strict ? 1 : kUsualFactor) * options_.min_expected_match_ratio;
+  const double asked = options_.min_expected_match_ratio;
+  const double share = (strict ? 1 : kUsualFactor) * asked;
+  const double shown = asked / 0.6 * 0.4;  // share that matches times the one shown
+  const Matches few{false, 1}, near_enough{true, asked / 0.6 * 0.36};
   const bool single = subject_ == Subject::single_image;
   const Eigen::Vector3d centre_w = found.frame.T_cw.centre();
   found.frame.map_points(matched_);
@@ -151,14 +153,17 @@ PlaceCheck::Matches PlaceCheck::matches_as_expected(const Found& found, const Ma
   }
   const MatchTally &here = expected.from_here, &near = expected.from_near, &young_too = expected.young_too;
   if (here.enough())
-    return here.reaches(share) ? Matches{true, kShown / std::min(1.0, here.found / here.expected)} : kFew;
-  if (near.enough() && !near.reaches((single ? kNearFactorSingle : kNearFactor) * share)) return kFew;
-  if (young_too.enough()) return young_too.reaches((single ? kYoungFactorSingle : kYoungFactor) * share) ? kNear : kFew;
-  return strict ? kFew : kNear;  // no point was seen from here before
+    return here.reaches(share) ? Matches{true, shown / std::min(1.0, here.found / here.expected)} : few;
+  if (near.enough() && !near.reaches((single ? kNearFactorSingle : kNearFactor) * share)) return few;
+  if (young_too.enough())
+    return young_too.reaches((single ? kYoungFactorSingle : kYoungFactor) * share) ? near_enough : few;
+  return strict ? few : near_enough;  // no point was seen from here before
 }
 
 std::optional<double> PlaceCheck::shown_share(const Found& found, const Map& map) const {
   if (!found.image || options_.min_shown_share >= 1) return std::nullopt;
+  // The pose is that of features without the turn between rows; the image has it still.
+  if (!found.frame.features->exposure.taken().isZero()) return std::nullopt;
   ShownPoints shown(*found.image, map.camera(), found.frame.T_cw, found.frame.features->grid.bounds);
   const std::vector<MapPointId>& points = found.local_map.points.id;
   for (size_t k = 0; k < points.size(); ++k) {

@@ -33,7 +33,8 @@ Fields fields(TrackerOptions& o) {
        "the same of those seen from about there before, as a share of as many as are expected to match", 0, 1,
        "tracker.min_usual_share"},
       {"tracker.min_shown_share", &o.recovery.min_shown_share,
-       "where fewer match: share of the points in view that the image must show, even over it; 1: no image does", 0, 1},
+       "where fewer match: how many points in view the image must show, and how evenly; 1: the image is not asked", 0,
+       1},
       {"tracker.readout", &o.readout,
        "rolling shutter: seconds from the exposure of the first row to that of the last; 0: there is none; -1: it is "
        "found from the recording",
