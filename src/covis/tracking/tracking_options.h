@@ -42,8 +42,8 @@ struct RecoveryOptions {
   // The same of the points seen from about there before, as a share of those expected to match: where there are several
   // things alike, one of them matches, but its surroundings do not.
   double min_expected_match_ratio = 0.6;
-  // Where fewer match: how many of the points in view the image must show by their descriptors, and how evenly, 0 to 1
-  // (matching/shown_points.h; docs/notes/024-places-in-another-light.md). 1: the image is not asked.
+  // A place that matches less: how many of the points in view the image must show by their descriptors, and how evenly,
+  // 0 to 1 (matching/shown_points.h; docs/notes/024-places-in-another-light.md). 1: the image is not asked.
   double min_shown_share = 0.68;
 };
 
