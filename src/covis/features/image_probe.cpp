@@ -23,10 +23,11 @@ std::optional<int> ImageProbe::distance(const Descriptor& descriptor, const Expe
   const Eigen::Vector2f last(static_cast<float>(image.width) - 1, static_cast<float>(image.height) - 1);
   if (!((at.array() >= kBorder).all() && ((last - at).array() >= kBorder + 1).all())) return std::nullopt;
   const int x = static_cast<int>(std::lround(at.x())), y = static_cast<int>(std::lround(at.y()));
+  const TurnedPattern pattern(point.angle, image.stride);
   int least = kHammingBeyond;
   for (int row = y - kAround; row <= y + kAround; ++row) {
     for (int column = x - kAround; column <= x + kAround; ++column)
-      least = std::min(least, hamming(descriptor, describe(image.row(row) + column, image.stride, point.angle)));
+      least = std::min(least, hamming(descriptor, pattern.describe(image.row(row) + column)));
   }
   return least;
 }

@@ -55,30 +55,36 @@ constexpr PatternPoints kPoints;
 
 }  // namespace
 
-Descriptor describe(const uint8_t* pixel, ptrdiff_t stride, float angle) {
+TurnedPattern::TurnedPattern(float angle, ptrdiff_t stride) {
   const float c = std::cos(angle), s = std::sin(angle);
   const int pitch = static_cast<int>(stride);
-  alignas(64) std::array<int32_t, 512> offset;
   if (simd_enabled()) {
-    turn_points(kPoints.x.data(), kPoints.y.data(), 512, c, s, pitch, offset.data());
+    turn_points(kPoints.x.data(), kPoints.y.data(), 512, c, s, pitch, offset_.data());
   } else {
     for (size_t i = 0; i < 512; ++i) {
       const float column = std::nearbyint(kPoints.x[i] * c - kPoints.y[i] * s),
                   row = std::nearbyint(kPoints.x[i] * s + kPoints.y[i] * c);
-      offset[i] = static_cast<int32_t>(row) * pitch + static_cast<int32_t>(column);
+      offset_[i] = static_cast<int32_t>(row) * pitch + static_cast<int32_t>(column);
     }
   }
+}
+
+Descriptor TurnedPattern::describe(const uint8_t* pixel) const {
   Descriptor d;
   for (size_t byte = 0; byte < 32; ++byte) {
     // The last bit first: each is shifted in by one place, and the compiler unrolls eight of them.
     uint64_t bits = 0;
     for (size_t k = 16; k > 0; k -= 2) {
-      const int32_t* pair = &offset[16 * byte + k - 2];
+      const int32_t* pair = &offset_[16 * byte + k - 2];
       bits = 2 * bits + static_cast<uint64_t>(pixel[pair[0]] < pixel[pair[1]]);
     }
     d.bits[byte / 8] |= bits << byte % 8 * 8;
   }
   return d;
+}
+
+Descriptor describe(const uint8_t* pixel, ptrdiff_t stride, float angle) {
+  return TurnedPattern(angle, stride).describe(pixel);
 }
 
 }  // namespace covis

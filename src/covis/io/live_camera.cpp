@@ -51,7 +51,7 @@ Result<std::optional<Frame>> LiveCamera::next(Frame recycled) {
 Result<Picture> LiveCamera::picture(int64_t) { return fail(setup_.name + ": a camera's frames can't be read again"); }
 
 void LiveCamera::run(const std::stop_token& stop) {
-  constexpr size_t kLongest = 200;  // of what is thrown
+  constexpr size_t kLongest = 200;  // text of a thrown error
   Error failure{"camera " + setup_.name + ": its images are given up: "};
   failure.message.reserve(failure.message.size() + kLongest);  // so that a lack of memory can be reported
   try {

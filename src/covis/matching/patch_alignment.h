@@ -33,7 +33,7 @@ struct PatchView {
   Eigen::Vector2f at = Eigen::Vector2f::Zero();       // pixels of the patch
   Eigen::Vector2f stretch = Eigen::Vector2f::Ones();  // image pixels for one of the patch
 
-  // Nothing: the feature has no patch.
+  // There is none where the feature has no patch.
   static std::optional<PatchView> of(const Features& features, size_t feature);
 };
 

@@ -2,6 +2,7 @@
 #include "covis/matching/shown_points.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "covis/geometry/measurement.h"
@@ -41,37 +42,48 @@ ImageProbe::Expected expected(const Features& f, size_t i, const Eigen::Vector3d
 }  // namespace
 
 void ShownPoints::add(const MapPoint& point, const Map& map) {
-  constexpr int kAgree = 88;  // Hamming distance that 5 % of other points fall below
   const Eigen::Vector3d p_c = T_cw_ * point.position_w;
   const Observation* view = p_c.z() > kMinDepth ? nearest_view(point, map, T_cw_.centre()) : nullptr;
   if (!view) return;
   const KeyFrame& key_frame = map.at(view->key_frame);
   const Features& f = *key_frame.features;
   const Eigen::Matrix3d R_ck = T_cw_.R() * key_frame.T_cw.R().transpose();
-  const auto distance = image_.distance(
-      f.descriptor[view->feature], expected(f, view->feature, key_frame.T_cw * point.position_w, p_c, R_ck), camera_);
-  if (!distance) return;
-  const PredictedMeasurement h = predict_measurement(p_c, camera_);
+  questions_.push_back(
+      {f.descriptor[view->feature], expected(f, view->feature, key_frame.T_cw * point.position_w, p_c, R_ck)});
+}
+
+std::optional<double> ShownPoints::even_share(const ImageProbe& image) const {
+  constexpr int kAgree = 88;  // Hamming distance that 5 % of other points fall below
+  constexpr int kColumns = 10, kRows = 8;
+  constexpr int kFull = 3;  // points with which a block counts in full
+  constexpr int kEnough = 60;
+  struct Block {
+    int compared = 0, agree = 0;
+  };
+  std::array<Block, size_t{kColumns} * kRows> blocks;
   const auto part = [](double at, double from, double to, int parts) {
     return static_cast<size_t>(std::clamp(static_cast<int>((at - from) / (to - from) * parts), 0, parts - 1));
   };
-  Block& block = blocks_[part(h.v, bounds_.min_y, bounds_.max_y, kRows) * kColumns +
-                         part(h.u, bounds_.min_x, bounds_.max_x, kColumns)];
-  ++block.compared;
-  block.agree += *distance < kAgree;
-  ++compared_;
-}
-
-double ShownPoints::even_share() const {
-  constexpr int kFull = 3;  // points with which a block counts in full
+  int compared = 0;
+  for (const Question& question : questions_) {
+    const auto distance = image.distance(question.descriptor, question.point, camera_);
+    if (!distance) continue;
+    const Eigen::Vector2d at = camera_.project(question.point.p_c);
+    Block& block = blocks[part(at.y(), bounds_.min_y, bounds_.max_y, kRows) * kColumns +
+                          part(at.x(), bounds_.min_x, bounds_.max_x, kColumns)];
+    ++block.compared;
+    block.agree += *distance < kAgree;
+    ++compared;
+  }
+  if (compared < kEnough) return std::nullopt;
   double sum = 0, weights = 0;
-  for (const Block& block : blocks_) {
+  for (const Block& block : blocks) {
     if (block.compared == 0) continue;
     const int weight = std::min(block.compared, kFull);
     sum += weight * std::sqrt(static_cast<double>(block.agree) / block.compared);
     weights += weight;
   }
-  return weights > 0 ? (sum / weights) * (sum / weights) : 0;
+  return (sum / weights) * (sum / weights);
 }
 
 }  // namespace covis

@@ -6,8 +6,8 @@
 // image. Measured: docs/notes/024-places-in-another-light.md.
 #pragma once
 
-#include <array>
-#include <cstddef>
+#include <optional>
+#include <vector>
 
 #include "covis/features/image_probe.h"
 #include "covis/geometry/se3.h"
@@ -17,30 +17,28 @@ namespace covis {
 
 class ShownPoints {
  public:
-  // A view of the image at this pose. camera: the map's.
-  ShownPoints(const ImageProbe& image, const Pinhole& camera, const SE3& T_cw, const ImageBounds& bounds)
-      : image_(image), camera_(camera), T_cw_(T_cw), bounds_(bounds) {}
+  // A view at this pose. camera: the map's.
+  ShownPoints(const Pinhole& camera, const SE3& T_cw, const ImageBounds& bounds)
+      : camera_(camera), T_cw_(T_cw), bounds_(bounds) {}
 
-  // Compares a point that should be in view, if it was seen from about the same side before.
+  // A point that should be in view is to be shown, if it was seen from about the same side before. Copies what is asked
+  // of it, so that the map is not held while the image is looked at.
   void add(const MapPoint& point, const Map& map);
-  // Enough points were compared for their share to say something.
-  bool enough() const { return compared_ >= 60; }
   // The mean over the blocks of the image of the root of the share of their points that agree, squared: 1 where all
-  // agree, and less than that share where some blocks agree and others do not.
-  double even_share() const;
+  // agree, and less than that share where some blocks agree and others do not. There is none where too few could be
+  // compared for it to say something.
+  std::optional<double> even_share(const ImageProbe& image) const;
 
  private:
-  static constexpr int kColumns = 10, kRows = 8;
-  struct Block {
-    int compared = 0, agree = 0;
+  struct Question {
+    Descriptor descriptor;
+    ImageProbe::Expected point;
   };
 
-  const ImageProbe& image_;
-  const Pinhole& camera_;
-  const SE3 T_cw_;
-  const ImageBounds bounds_;
-  std::array<Block, size_t{kColumns} * kRows> blocks_;
-  int compared_ = 0;
+  Pinhole camera_;
+  SE3 T_cw_;
+  ImageBounds bounds_;
+  std::vector<Question> questions_;
 };
 
 }  // namespace covis

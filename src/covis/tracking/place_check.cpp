@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "covis/matching/expected_matches.h"
-#include "covis/matching/shown_points.h"
 
 namespace covis {
 namespace {
@@ -23,7 +22,7 @@ bool PlaceCheck::is_right(const Found& found, Arrival arrival) {
   const Witness witness = !jump                             ? Witness::for_it
                           : arrival == Arrival::relocalised ? Witness::both
                                                             : Witness::against_it;
-  if (found.live && !looks_as_expected(found, *found.live->read(), demand, witness)) return false;
+  if (found.live && !looks_as_expected(found, demand, witness)) return false;
   // Back where it was: the tentative place in another submap was a wrong one.
   if (!jump && last_ && last_->submap != found.local_map.reference.submap) take_back_jump();
   if (jump && (arrival != Arrival::tracked || tentative() || !found.live)) {
@@ -113,19 +112,24 @@ bool PlaceCheck::jumped(const Found& found, Arrival arrival) const {
          (T_cl.R().trace() - 1) / 2 < std::cos(turn);
 }
 
-// Holds a read guard for as long as it goes through the points in view and their observers, and, where the image is
-// asked, describes their places in it: some milliseconds at most.
+// Holds a read guard for as long as it goes through the points in view and their observers, some thousands of plain
+// numbers: copying these would take as long.
 //
 // In another light fewer points match than usual, but what is around them still looks alike. A camera that jumped, and
 // a single image, have to show something alike also where enough match: points side by side match by a pose of which
 // nothing else is true, and so does half of a look-alike (docs/notes/024-places-in-another-light.md).
-bool PlaceCheck::looks_as_expected(const Found& found, const Map& map, Demand demand, Witness image) {
+bool PlaceCheck::looks_as_expected(const Found& found, Demand demand, Witness image) {
   if (options_.min_expected_match_ratio == 0) return true;
-  const Matches matches = matches_as_expected(found, map, demand);
-  const bool decided = image == (matches.enough ? Witness::for_it : Witness::against_it);  // the image adds nothing
-  if (decided) return matches.enough;
-  const std::optional<double> shown = shown_share(found, map);
-  return shown ? *shown >= std::min(matches.least_shown, options_.min_shown_share) : matches.enough;
+  Matches matches;
+  std::optional<ShownPoints> shown;
+  {
+    const auto map = found.live->read();
+    matches = matches_as_expected(found, *map, demand);
+    const bool decided = image == (matches.enough ? Witness::for_it : Witness::against_it);
+    if (!decided) shown = points_to_show(found, *map);
+  }
+  const auto share = shown ? shown->even_share(*found.image) : std::nullopt;
+  return share ? *share >= std::min(matches.least_shown, options_.min_shown_share) : matches.enough;
 }
 
 // Compares the points in view that were seen from about here before with how often they usually match. Points seen from
@@ -160,16 +164,16 @@ PlaceCheck::Matches PlaceCheck::matches_as_expected(const Found& found, const Ma
   return strict ? few : near_enough;  // no point was seen from here before
 }
 
-std::optional<double> PlaceCheck::shown_share(const Found& found, const Map& map) const {
+std::optional<ShownPoints> PlaceCheck::points_to_show(const Found& found, const Map& map) const {
   if (!found.image || options_.min_shown_share >= 1) return std::nullopt;
   // The pose is that of features without the turn between rows; the image has it still.
   if (!found.frame.features->exposure.taken().isZero()) return std::nullopt;
-  ShownPoints shown(*found.image, map.camera(), found.frame.T_cw, found.frame.features->grid.bounds);
+  std::optional<ShownPoints> shown(std::in_place, map.camera(), found.frame.T_cw, found.frame.features->grid.bounds);
   const std::vector<MapPointId>& points = found.local_map.points.id;
   for (size_t k = 0; k < points.size(); ++k) {
-    if (const MapPoint* point = found.in_view[k] ? map.find(points[k]) : nullptr) shown.add(*point, map);
+    if (const MapPoint* point = found.in_view[k] ? map.find(points[k]) : nullptr) shown->add(*point, map);
   }
-  return shown.enough() ? std::optional(shown.even_share()) : std::nullopt;
+  return shown;
 }
 
 bool well_determined(const Matrix6d& information, double mean_depth, const Pinhole& camera) {

@@ -16,6 +16,7 @@
 
 #include "covis/features/image_probe.h"
 #include "covis/map/shared_map.h"
+#include "covis/matching/shown_points.h"
 #include "covis/tracking/local_map.h"
 #include "covis/tracking/tracked_frame.h"
 #include "covis/tracking/tracking_options.h"
@@ -85,14 +86,14 @@ class PlaceCheck {
   enum class Demand { usual, strict };  // strict: after a jump, and while the place is tentative
   // The image can do this beside matches: make a place right where they are few, or wrong where they are enough.
   enum class Witness { for_it, against_it, both };
-  bool looks_as_expected(const Found& found, const Map& map, Demand demand, Witness image);
+  bool looks_as_expected(const Found& found, Demand demand, Witness image);
   struct Matches {
     bool enough = false;     // as many as usual, about
     double least_shown = 1;  // ShownPoints::even_share() of the image without which they do not make a place right
   };
   Matches matches_as_expected(const Found& found, const Map& map, Demand demand);
-  // ShownPoints::even_share(); nothing: the image is gone, or shows too few points.
-  std::optional<double> shown_share(const Found& found, const Map& map) const;
+  // There are none without an image to show them.
+  std::optional<ShownPoints> points_to_show(const Found& found, const Map& map) const;
   void take_back_jump();
 
   const RecoveryOptions options_;

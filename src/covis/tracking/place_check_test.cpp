@@ -9,7 +9,7 @@
 namespace covis {
 namespace {
 
-// ---- What follows from a jump: without a map that could be asked what is seen from there ----
+// ---- Consequences of a jump: without a map that could be asked what is seen from there ----
 
 class TentativePlaceTest : public testing::Test {
  protected:
@@ -261,7 +261,7 @@ TEST_F(TentativePlaceTest, AfterARestartTheCameraMayBeAnywhere) {
   EXPECT_TRUE(place.tentative());
 }
 
-// ---- What is seen from a place ----
+// ---- The view from a place ----
 
 class LooksTest : public testing::Test {
  protected:
