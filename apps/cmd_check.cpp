@@ -202,9 +202,7 @@ void add_check_command(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<CheckArguments>();
   CLI::App* command =
       app.add_subcommand("check", "Describe a recording and report what is wrong with it, with a picture");
-  CLI::Option* path = command->add_option("PATH", a->path,
-                                          "folder (TUM RGB-D, KITTI, EuRoC, TartanAir, OpenLORIS-Scene, images), ROS "
-                                          "bag, video file, or camera number");
+  CLI::Option* path = command->add_option("PATH", a->path, kRecordingPath);
   add_reading_options(*command, a->reading);
   command->add_option("--out", a->out,
                       "the picture: stereo rows, depth overlay, or keypoints (default: check.png); with "

@@ -110,7 +110,8 @@ int run_check(const MapArguments& a) {
 void add_map_command(CLI::App& app, int& exit_code) {
   using namespace covis::app;
   auto a = std::make_shared<MapArguments>();
-  CLI::App* command = app.add_subcommand("map", "Describe a saved map, check it, or write it for other programs");
+  CLI::App* command = app.add_subcommand(
+      "map", "Describe, check, import, merge, prune or split saved maps, or write them for other programs");
   command->require_subcommand(1);
   CLI::App* info = command->add_subcommand("info", "Version, camera, sensor, counts, extent, duration and size");
   info->add_option("FILE", a->file, "a saved map")->required();
@@ -130,5 +131,7 @@ void add_map_command(CLI::App& app, int& exit_code) {
       "  covis map export office.covis --to colmap --out office_colmap\n"
       "  covis map import sparse/0 --images images --out office.covis\n"
       "  covis map merge monday.m tuesday.m --out site.m\n"
+      "  covis map prune site.m --key-frames 300 --out small.m\n"
+      "  covis map split site.m --around 0,0,0,10 --out parts\n"
       "Exit code 1 when the file can't be read or is not whole.");
 }

@@ -332,8 +332,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
   using namespace covis::app;
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand("run", "Track a recording, a video or a camera, and make a map");
-  command->add_option("PATH", arguments->path,
-                      "folder (TUM RGB-D, KITTI, EuRoC, images), ROS bag, video file, or camera number");
+  command->add_option("PATH", arguments->path, kRecordingPath);
   add_reading_options(*command, arguments->reading);
   command->add_option("--out", arguments->out, "folder for the results")->capture_default_str();
   command->add_option("--map", arguments->map, "saved map to continue; the camera is located in it");

@@ -106,7 +106,8 @@ int covis_command(int argc, char** argv) {
       ->allow_extra_args(false);
   app.footer(
       "covis COMMAND --help shows details and examples.\nExit codes: 0 done; 1 the input or the result is not right; 2 "
-      "wrong usage; 130 `run` ended by Ctrl-C, all its files written.");
+      "wrong usage; 130 and 143 `run` ended by Ctrl-C and by SIGTERM (a live camera: 0), what was made until then is "
+      "written.");
   int exit_code = 0;
   add_run_command(app, exit_code);
   add_calibrate_command(app, exit_code);

@@ -71,7 +71,7 @@ void add_reading_options(CLI::App& command, Reading& reading) {
   command.add_option("--camera", reading.camera, "camera YAML, for what the recording does not say (docs/input.md)");
   command.add_option("--topic", reading.topics.image, "image topic of a bag, the left one of a stereo pair");
   command.add_option("--right-topic", reading.topics.right, "right image topic of a bag");
-  command.add_option("--depth-topic", reading.topics.depth, "depth topic of a bag, registered to the image");
+  command.add_option("--depth-topic", reading.topics.depth, "depth topic of a bag");
   command.add_option("--first", reading.first, "index of the first frame")->check(whole_number_from(0));
   command.add_option("--count", reading.count, "frames at most; -1: all")->check(count_or_all());
   command.add_option("--stride", reading.stride, "every n-th frame")->check(whole_number_from(1, kMostStride));

@@ -22,6 +22,9 @@ class Validator;
 
 namespace covis::app {
 
+inline constexpr const char* kRecordingPath =  // help for PATH
+    "folder (TUM RGB-D, KITTI, EuRoC, TartanAir, OpenLORIS-Scene, ICL-NUIM, images with or without depth), ROS bag, "
+    "video file, or camera number";
 extern const std::map<std::string, Sensor> kSensors;
 extern const std::map<std::string, io::SequenceKind> kKinds;
 

@@ -128,6 +128,19 @@ void bind_slam(py::module_& m) {
       .def_property_readonly("settings", &Slam::settings, "List of Setting: those in use.");
 }
 
+// The library drops what a sink throws; here it is reported first.
+void set_reported_sink(LogSink sink) {
+  if (!sink) return set_log_sink({});
+  set_log_sink([sink = std::move(sink)](LogLevel level, std::string_view message) {
+    try {
+      sink(level, message);
+    } catch (py::error_already_set& raised) {
+      const py::gil_scoped_acquire interpreter;
+      raised.discard_as_unraisable("the log sink of covis");
+    }
+  });
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_covis, m) {
@@ -142,8 +155,10 @@ PYBIND11_MODULE(_covis, m) {
   m.def("describe", py::overload_cast<NoPoseReason>(&describe), py::arg("reason"),
         "The reason in words; empty for none.");
   m.def("default_settings", &default_settings, "List of Setting: all of them, with their defaults.");
-  m.def("set_log_sink", &set_log_sink, py::arg("sink"), Released(),
-        "Calls sink(level, message) for each message of the library, from any thread; None drops them.");
+  m.def(
+      "set_log_sink", &set_reported_sink, py::arg("sink"), Released(),
+      "Calls sink(level, message) for each message of the library, from any thread; None drops them. What it raises is "
+      "reported as sys.unraisablehook does.");
   // The sink is a function of the interpreter, and ends with it.
   py::module_::import("atexit").attr("register")(py::cpp_function([] { set_log_sink({}); }, Released()));
 }

@@ -215,6 +215,27 @@ TEST_P(Api, ASnapshotIsSound) {
 }
 
 // Events come in their order, and their handler may ask for all there is.
+// A map that begins tells of a submap and of its first key frame.
+TEST(ApiEvents, GoToTheHandlerItselfAndToAnotherFromTheNextOn) {
+  Recording& recording = shared_recording(Sensor::rgbd, 60, 8);
+  for (const bool ends : {false, true}) {
+    const auto slam = Slam::create(options_of(recording)).value();
+    std::vector<int> counts;
+    slam->on_event([&, n = 0](const Event&) mutable {
+      counts.push_back(++n);
+      if (ends) slam->on_event({});
+    });
+    track_all(*slam, recording, 0, 29);
+    slam->finish();
+    if (ends) {
+      EXPECT_EQ(counts.size(), 1u);
+      continue;
+    }
+    ASSERT_GT(counts.size(), 2u);
+    EXPECT_EQ(counts.back(), static_cast<int>(counts.size())) << "it keeps what it counts";
+  }
+}
+
 TEST(ApiEvents, AreToldWithoutPolling) {
   Recording& recording = shared_recording(Sensor::rgbd, 60, 8);
   SlamOptions options = options_of(recording);

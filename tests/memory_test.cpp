@@ -6,6 +6,7 @@
 
 #include "api_frames.h"
 #include "covis/core/test_allocations.h"
+#include "covis/core/test_threads.h"
 #include "covis/features/staged_work.h"
 #include "covis/map/slot_store.h"
 
@@ -62,6 +63,53 @@ TEST(Memory, TheLibraryMakesAnErrorOfIt) {
   EXPECT_THAT(error, HasSubstr("the memory has run out"));
   (*slam)->finish();
   EXPECT_TRUE((*slam)->snapshot());
+}
+
+// Wherever it strikes: what it leaves half changed is not used again.
+TEST(Memory, AfterALackInTrackingNothingIsDoneBeforeAReset) {
+  Recording recording(Sensor::rgbd, 60);
+  const SlamOptions options{.sensor = SensorType::rgbd,
+                            .camera = parameters_of(recording.synth.camera(), Sensor::rgbd),
+                            .timing = Timing::deterministic};
+  int struck = 0;
+  for (long failing = 1;; failing += 5) {
+    const auto slam = Slam::create(options).value();
+    const auto track = [&](int i) {
+      const System::Input input = recording.frame(i);
+      return slam->track({.stamp = input.stamp, .image = grey(input.image), .depth = depth(input.depth)});
+    };
+    recording.frame(0);  // rendered before
+    own_failure_in = failing;
+    const std::string error = error_of(track(0));
+    if (std::exchange(own_failure_in, 0) > 0) break;  // there were not so many allocations
+    if (error.empty()) continue;                      // it did without
+    ++struck;
+    EXPECT_THAT(error, HasSubstr("track: it was given up: the memory has run out")) << failing;
+    EXPECT_THAT(error_of(track(1)), HasSubstr("track: it was given up: the memory has run out")) << failing;
+    EXPECT_THAT(error_of(slam->set_mode(Mode::mapping)), HasSubstr("set_mode: it was given up"));
+    slam->finish();
+    slam->reset();
+    EXPECT_TRUE(track(0));
+    EXPECT_EQ(track(1).value().state, TrackingState::tracking) << failing;
+  }
+  EXPECT_GT(struck, 20);
+}
+
+TEST(Memory, WithoutThreadsTheLibrarySaysSo) {
+  Recording recording(Sensor::rgbd, 60);
+  const SlamOptions options{.sensor = SensorType::rgbd,
+                            .camera = parameters_of(recording.synth.camera(), Sensor::rgbd)};
+  const auto slam = Slam::create(options).value();
+  const System::Input input = recording.frame(0);
+  const Frame frame{.stamp = input.stamp, .image = grey(input.image), .depth = depth(input.depth)};
+  {
+    const NoMoreThreads none;
+    EXPECT_THAT(error_of(Slam::create(options)), HasSubstr("create: it was given up: "));
+    slam->reset();
+    EXPECT_THAT(error_of(slam->track(frame)), HasSubstr("track: it was given up: "));
+  }
+  slam->reset();
+  EXPECT_EQ(error_of(slam->track(frame)), "");
 }
 
 TEST(Memory, AStoreThatHasNoneForASlotStaysAsItWas) {

@@ -108,10 +108,10 @@ class COVIS_API Slam {
 
   // Tracks one frame; stamps must rise, for tracking predicts motion from them. Errors: a stamp that does not rise or
   // is 2^62 ns or more from 0 (the year 2116), an image of another size than the camera's, images that do not fit the
-  // sensor. An error changes nothing: the next frame is tracked as if there had been no call. But for a lack of memory,
-  // which is an error that begins with the call's name: where it struck mapping, track(), set_mode() and finish() (in
-  // the log) go on failing. snapshot(), trajectory() and save_map() then give what there was; reset() and load_map()
-  // begin anew.
+  // sensor. An error changes nothing: the next frame is tracked as if there had been no call. But for a lack of memory
+  // or threads, which is an error that begins with the call's name: after it track(), locate(), set_mode() and finish()
+  // (in the log) go on failing. snapshot(), trajectory() and save_map() then give what there was; reset() and
+  // load_map() begin anew.
   tl::expected<FrameResult, std::string> track(const Frame& frame);
   // The keypoints of the last frame that show points of the map; none when it has no pose.
   std::vector<TrackedPoint> tracked_points();
@@ -129,15 +129,17 @@ class COVIS_API Slam {
   // Waits until everything asked of mapping is done, and locates frames that got no pose where the map reaches them
   // now; frames may be tracked afterwards.
   void finish();
-  // Forgets the map and the trajectory; mapping begins anew with the next frame, whose stamp may be any.
+  // Forgets the map and the trajectory; mapping begins anew with the next frame, whose stamp may be any. Where memory
+  // or threads do not suffice for that, it says so in the log, and track() and the others fail until it is done again.
   void reset();
   // Puts a saved map in place of the present one, as reset() does, to be continued or, in localisation only, to
   // localise in. The camera is looked for in it. Errors as those of create(); then nothing has changed.
   tl::expected<void, std::string> load_map(const std::string& file);
 
   // Calls `handler` for each event, in their order, from inside track(), set_mode() and finish(), after the work and
-  // before the result is returned. It may call the const members and on_event(). An exception that it throws comes out
-  // of the call; the work has been done, and the events after it are lost. An empty handler ends it.
+  // before the result is returned. It may call the const members and on_event(), which
+  // holds from the next event on. An exception that it throws comes out of the call; the work has been done, and the
+  // events after it are lost. An empty handler ends it.
   void on_event(std::function<void(const Event&)> handler);
 
   // ---- From any thread, at any time ----

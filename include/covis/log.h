@@ -14,7 +14,8 @@ enum class LogLevel { debug, info, warning, error };
 using LogSink = std::function<void(LogLevel, std::string_view)>;
 
 // Sets the sink of the whole process; an empty one drops all messages. From any thread, at any time. The sink is called
-// from any thread, one message at a time, while locks are held: it must not call the library.
+// from any thread, one message at a time, while locks are held: it must not call the library. What it throws is
+// dropped.
 COVIS_API void set_log_sink(LogSink sink);
 
 }  // namespace covis

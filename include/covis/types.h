@@ -48,8 +48,8 @@ struct GreyImage {
   int width = 0, height = 0;
   ptrdiff_t stride = 0;
 };
-// Metres along z, of the grey image's size; 0 or not finite: no measurement. Best registered to the grey image; where
-// it is not, a run finds that out as the map grows.
+// Metres along z, of the grey image's size; not from 0.001 to 10000 (0, NaN, infinite): no measurement. Best registered
+// to the grey image; where it is not, a run finds that out as the map grows.
 struct DepthImage {
   const float* data = nullptr;
   int width = 0, height = 0;

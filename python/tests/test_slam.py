@@ -3,6 +3,7 @@ import gc
 import json
 import pathlib
 import subprocess
+import sys
 import threading
 import tracemalloc
 import types
@@ -200,6 +201,25 @@ def test_events_and_messages_come_by_themselves(recording):
     assert kinds.count(covis.EventKind.key_frame_made) >= len(slam.snapshot().key_frame_ids)
     assert any('tracking lost' in message for _, message in messages)
     assert result.pose is None and result.covariance is None and covis.describe(result.reason) in repr(result)
+
+
+def test_an_exception_of_the_sink_is_reported_and_tracking_goes_on(recording, monkeypatch):
+    source = covis.Recording(recording('desk_rgbd'))
+    slam = system(source)
+    raised = []
+    monkeypatch.setattr(sys, 'unraisablehook', lambda unraisable: raised.append(unraisable.exc_value))
+
+    def sink(level, message):
+        raise KeyError(message)
+    covis.set_log_sink(sink)
+    track_all(slam, source)
+    black = np.zeros((240, 320), np.uint8)
+    for k in range(3):
+        slam.track(10**12 + k, black, depth=np.zeros((240, 320), np.float32))
+    slam.finish()
+    covis.set_log_sink(None)
+    assert raised and all(isinstance(e, KeyError) for e in raised)
+    assert len(slam.snapshot().key_frame_ids) > 2
 
 
 def test_an_exception_of_a_handler_comes_out_of_track(recording):

@@ -49,9 +49,16 @@ std::vector<Event> EventTeller::of_mapping(const std::vector<MappingReport>& rep
   return events;
 }
 
+void EventTeller::follow(const std::vector<Event>& joined) {
+  for (const Event& event : joined) {
+    if (event.ended == static_cast<int>(submap_)) submap_ = static_cast<uint32_t>(event.submap);
+  }
+}
+
 std::vector<Event> EventTeller::of_end(int64_t stamp, const std::vector<MappingReport>& reports,
-                                       const std::vector<SensorWarning>& warnings, const SharedMap& map) const {
+                                       const std::vector<SensorWarning>& warnings, const SharedMap& map) {
   std::vector<Event> events = of_mapping(reports, map);
+  follow(events);
   if (!warnings.empty())
     events.push_back({.kind = Kind::sensor_doubted, .stamp = stamp, .submap = static_cast<int>(submap_)});
   return events;
@@ -67,13 +74,37 @@ std::vector<Event> EventTeller::of_frame(int64_t stamp, const FrameReport& repor
     events.push_back({.kind = kind, .stamp = stamp, .submap = static_cast<int>(submap), .reason = track.reason});
   };
   if (begun) tell(Kind::submap_begun, track.submap);
-  for (Event& event : of_mapping(report.mapping, map)) events.push_back(event);
+  const std::vector<Event> of_map = of_mapping(report.mapping, map);
+  events.insert(events.end(), of_map.begin(), of_map.end());
+  follow(of_map);
   if (report.discarded_submap) tell(Kind::submap_discarded, *report.discarded_submap);
   if (tracked && !begun && before == TrackingState::lost) tell(Kind::found, track.submap);
   if (!tracked && before == TrackingState::tracking) tell(Kind::lost, submap_);
-  if (!report.warnings.empty()) tell(Kind::sensor_doubted, track.submap);
+  if (!report.warnings.empty()) tell(Kind::sensor_doubted, tracked ? track.submap : submap_);
   if (tracked) submap_ = track.submap;
   return events;
+}
+
+const char* name(Event::Kind kind) {
+  switch (kind) {
+    case Event::Kind::key_frame_made:
+      return "key_frame_made";
+    case Event::Kind::loop_closed:
+      return "loop_closed";
+    case Event::Kind::submaps_joined:
+      return "submaps_joined";
+    case Event::Kind::submap_begun:
+      return "submap_begun";
+    case Event::Kind::submap_discarded:
+      return "submap_discarded";
+    case Event::Kind::lost:
+      return "lost";
+    case Event::Kind::found:
+      return "found";
+    case Event::Kind::sensor_doubted:
+      return "sensor_doubted";
+  }
+  return "";
 }
 
 }  // namespace covis

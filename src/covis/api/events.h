@@ -21,9 +21,12 @@ class EventTeller {
   static std::vector<Event> of_mapping(const std::vector<MappingReport>& reports, const SharedMap& map);
   // Those of mapping that ended after the frame of the stamp, and the warnings that came with it.
   std::vector<Event> of_end(int64_t stamp, const std::vector<MappingReport>& reports,
-                            const std::vector<SensorWarning>& warnings, const SharedMap& map) const;
+                            const std::vector<SensorWarning>& warnings, const SharedMap& map);
 
  private:
+  // The camera's submap may have been joined to another one.
+  void follow(const std::vector<Event>& joined);
+
   TrackingState state_;
   uint32_t submap_ = 0;  // of the last frame with a pose
 };

@@ -148,5 +148,47 @@ TEST_F(EventsTest, DepthThatIsNonsenseIsToldAtTheEndToo) {
   EXPECT_EQ(events[0].stamp, 80);
 }
 
+// A camera in submap 1, which is joined to the key frames' submap 0.
+TEST_F(EventsTest, AfterAJoinTheCameraIsInTheSubmapThatRemains) {
+  MappingReport joined = mapped(c);
+  joined.loop.outcome = LoopOutcome::joined;
+  joined.loop.loop = a;
+  joined.loop.joined = JoinedSubmap{1, 0};
+  for (const bool at_the_end : {false, true}) {
+    EventTeller teller(TrackingState::not_initialised);
+    FrameReport report;
+    report.track.state = TrackingState::tracking;
+    report.track.submap = 1;
+    teller.of_frame(10, report, shared);
+    FrameReport lost;
+    lost.track.state = TrackingState::lost;
+    lost.warnings.emplace_back();
+    if (at_the_end) {
+      teller.of_end(10, {joined}, {}, shared);
+    } else {
+      lost.mapping = {joined};
+    }
+    const auto events = teller.of_frame(20, lost, shared);
+    ASSERT_GE(events.size(), 2u);
+    EXPECT_EQ(kinds({events.end() - 2, events.end()}), (std::vector{Kind::lost, Kind::sensor_doubted}));
+    EXPECT_EQ(events.end()[-2].submap, 0);
+    EXPECT_EQ(events.back().submap, 0);
+  }
+}
+
+TEST_F(EventsTest, ADoubtWhileTheCameraIsLostNamesItsLastSubmap) {
+  EventTeller teller(TrackingState::not_initialised);
+  FrameReport report;
+  report.track.state = TrackingState::tracking;
+  report.track.submap = 2;
+  teller.of_frame(10, report, shared);
+  report.track.state = TrackingState::lost;
+  report.track.submap = 0;
+  report.warnings.emplace_back();
+  const auto events = teller.of_frame(20, report, shared);
+  EXPECT_EQ(kinds(events), (std::vector{Kind::lost, Kind::sensor_doubted}));
+  EXPECT_EQ(events.back().submap, 2);
+}
+
 }  // namespace
 }  // namespace covis

@@ -100,6 +100,7 @@ struct Slam::Impl {
   struct Session {
     System system;
     storage::MapHeader header;  // of its map when it is saved
+    std::exception_ptr thrown;  // by the system, which may be half changed since; the tracking thread's
 
     Session(const Camera& camera, const SystemOptions& options, std::shared_ptr<const Vocabulary> vocabulary)
         : system(camera, options, vocabulary),
@@ -107,6 +108,7 @@ struct Slam::Impl {
   };
   using SessionPtr = std::shared_ptr<Session>;
 
+  static Expected<std::unique_ptr<Impl>> make(const SlamOptions& options);
   // With the map of a file, or without a map for an empty name.
   Expected<SessionPtr> make_session(const std::string& file, Mode now) const;
   void begin(SessionPtr made, Mode now, TrackingState state);
@@ -116,14 +118,28 @@ struct Slam::Impl {
     return session;
   }
   System& system() { return session->system; }
+  // The same as without_exceptions() for work of the system, with which nothing is done after it threw.
+  template <class Function>
+  auto attempt(const char* name, Function&& function) -> decltype(function()) {
+    return without_exceptions(name, [&] {
+      std::exception_ptr& thrown = session->thrown;
+      if (thrown) std::rethrow_exception(thrown);
+      try {
+        return function();
+      } catch (...) {
+        thrown = std::current_exception();
+        throw;
+      }
+    });
+  }
   // Checks the images of a frame, makes a grey one of the colour image where there is none, and rectifies a pair where
   // it is to be.
   Expected<System::Input> input(const Frame& frame);
   std::optional<std::string> problem_of(const Frame& frame) const;
   void tell(const std::vector<Event>& events) const {
-    const auto told = handler;  // which may put another in its place
     for (const Event& event : events) {
-      if (told) told(event);
+      const auto told = handler;  // it may put another in its place
+      if (told) (*told)(event);
     }
   }
 
@@ -138,7 +154,7 @@ struct Slam::Impl {
   std::atomic<Mode> mode = Mode::mapping;
   PublicSnapshots snapshots;
   EventTeller teller{TrackingState::not_initialised};
-  std::function<void(const Event&)> handler;
+  std::shared_ptr<const std::function<void(const Event&)>> handler;  // null: there is none
   int64_t next_frame = 0;
   int64_t last_stamp = std::numeric_limits<int64_t>::min();
 };
@@ -178,8 +194,6 @@ std::optional<std::string> Slam::Impl::problem_of(const Frame& frame) const {
   if (!rgbd && frame.depth.data) return "depth: only an RGB-D camera has depth";
   if (frame.colour.data && !is_one_of(frame.colour.order, ColourOrder::bgr))
     return "colour: order must be rgb or bgr, not " + std::to_string(static_cast<int>(frame.colour.order));
-  if (!is_usable_stamp(frame.stamp))
-    return "stamp: it must be less than 2^62 ns (146 years) from 0, not " + std::to_string(frame.stamp);
   const ptrdiff_t width = camera.width;
   std::optional<std::string> problem;
   if (frame.colour.data) problem = image_problem(frame.colour, camera, "colour", 3 * width);
@@ -202,10 +216,7 @@ Expected<System::Input> Slam::Impl::input(const Frame& frame) {
   return input;
 }
 
-Slam::Slam(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-Slam::~Slam() = default;
-
-Expected<std::unique_ptr<Slam>> Slam::create(const SlamOptions& options) {
+Expected<std::unique_ptr<Slam::Impl>> Slam::Impl::make(const SlamOptions& options) {
   if (const auto problem = enum_problem(options)) return Failure(*problem);
   if (const auto problem = camera_problem(options)) return Failure(*problem);
   const auto system_options = to_system_options(options);
@@ -232,12 +243,25 @@ Expected<std::unique_ptr<Slam>> Slam::create(const SlamOptions& options) {
   if (!session) return Failure(session.error());
   impl->begin(std::move(*session), options.mode,
               options.map.empty() ? TrackingState::not_initialised : TrackingState::lost);
-  return std::unique_ptr<Slam>(new Slam(std::move(impl)));
+  return impl;
+}
+
+Slam::Slam(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Slam::~Slam() = default;
+
+Expected<std::unique_ptr<Slam>> Slam::create(const SlamOptions& options) {
+  return without_exceptions("create", [&]() -> Expected<std::unique_ptr<Slam>> {
+    auto impl = Impl::make(options);
+    if (!impl) return Failure(impl.error());
+    return std::unique_ptr<Slam>(new Slam(std::move(*impl)));
+  });
 }
 
 Expected<FrameResult> Slam::track(const Frame& frame) {
   std::vector<Event> events;
-  auto result = without_exceptions("track", [&]() -> Expected<FrameResult> {
+  auto result = impl_->attempt("track", [&]() -> Expected<FrameResult> {
+    if (!is_usable_stamp(frame.stamp))
+      return Failure("stamp: it must be less than 2^62 ns (146 years) from 0, not " + std::to_string(frame.stamp));
     const auto input = impl_->input(frame);
     if (!input) return Failure(input.error());
     if (frame.stamp <= impl_->last_stamp) return Failure("stamp: stamps must rise from frame to frame");
@@ -257,7 +281,7 @@ Expected<FrameResult> Slam::track(const Frame& frame) {
 std::vector<TrackedPoint> Slam::tracked_points() { return impl_->system().tracked_points(); }
 
 Expected<std::optional<Location>> Slam::locate(const Frame& frame) {
-  return without_exceptions("locate", [&]() -> Expected<std::optional<Location>> {
+  return impl_->attempt("locate", [&]() -> Expected<std::optional<Location>> {
     const auto input = impl_->input(frame);
     if (!input) return Failure(input.error());
     const auto found = impl_->system().locate(*input);
@@ -270,7 +294,7 @@ Expected<void> Slam::set_mode(Mode mode) {
   if (!is_one_of(mode, Mode::localisation))
     return Failure("mode: it must be mapping or localisation, not " + std::to_string(static_cast<int>(mode)));
   System& system = impl_->system();
-  const auto events = without_exceptions("set_mode", [&]() -> Expected<std::vector<Event>> {
+  const auto events = impl_->attempt("set_mode", [&]() -> Expected<std::vector<Event>> {
     if (mode == Mode::localisation && system.map_size().key_frames == 0)
       return Failure("localisation needs a map, and there is none yet");
     const auto reports = system.set_mode(to_tracking_mode(mode));
@@ -286,7 +310,7 @@ Expected<void> Slam::set_mode(Mode mode) {
 Mode Slam::mode() const { return impl_->mode; }
 
 void Slam::finish() {
-  const auto events = without_exceptions("finish", [&]() -> Expected<std::vector<Event>> {
+  const auto events = impl_->attempt("finish", [&]() -> Expected<std::vector<Event>> {
     const std::vector<MappingReport> reports = impl_->system().finish();
     impl_->colours.give(impl_->system());
     System& system = impl_->system();
@@ -297,7 +321,16 @@ void Slam::finish() {
 }
 
 void Slam::reset() {
-  impl_->begin(*impl_->make_session("", Mode::mapping), Mode::mapping, TrackingState::not_initialised);
+  const auto made = without_exceptions("reset", [&]() -> Expected<Impl::SessionPtr> {
+    try {
+      return impl_->make_session("", Mode::mapping);
+    } catch (...) {
+      impl_->session->thrown = std::current_exception();  // what was to be forgotten is not to be continued
+      throw;
+    }
+  });
+  if (!made) return log(LogLevel::error, made.error());
+  impl_->begin(*made, Mode::mapping, TrackingState::not_initialised);
 }
 
 Expected<void> Slam::load_map(const std::string& file) {
@@ -310,7 +343,9 @@ Expected<void> Slam::load_map(const std::string& file) {
   });
 }
 
-void Slam::on_event(std::function<void(const Event&)> handler) { impl_->handler = std::move(handler); }
+void Slam::on_event(std::function<void(const Event&)> handler) {
+  impl_->handler = handler ? std::make_shared<const std::function<void(const Event&)>>(std::move(handler)) : nullptr;
+}
 
 std::shared_ptr<const MapSnapshot> Slam::snapshot() const {
   return impl_->snapshots.get(impl_->current()->system, impl_->given);
@@ -341,28 +376,6 @@ std::vector<Setting> Slam::settings() const {
 std::vector<Setting> default_settings() {
   SystemOptions options;
   return to_settings(fields(options));
-}
-
-const char* name(Event::Kind kind) {
-  switch (kind) {
-    case Event::Kind::key_frame_made:
-      return "key_frame_made";
-    case Event::Kind::loop_closed:
-      return "loop_closed";
-    case Event::Kind::submaps_joined:
-      return "submaps_joined";
-    case Event::Kind::submap_begun:
-      return "submap_begun";
-    case Event::Kind::submap_discarded:
-      return "submap_discarded";
-    case Event::Kind::lost:
-      return "lost";
-    case Event::Kind::found:
-      return "found";
-    case Event::Kind::sensor_doubted:
-      return "sensor_doubted";
-  }
-  return "";
 }
 
 }  // namespace covis

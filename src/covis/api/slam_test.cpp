@@ -69,6 +69,7 @@ TEST(SlamCreate, RefusesValuesThatNoEnumHas) {
     EXPECT_THAT(error_of((*slam)->track({.stamp = stamp, .image = grey})),
                 HasSubstr("stamp: it must be less than 2^62 ns"));
   }
+  EXPECT_TRUE((*slam)->locate({.stamp = std::numeric_limits<int64_t>::min(), .image = grey})) << "it is not read";
   EXPECT_TRUE((*slam)->track({.stamp = (int64_t{1} << 62) - 1, .image = grey}));
   const ColourImage colour{pixels.data(), kWidth, kHeight, 3 * kWidth, static_cast<ColourOrder>(5)};
   EXPECT_THAT(error_of((*slam)->track({.stamp = 1, .colour = colour})), HasSubstr("order must be rgb or bgr, not 5"));

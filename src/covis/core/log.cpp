@@ -30,7 +30,10 @@ void set_log_sink(LogSink new_sink) {
 void log(LogLevel level, std::string_view message) {
   if (pauses > 0) return;
   const std::lock_guard lock(sink_mutex());
-  if (sink()) sink()(level, message);
+  try {
+    if (sink()) sink()(level, message);
+  } catch (...) {  // the program's own; the work that said something goes on
+  }
 }
 
 LogPause::LogPause() { ++pauses; }

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -26,6 +27,18 @@ TEST(Log, ReachesTheSinkOneMessageAtATimeAndWithoutOneIsDropped) {
   log(LogLevel::error, "nobody listens any more");
   EXPECT_EQ(heard.size(), 1000u);
   EXPECT_THAT(heard, testing::Each(testing::Pair(LogLevel::warning, "hello")));
+}
+
+TEST(Log, WhatTheSinkThrowsIsDropped) {
+  int called = 0;
+  set_log_sink([&](LogLevel, std::string_view) {
+    ++called;
+    throw std::runtime_error("the sink's own");
+  });
+  EXPECT_NO_THROW(log(LogLevel::info, "hello"));
+  EXPECT_NO_THROW(log(LogLevel::info, "hello again"));
+  set_log_sink({});
+  EXPECT_EQ(called, 2);
 }
 
 TEST(Log, DropsMessagesDuringAPause) {

@@ -21,6 +21,7 @@ inline void* count_and_allocate(size_t n, size_t alignment) {
 
 inline void* allocate_or_throw(size_t n, size_t alignment) {
   if (memory_is_full && !has_memory_left) throw std::bad_alloc();
+  if (own_failure_in > 0 && --own_failure_in == 0) throw std::bad_alloc();
   if (void* p = count_and_allocate(n, alignment)) return p;
   throw std::bad_alloc();
 }

@@ -35,7 +35,7 @@ float between_pixels(ImageView<const float> depth, float x, float y, float neare
 float depth_at(ImageView<const float> depth, float at_x, float at_y, float scale) {
   const int x = static_cast<int>(std::lround(at_x)), y = static_cast<int>(std::lround(at_y));
   const float z = depth(x, y);
-  if (!(z > 0) || !std::isfinite(z)) return 0;
+  if (!is_depth(z)) return 0;
   const int straight = std::max(1, static_cast<int>(std::lround(kReach * scale)));
   const int diagonal = std::max(1, static_cast<int>(std::lround(kReach * scale * std::sqrt(0.5f))));
   const std::array<std::array<int, 2>, 4> steps = {
@@ -60,7 +60,7 @@ float depth_at(ImageView<const float> depth, const DepthRegistration& registrati
     const int column = static_cast<int>(std::lround(at.x())), row = static_cast<int>(std::lround(at.y()));
     if (column < 0 || row < 0 || column >= depth.width || row >= depth.height) return 0;
     const float there = depth(column, row);
-    if (!(there > 0) || !std::isfinite(there)) return 0;
+    if (!is_depth(there)) return 0;
     if (std::abs(there - z) <= kSettled * z) return depth_at(depth, at.x(), at.y(), scale);
     z = there;
   }

@@ -9,8 +9,11 @@
 
 namespace covis {
 
-// Returns metres along z at (x, y), whose pixel must lie in the image, or 0 for no depth (0, negative or non-finite in
-// the image, or close to an occluding edge). Between pixels of one surface the inverse depth is interpolated, which is
+// A depth that something can have, in metres. Programs that render put 1e10 or the like where there is nothing.
+inline bool is_depth(float z) { return z >= 1e-3f && z <= 1e4f; }
+
+// Returns metres along z at (x, y), whose pixel must lie in the image, or 0 for no depth (none in the image, or close
+// to an occluding edge). Between pixels of one surface the inverse depth is interpolated, which is
 // right for planes. scale: image pixels per pixel of the keypoint's level.
 float depth_at(ImageView<const float> depth, float x, float y, float scale);
 

@@ -27,6 +27,17 @@ ImageF make(Depth&& depth) {
   return image;
 }
 
+TEST(DepthLookup, WhatNoSurfaceHasIsNoDepth) {
+  for (const double depth : {0.0, -1.0, 1e-20, 1e-4, 1e5, 1e13, 1e30, 3.4e38, std::numeric_limits<double>::infinity(),
+                             std::numeric_limits<double>::quiet_NaN()}) {
+    const ImageF image = make([&](int, int) { return depth; });
+    EXPECT_EQ(depth_of(image, 40, 30, 1), 0) << depth;
+    EXPECT_EQ(depth_at(image.view(), DepthRegistration{}, {39.5, 29.5}, 40, 30, 1), 0) << depth;
+  }
+  for (const double depth : {0.01, 5.0, 5000.0})
+    EXPECT_FLOAT_EQ(depth_of(make([&](int, int) { return depth; }), 40, 30, 1), static_cast<float>(depth));
+}
+
 // Planes of all slants, noise of half a percent.
 TEST(DepthLookup, PlanesKeepTheirDepth) {
   Random random(1);

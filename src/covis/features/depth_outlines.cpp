@@ -9,6 +9,8 @@
 #include <numeric>
 #include <utility>
 
+#include "covis/features/depth_lookup.h"
+
 namespace covis {
 namespace {
 
@@ -106,7 +108,7 @@ void DepthOutlines::find_outlines(ImageView<const float> depth) {
     const float* row = depth.row(y * block_ + block_ / 2) + block_ / 2;
     for (int x = 0; x < width_; ++x) {
       const float z = row[x * block_];
-      depth_[static_cast<size_t>(y * width_ + x)] = z > 0 && std::isfinite(z) ? z : 0;
+      depth_[static_cast<size_t>(y * width_ + x)] = is_depth(z) ? z : 0;
     }
   }
   outlines_.clear();

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "covis/features/depth_lookup.h"
+
 namespace covis {
 namespace {
 
@@ -44,7 +46,7 @@ bool FrozenDepth::equals_last(ImageView<const float> depth) {
   for (int y = 0; y < depth.height; y += kStep) {
     for (int x = 0; x < depth.width; x += kStep, ++kept) {
       const float z = depth.row(y)[x];
-      const float now = z > 0 && std::isfinite(z) ? z : 0;
+      const float now = is_depth(z) ? z : 0;
       measured += now > 0;
       equal &= *kept == now;
       *kept = now;

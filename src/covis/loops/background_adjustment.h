@@ -30,7 +30,8 @@ class BackgroundAdjustment {
  public:
   ~BackgroundAdjustment() { abandon(); }
 
-  // Gives up the job there is and begins this one (null: none), whose result is due after so many key frames.
+  // Gives up the job there is and begins this one (null: none), whose result is due after so many key frames. Where no
+  // thread can be started there is none.
   void start(std::unique_ptr<AdjustmentJob> job, int key_frames);
   bool running() const { return job_ != nullptr; }  // or its result waits
   // Another key frame was mapped.
@@ -52,6 +53,8 @@ class BackgroundAdjustment {
   void abandon();
 
  private:
+  void run() noexcept;  // on the thread
+
   std::unique_ptr<AdjustmentJob> job_;  // the thread's until that is joined
   int key_frames_left_ = 0;
   bool solved_ = false;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "covis/core/test_threads.h"
 #include "covis/features/test_features.h"
 
 namespace covis {
@@ -33,6 +34,18 @@ struct BackgroundAdjustmentTest : testing::Test {
   std::atomic<bool> let_go{false};
   BackgroundAdjustment background;
 };
+
+TEST_F(BackgroundAdjustmentTest, WithoutAThreadThereIsNoJob) {
+  {
+    const NoMoreThreads none;
+    background.start(std::make_unique<HeldJob>(let_go), 3);
+  }
+  EXPECT_FALSE(background.running());
+  background.abandon();
+  let_go = true;
+  background.start(std::make_unique<HeldJob>(let_go), 3);
+  EXPECT_TRUE(background.apply(map).applied);
+}
 
 TEST_F(BackgroundAdjustmentTest, RunsAJobAndAppliesItsResult) {
   EXPECT_FALSE(background.running());

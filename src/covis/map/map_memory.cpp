@@ -22,7 +22,7 @@ size_t memory_of(const KeyFrame& key_frame) {
     constexpr size_t kInDatabase = sizeof(uint32_t);  // the key frame's entry in a word's list
     bytes += key_frame.words->words.size() * (sizeof(WordWeight) + kInDatabase);
   }
-  return bytes + (key_frame.colours ? bytes_of(*key_frame.colours) : 0);
+  return bytes;
 }
 
 }  // namespace

@@ -32,5 +32,16 @@ TEST(MapMemory, IsTheSameForTheSameMap) {
   EXPECT_EQ(memory_of(*one.shared.read()), memory_of(*other.shared.read()));
 }
 
+// Tracking brings them while mapping asks how large the map is, which may not depend on when they come.
+TEST(MapMemory, DoesNotCountColours) {
+  const PointScene scene = PointScene::wall();
+  SceneMap world(scene);
+  world.add_key_frames(1);
+  const size_t before = memory_of(*world.shared.read());
+  const auto size = static_cast<size_t>(world.shared.read()->at(world.frames[0]).features->size());
+  ASSERT_TRUE(world.shared.write()->set_colours(world.frames[0], std::make_shared<const std::vector<Colour>>(size)));
+  EXPECT_EQ(memory_of(*world.shared.read()), before);
+}
+
 }  // namespace
 }  // namespace covis

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "covis/core/quantile.h"
+#include "covis/features/depth_lookup.h"
 #include "covis/geometry/pnp.h"
 #include "covis/geometry/two_view.h"
 #include "covis/matching/descriptor_match.h"
@@ -65,7 +66,7 @@ std::optional<DepthAgainstMotion> compare_depth_with_motion(const Features& a, c
   std::vector<double> ratios, depths;  // logarithms
   PnpProblem problem;
   const auto compare = [&](float measured, double triangulated) {
-    if (!(measured > 0) || !std::isfinite(measured) || !is_precise_depth(static_cast<double>(measured), camera)) return;
+    if (!is_depth(measured) || !is_precise_depth(static_cast<double>(measured), camera)) return;
     ratios.push_back(std::log(static_cast<double>(measured) / triangulated));
     depths.push_back(std::log(triangulated));
   };

@@ -21,17 +21,22 @@ MappingActor::~MappingActor() {
 void MappingActor::push(BackendRequest request) {
   // Interrupting would make the result depend on timing: in real time only.
   if (++waiting_ > 1 && interruptible_) interrupt_ = true;
-  inbox_.push(std::move(request));
+  try {
+    inbox_.push(std::move(request));
+  } catch (...) {  // a lack of memory
+    --waiting_;
+    throw;
+  }
 }
 
 void MappingActor::submit(KeyFrameRequest request) {
-  ++pending_;
   push(std::move(request));
+  ++pending_;
 }
 
 void MappingActor::submit(InitialMapRequest request) {
-  ++pending_;
   push(std::move(request));
+  ++pending_;
 }
 
 void MappingActor::discard(uint32_t submap) {

@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "covis/core/test_allocations.h"
 #include "covis/map/test_point_scene.h"
 
 namespace covis {
@@ -34,6 +35,16 @@ TEST_F(MappingActorTest, WaitingUntilItIsIdleTakesNoReport) {
   EXPECT_EQ(shared.read()->key_frame_count(), 1u);
   EXPECT_EQ(actor->pending(), 1);
   EXPECT_TRUE(actor->wait().key_frame.valid());
+}
+
+TEST_F(MappingActorTest, ARequestThatMemoryDoesNotSufficeForIsNotWaitedFor) {
+  KeyFrameRequest request = first();
+  own_failure_in = 1;
+  EXPECT_THROW(actor->submit(std::move(request)), std::bad_alloc);
+  own_failure_in = 0;
+  EXPECT_EQ(actor->pending(), 0);
+  EXPECT_TRUE(actor->idle());
+  actor->wait_idle();
 }
 
 TEST_F(MappingActorTest, ReportsComeInTheOrderOfTheirRequests) {

@@ -157,7 +157,7 @@ std::vector<MappingReport> System::finish() {
     mapping_.finish();
     tracker_.map_moved();
     const BacktrackSettings settings{options_.sensor, options_.tracker, options_.seed};
-    for (const LocatedFrame& located : backtrack(map_, settings, tracker_.unlocated())) log_.locate(located);
+    for (const LocatedFrame& located : backtrack(map_, settings, tracker_.take_unlocated())) log_.locate(located);
   }
   return std::move(report.mapping);
 }

@@ -50,11 +50,12 @@ std::vector<UnlocatedFrame> Backlog::take() {
   return taken;
 }
 
-std::vector<UnlocatedFrame> Backlog::found() const {
+std::vector<UnlocatedFrame> Backlog::take_with_found() {
   std::vector<UnlocatedFrame> found;
   std::copy_if(frames_.rbegin(), frames_.rend(), std::back_inserter(found),
                [](const UnlocatedFrame& frame) { return frame.near.valid(); });
-  found.insert(found.end(), settled_.rbegin(), settled_.rend());
+  found.insert(found.end(), std::make_move_iterator(settled_.rbegin()), std::make_move_iterator(settled_.rend()));
+  settled_.clear();
   return found;
 }
 

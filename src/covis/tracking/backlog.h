@@ -30,8 +30,8 @@ class Backlog {
   void lost();
   // Takes the frames whose places are settled, newest first.
   std::vector<UnlocatedFrame> take();
-  // Copies those and the ones that were found, newest first.
-  std::vector<UnlocatedFrame> found() const;
+  // Takes those, and copies the ones that were found before them, newest first.
+  std::vector<UnlocatedFrame> take_with_found();
 
  private:
   // Each oldest first, and all of one before those of the next.

@@ -34,9 +34,9 @@ TEST_F(BacklogTest, GivesFramesNewestFirstOnceThePlaceIsSure) {
   for (const int64_t frame : {3, 4, 6}) keep(frame);
   backlog.found_at(here);
   EXPECT_THAT(taken(), IsEmpty()) << "the place may not hold";
-  EXPECT_EQ(backlog.found().size(), 3u);
+  EXPECT_EQ(backlog.take_with_found().size(), 3u);
+  EXPECT_EQ(backlog.take_with_found().size(), 3u) << "copies";
   backlog.settle();
-  EXPECT_EQ(backlog.found().size(), 3u);
   const std::vector<UnlocatedFrame> frames = backlog.take();
   ASSERT_EQ(frames.size(), 3u);
   EXPECT_EQ(frames[0].frame, 6);
@@ -47,13 +47,28 @@ TEST_F(BacklogTest, GivesFramesNewestFirstOnceThePlaceIsSure) {
   EXPECT_THAT(taken(), IsEmpty()) << "each is given once";
 }
 
+TEST_F(BacklogTest, AtTheEndThoseWhosePlaceIsSureAreGivenOnce) {
+  keep(1);
+  backlog.found_at(here);
+  backlog.settle();
+  keep(5);
+  EXPECT_EQ(backlog.take_with_found().size(), 1u) << "nobody knows where the later one is";
+  backlog.found_at(there);
+  const std::vector<UnlocatedFrame> frames = backlog.take_with_found();
+  ASSERT_EQ(frames.size(), 1u);
+  EXPECT_EQ(frames[0].frame, 5);
+  backlog.settle();
+  EXPECT_EQ(backlog.take_with_found().size(), 1u);
+  EXPECT_THAT(backlog.take_with_found(), IsEmpty());
+  EXPECT_THAT(taken(), IsEmpty());
+}
+
 TEST_F(BacklogTest, EachGapKeepsItsPlace) {
   keep(1);
   backlog.found_at(here);
   backlog.settle();
   backlog.lost();
   keep(5);
-  EXPECT_EQ(backlog.found().size(), 1u) << "nobody knows where the later one is";
   backlog.found_at(there);
   backlog.settle();
   const std::vector<UnlocatedFrame> frames = backlog.take();
@@ -66,7 +81,7 @@ TEST_F(BacklogTest, APlaceThatDoesNotHoldIsNoPlace) {
   keep(1);
   backlog.found_at(here);
   backlog.lost();
-  EXPECT_TRUE(backlog.found().empty());
+  EXPECT_TRUE(backlog.take_with_found().empty());
   backlog.found_at(there);
   backlog.settle();
   const std::vector<UnlocatedFrame> frames = backlog.take();

@@ -50,8 +50,12 @@ class PlaceCheck {
   void accept(const TrackedFrame& frame, uint32_t submap);
   // The camera is lost: a tentative place was wrong.
   void lose();
-  // The camera is at this place without doubt: a submap was just begun there.
-  void restart_at(const TrackedFrame& frame, uint32_t submap) { last_ = {frame.T_cw, submap, frame.stamp}; }
+  // The camera is at this place without doubt: a submap was just begun there. Where it was before may have been
+  // tentative.
+  void restart_at(const TrackedFrame& frame, uint32_t submap) {
+    jump_.reset();
+    last_ = {frame.T_cw, submap, frame.stamp};
+  }
   // The camera may be anywhere.
   void restart();
   // The map moved, and the last place with it; lengths there grew by the factor `growth`.

@@ -100,9 +100,10 @@ class Tracker {
   // The last frame, with the points that it shows when it was tracked.
   const TrackedFrame& last_frame() const { return last_.frame; }
   // Frames without a pose before places where the camera was found, newest first, for backtrack(): at the end, when no
-  // key frame takes them along. None while the last of these places is tentative.
-  std::vector<UnlocatedFrame> unlocated() const {
-    return search_.place.tentative() ? std::vector<UnlocatedFrame>() : backlog_.found();
+  // key frame takes them along. None while the last of these places is tentative. Those whose place is sure are given
+  // once.
+  std::vector<UnlocatedFrame> take_unlocated() {
+    return search_.place.tentative() ? std::vector<UnlocatedFrame>() : backlog_.take_with_found();
   }
 
  private:

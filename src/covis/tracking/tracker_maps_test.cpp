@@ -75,14 +75,14 @@ TEST_F(SeveralMapsTest, AGapIsNotLocatedFromAPlaceThatProvesWrongWithoutALoss) {
   ASSERT_EQ(show(frames.blank()).result.state, TrackingState::lost);
   const TrackResult first = show(frames.features(0)).result;
   ASSERT_TRUE(first.tentative);
-  EXPECT_TRUE(tracker.unlocated().empty()) << "the place is in doubt";
+  EXPECT_TRUE(tracker.take_unlocated().empty()) << "the place is in doubt";
   const Tracker::Outcome second = show(frames.features(frames.count() - 1));  // jumps again, and is not lost
   ASSERT_TRUE(second.retract_from);
   ASSERT_TRUE(second.result.tentative);
   TrackResult last = second.result;
   for (int k = 2; last.tentative && k < frames.count(); ++k) last = show(frames.features(frames.count() - k)).result;
   ASSERT_EQ(last.state, TrackingState::tracking);
-  const std::vector<UnlocatedFrame> waiting = tracker.unlocated();
+  const std::vector<UnlocatedFrame> waiting = tracker.take_unlocated();
   ASSERT_EQ(waiting.size(), 2u) << "the blank one, and the one whose pose was taken back";
   EXPECT_EQ(waiting.front().near, second.result.pose.key_frame);
   EXPECT_EQ(waiting.back().near, second.result.pose.key_frame);

@@ -308,9 +308,9 @@ TEST_F(MonocularTrackerTest, AYoungMapThatIsLostIsGivenUp) {
   while (i < frames.count() - 1 && track(i).state != TrackingState::tracking) ++i;
   ASSERT_EQ(tracker.state(), TrackingState::tracking);
   ASSERT_GE(shared.read()->key_frame_count(), 2u);
-  EXPECT_FALSE(tracker.unlocated().empty());
+  EXPECT_FALSE(tracker.take_unlocated().empty());
   track_blank(i + 1);
-  EXPECT_TRUE(tracker.unlocated().empty()) << "where the camera was found may not hold";
+  EXPECT_TRUE(tracker.take_unlocated().empty()) << "where the camera was found may not hold";
   ++i;
   const int first_lost = ++i;
   TrackResult last;
