@@ -80,6 +80,7 @@ TEST_F(Sequences, KnowsTheCamerasOfTheTumDataSet) {
     EXPECT_EQ(published.pinhole.cy, given.pinhole.cy);
     EXPECT_EQ(published.distortion, given.distortion);
     EXPECT_EQ(published.coefficients, given.coefficients);
+    EXPECT_EQ(published.pinhole.row_time, given.pinhole.row_time);
     EXPECT_EQ(file->depth_scale, 5000);
   }
 }

@@ -146,7 +146,7 @@ int FrameMatcher::fit_pose(TrackedFrame& frame, const Pinhole& camera) {
   for (size_t k = 0; k < observed_by_.size(); ++k) {
     const size_t i = observed_by_[k];
     if (!inlier_[k]) {
-      frame.drop_match(i);
+      frame.refuse_match(i);
     } else if (frame.on_map(i)) {
       ++on_map;
     }

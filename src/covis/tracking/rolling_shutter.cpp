@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/tracking/rolling_shutter.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -49,7 +48,6 @@ void RollingShutter::follow(const Last& last, const Pinhole& camera, const Track
 // shutter did to many views. The motion between the two is eliminated.
 ShutterResponse RollingShutter::compare(const TrackedFrame& frame, const Pinhole& camera, const Map& map,
                                         KeyFrameId reference) {
-  constexpr int kFewestMatches = 30;
   const KeyFrame* key_frame = map.find(reference);
   if (options_.row_time == ShutterOptions::RowTime::given || !key_frame || rate_.isZero(0)) return {};
   if (camera.row_time != estimated_with_) estimate_.restart();
@@ -59,18 +57,15 @@ ShutterResponse RollingShutter::compare(const TrackedFrame& frame, const Pinhole
   if (rate_then.isZero(0)) return {};
   const Eigen::Vector3d taken = options_.rows * f.exposure.taken(), taken_then = options_.rows * f_r.exposure.taken();
   const SE3 T_cr = frame.T_cw * key_frame->T_cw.inverse();
-  Matrix6d H = Matrix6d::Zero();
-  Eigen::Matrix<double, 6, 3> h = Eigen::Matrix<double, 6, 3>::Zero();  // beside the readout, the row, and residuals
-  ReadoutEquations equations;
-  int matches = 0;
-  for (size_t i = 0; i < frame.source.size(); ++i) {
-    const MapPoint* point = frame.on_map(i) ? map.find(frame.points[i]) : nullptr;
-    if (!point || !point->seen_by(reference)) continue;
+  comparison_.clear();
+  const auto add = [&](size_t i, MapPointId id) {
+    const MapPoint* point = map.find(id);
+    if (!point || !point->seen_by(reference)) return;
     const size_t k = point->feature_in(reference);
     const double depth = (key_frame->T_cw * point->position_w).z();
     const Eigen::Vector3d p_r = depth * camera.unproject(f_r.x[k], f_r.y[k]);
     const Eigen::Vector3d p = T_cr * p_r;
-    if (depth <= 0 || p.z() <= 0) continue;
+    if (depth <= 0 || p.z() <= 0) return;
     const double row = (f.image_y()[i] - camera.cy) / options_.rows,
                  row_then = (f_r.image_y()[k] - camera.cy) / options_.rows;
     // The move of the point where these are the turns of both views from the first row to the last.
@@ -78,25 +73,23 @@ ShutterResponse RollingShutter::compare(const TrackedFrame& frame, const Pinhole
       return Eigen::Vector3d(row * now.cross(p) - row_then * (T_cr.R() * before.cross(p_r)));
     };
     const Eigen::Matrix3d J_pi = projection_jacobian(p, camera, {});
-    const Eigen::Matrix<double, 2, 6> J = pose_jacobian(J_pi, p).topRows<2>();
-    Eigen::Matrix<double, 2, 3> g;  // by the readout and by the row of the principal point; residuals
-    g.col(0) = J_pi.topRows<2>() * moved(rate_, rate_then);
-    g.col(1) = Eigen::Vector2d(0, 1) - depth / camera.fy * J_pi.topRows<2>() * T_cr.R().col(1);
-    g.col(2) = Eigen::Vector2d(f.x[i], f.y[i]) - camera.project(p) + J_pi.topRows<2>() * moved(taken, taken_then);
-    const double weight = f.pyramid->inv_sigma2[f.level[i]];
-    H += weight * J.transpose() * J;
-    h += weight * J.transpose() * g;
-    const Eigen::Matrix3d square = weight * g.transpose() * g;
-    equations += {square.topLeftCorner<2, 2>(), square.topRightCorner<2, 1>()};
-    ++matches;
+    ReadoutComparison::Match match{.by_motion = pose_jacobian(J_pi, p).topRows<2>(), .by_shutter = {}};
+    match.by_shutter << J_pi.topRows<2>() * moved(rate_, rate_then),
+        Eigen::Vector2d(0, 1) - depth / camera.fy * J_pi.topRows<2>() * T_cr.R().col(1),
+        Eigen::Vector2d(f.x[i], f.y[i]) - camera.project(p) + J_pi.topRows<2>() * moved(taken, taken_then);
+    match.information = f.pyramid->inv_sigma2[f.level[i]];
+    comparison_.add(match);
+  };
+  for (size_t i = 0; i < frame.source.size(); ++i) {
+    if (frame.on_map(i)) add(i, frame.points[i]);
   }
-  if (matches < kFewestMatches) return {};
-  const Eigen::Matrix<double, 6, 3> explained = H.ldlt().solve(h);
-  if (!explained.allFinite()) return {};
-  const Eigen::Matrix3d square = h.transpose() * explained;
-  equations += {-square.topLeftCorner<2, 2>(), -square.topRightCorner<2, 1>()};
-  estimate_.add(equations);
-  return {(-options_.rows * explained.col(0)).cast<float>(), camera.row_time};
+  for (const TrackedFrame::Refused& refused : frame.refused) {
+    if (!frame.on_map(refused.feature)) add(refused.feature, refused.point);
+  }
+  const auto compared = comparison_.result(camera.row_time * options_.rows);
+  if (!compared) return {};
+  estimate_.add(compared->equations);
+  return {(-options_.rows * compared->motion).cast<float>(), camera.row_time};
 }
 
 std::optional<ShutterChange> RollingShutter::found(const Pinhole& camera) const {

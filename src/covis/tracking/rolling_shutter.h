@@ -11,6 +11,7 @@
 #include "covis/features/features_ring.h"
 #include "covis/map/map.h"
 #include "covis/map/map_requests.h"
+#include "covis/tracking/readout_comparison.h"
 #include "covis/tracking/readout_estimate.h"
 #include "covis/tracking/tracked_frame.h"
 
@@ -54,6 +55,7 @@ class RollingShutter {
   Timestamp stamp_ = 0;  // of the rate
   FeaturesRing ring_{5};
   std::shared_ptr<Features> straight_;  // those of the last straighten()
+  ReadoutComparison comparison_;        // of the last compare()
   ReadoutEstimate estimate_;
   double estimated_with_ = 0;  // the camera's row time meanwhile
 };

@@ -73,11 +73,19 @@ struct SwayingCamera {
         matcher.fit_pose(frame, given);
         if (k % every == 0) world.shared.write()->set_pose(world.frames.back(), frame.T_cw);
       }
+      refuse_far_rows();
       if (k > 0) shutter.follow({last, stamp - from_seconds(kElapsed)}, given, frame);
       last = frame.T_cw;
       const ShutterResponse response = shutter.compare(frame, given, *world.shared.read(), world.frames.back());
       if (!response.move.isZero(0)) note_errors(response, k);
     }
+  }
+  void refuse_far_rows() {
+    if (refusal == Refusal::none) return;
+    for (size_t i = 0; i < frame.source.size(); ++i) {
+      if (std::abs(frame.features->y[i] - given.cy) > kRows / 200.0) frame.refuse_match(i);
+    }
+    if (refusal == Refusal::forgotten) frame.refused.clear();
   }
   // The errors of a frame's pose beside its key frame, as it was fitted and as the true readout corrects it.
   void note_errors(const ShutterResponse& response, int k) {
@@ -90,6 +98,8 @@ struct SwayingCamera {
   double readout;
   double pace = 1;  // how fast it sways
   int every = 10;   // frames from key frame to key frame
+  // Matches far from the middle row are refused, and forgotten also.
+  enum class Refusal { none, of_far_rows, forgotten } refusal = Refusal::none;
   const PointScene scene = noisy_wall();
   Pinhole given = scene.camera;
   SceneMap world{scene, Sensor::monocular};
@@ -108,6 +118,18 @@ TEST(RollingShutter, IsFoundWhereTheCameraTurns) {
     RollingShutter shutter(kSought);
     camera.track(shutter, 200);
     EXPECT_NEAR(found_readout(shutter, camera.given), readout, 0.3 * std::abs(readout));
+  }
+}
+
+// As poses do that no readout is known to: then only those refused tell it.
+TEST(RollingShutter, IsFoundByMatchesThatPosesRefuse) {
+  for (const bool forgotten : {false, true}) {
+    SwayingCamera camera(0.02);
+    camera.every = 30;
+    camera.refusal = forgotten ? SwayingCamera::Refusal::forgotten : SwayingCamera::Refusal::of_far_rows;
+    RollingShutter shutter(kSought);
+    camera.track(shutter, 150);
+    EXPECT_NEAR(found_readout(shutter, camera.given), forgotten ? 0 : 0.02, 0.1 * 0.02);
   }
 }
 

@@ -27,6 +27,7 @@ void TrackedFrame::start(FeaturesPtr f, int64_t frame, Timestamp t) {
   points.assign(n, {});
   positions.resize(n);
   source.assign(n, PointSource::none);
+  refused.clear();
 }
 
 void TrackedFrame::keep(const TrackedFrame& other) {
@@ -43,11 +44,13 @@ void TrackedFrame::reserve(size_t n) {
   reserve_ahead(points, n);
   reserve_ahead(positions, n);
   reserve_ahead(source, n);
+  reserve_ahead(refused, n);
 }
 
 void TrackedFrame::clear_matches() {
   std::fill(points.begin(), points.end(), MapPointId{});
   std::fill(source.begin(), source.end(), PointSource::none);
+  refused.clear();
 }
 
 void TrackedFrame::set_match(size_t feature, MapPointId point, const Eigen::Vector3d& position_w, PointSource from) {
@@ -59,6 +62,12 @@ void TrackedFrame::set_match(size_t feature, MapPointId point, const Eigen::Vect
 void TrackedFrame::drop_match(size_t feature) {
   points[feature] = {};
   source[feature] = PointSource::none;
+}
+
+void TrackedFrame::refuse_match(size_t feature) {
+  if (on_map(feature) && refused.size() < source.size())
+    refused.push_back({static_cast<uint32_t>(feature), points[feature]});
+  drop_match(feature);
 }
 
 void TrackedFrame::map_points(std::vector<MapPointId>& matched) const {

@@ -17,6 +17,12 @@ enum class PointSource : uint8_t {
 };
 
 struct TrackedFrame {
+  // A feature that was matched with a map point, which the frame's pose then refused.
+  struct Refused {
+    uint32_t feature = 0;
+    MapPointId point;
+  };
+
   int64_t index = -1;  // index in the recording
   Timestamp stamp = 0;
   FeaturesPtr features;
@@ -25,6 +31,7 @@ struct TrackedFrame {
   std::vector<MapPointId> points;           // by feature: its map point, or an invalid handle
   std::vector<Eigen::Vector3d> positions;   // by feature: in the world, metres; meaningful where it has a source
   std::vector<PointSource> source;          // by feature
+  std::vector<Refused> refused;             // since clear_matches(), no more than there are features
 
   // A request to make a key frame of it: the image alone, no point and no pose.
   KeyFrameRequest request() const;
@@ -38,6 +45,8 @@ struct TrackedFrame {
   void clear_matches();
   void set_match(size_t feature, MapPointId point, const Eigen::Vector3d& position_w, PointSource from);
   void drop_match(size_t feature);
+  // The same where the pose was fitted to it and others.
+  void refuse_match(size_t feature);
   bool on_map(size_t feature) const { return source[feature] == PointSource::map; }
   // Fills `matched` with its map points, by feature.
   void map_points(std::vector<MapPointId>& matched) const;

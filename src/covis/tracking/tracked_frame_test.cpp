@@ -41,6 +41,24 @@ TEST_F(TrackedFrameTest, MatchesComeFromTheMapOrFromDepth) {
   EXPECT_EQ(frame.matches(), 0);
 }
 
+TEST_F(TrackedFrameTest, RemembersWhatItsPoseRefused) {
+  frame.set_match(0, {5, 1}, {0, 0, 2}, PointSource::map);
+  frame.set_match(1, {}, {0, 0, 2}, PointSource::depth);
+  frame.refuse_match(0);
+  frame.refuse_match(1);
+  EXPECT_EQ(frame.matches(), 0);
+  ASSERT_EQ(frame.refused.size(), 1u) << "a depth is no point of the map";
+  EXPECT_EQ(frame.refused[0].feature, 0u);
+  EXPECT_EQ(frame.refused[0].point, (MapPointId{5, 1}));
+  for (size_t k = 0; k < 2 * frame.source.size(); ++k) {
+    frame.set_match(0, {6, 1}, {0, 0, 2}, PointSource::map);
+    frame.refuse_match(0);
+  }
+  EXPECT_EQ(frame.refused.size(), frame.source.size()) << "no more than it has features";
+  frame.clear_matches();
+  EXPECT_TRUE(frame.refused.empty());
+}
+
 TEST_F(TrackedFrameTest, TheMeanDepthIsThatOfItsMapPointsInTheCamera) {
   frame.T_cw = SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, 0, 1));  // a metre back
   frame.set_match(1, {2, 0}, {3, 0, 4}, PointSource::map);
