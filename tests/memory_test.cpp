@@ -87,6 +87,7 @@ TEST(Memory, AfterALackInTrackingNothingIsDoneBeforeAReset) {
     EXPECT_THAT(error, HasSubstr("track: it was given up: the memory has run out")) << failing;
     EXPECT_THAT(error_of(track(1)), HasSubstr("track: it was given up: the memory has run out")) << failing;
     EXPECT_THAT(error_of(slam->set_mode(Mode::mapping)), HasSubstr("set_mode: it was given up"));
+    EXPECT_TRUE(slam->tracked_points().empty());
     slam->finish();
     slam->reset();
     EXPECT_TRUE(track(0));

@@ -278,7 +278,10 @@ Expected<FrameResult> Slam::track(const Frame& frame) {
   return result;
 }
 
-std::vector<TrackedPoint> Slam::tracked_points() { return impl_->system().tracked_points(); }
+std::vector<TrackedPoint> Slam::tracked_points() {
+  if (impl_->session->thrown) return {};
+  return impl_->system().tracked_points();
+}
 
 Expected<std::optional<Location>> Slam::locate(const Frame& frame) {
   return impl_->attempt("locate", [&]() -> Expected<std::optional<Location>> {

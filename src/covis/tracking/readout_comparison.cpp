@@ -3,7 +3,15 @@
 
 #include <Eigen/Cholesky>
 
+#include "covis/core/reserve.h"
+
 namespace covis {
+
+void ReadoutComparison::start(size_t most) {
+  matches_.clear();
+  reserve_ahead(matches_, most);
+  reserve_ahead(weights_, most);
+}
 
 std::optional<ReadoutComparison::Result> ReadoutComparison::result(double present) {
   constexpr size_t kFewest = 30;

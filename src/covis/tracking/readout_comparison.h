@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -29,7 +30,8 @@ class ReadoutComparison {
     Vector6d motion;             // that a second of readout looks like
   };
 
-  void clear() { matches_.clear(); }
+  // Begins anew, with room for so many matches.
+  void start(size_t most);
   void add(const Match& match) { matches_.push_back(match); }
   // present: the readout in use, seconds. Nothing where the matches are too few to tell a motion.
   std::optional<Result> result(double present);

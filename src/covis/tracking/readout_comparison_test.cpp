@@ -48,7 +48,7 @@ TEST(ReadoutComparison, WrongMatchesCountLittle) {
 TEST(ReadoutComparison, FewMatchesTellNothing) {
   ReadoutComparison comparison = comparison_of(0.02, 29, 0);
   EXPECT_FALSE(comparison.result(0));
-  comparison.clear();
+  comparison.start(29);
   EXPECT_FALSE(comparison.result(0));
 }
 

@@ -57,7 +57,7 @@ ShutterResponse RollingShutter::compare(const TrackedFrame& frame, const Pinhole
   if (rate_then.isZero(0)) return {};
   const Eigen::Vector3d taken = options_.rows * f.exposure.taken(), taken_then = options_.rows * f_r.exposure.taken();
   const SE3 T_cr = frame.T_cw * key_frame->T_cw.inverse();
-  comparison_.clear();
+  comparison_.start(frame.source.size());
   const auto add = [&](size_t i, MapPointId id) {
     const MapPoint* point = map.find(id);
     if (!point || !point->seen_by(reference)) return;

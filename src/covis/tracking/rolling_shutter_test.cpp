@@ -230,6 +230,16 @@ TEST(RollingShutter, AFrameThatGotOtherFeaturesKeepsThem) {
   EXPECT_EQ(other.features->x, before.x);
 }
 
+TEST(RollingShutter, ComparesViewsWithoutAllocations) {
+  SwayingCamera camera(0.02);
+  RollingShutter shutter(kSought);
+  camera.track(shutter, 15);
+  const auto map = camera.world.shared.read();
+  const long before = own_allocations;
+  EXPECT_FALSE(shutter.compare(camera.frame, camera.given, *map, camera.world.frames.back()).move.isZero(0));
+  EXPECT_EQ(own_allocations, before);
+}
+
 TEST(RollingShutter, AllocatesNothingInTheSteadyState) {
   SwayingCamera camera(0.02);
   camera.given.row_time = 0.02 / kRows;
