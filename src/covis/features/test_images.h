@@ -6,8 +6,16 @@
 
 #include "covis/core/image.h"
 #include "covis/core/random.h"
+#include "covis/geometry/camera.h"
 
 namespace covis {
+
+// A pinhole camera for images of this size.
+inline Camera camera_for(int width, int height) {
+  Camera camera{.width = width, .height = height, .pinhole = {}};
+  camera.pinhole = {500, 500, 0.5 * (width - 1), 0.5 * (height - 1)};
+  return camera;
+}
 
 // Draws boxes of many sizes and grey levels, slightly smoothed, with some noise; shifted left by `shift` pixels.
 inline ImageU8 texture(int width, int height, uint64_t seed, int shift = 0) {

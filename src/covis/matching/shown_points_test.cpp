@@ -23,13 +23,6 @@ class ShownPointsTest : public testing::Test {
     for (uint32_t i = 0; i < static_cast<uint32_t>(features->size()); ++i)
       map.add_point(2 * camera.pinhole.unproject(features->x[i], features->y[i]), key_frame, i);
   }
-  static Camera camera_in_front() {
-    Camera made;
-    made.width = kWidth;
-    made.height = kHeight;
-    made.pinhole = {500, 500, 319.5, 239.5};
-    return made;
-  }
   // The image with another one in the columns before `until`.
   ImageU8 with_other(int until) const {
     ImageU8 mixed(kWidth, kHeight);
@@ -48,7 +41,7 @@ class ShownPointsTest : public testing::Test {
     return points.even_share(frontend.probe());
   }
 
-  const Camera camera = camera_in_front();
+  const Camera camera = camera_for(kWidth, kHeight);
   const ImageBounds bounds{0, 0, kWidth, kHeight};
   const ImageU8 image = texture(kWidth, kHeight, 3), other = texture(kWidth, kHeight, 4);
   Frontend frontend{camera, {}, Sensor::monocular};

@@ -29,13 +29,6 @@ class ShownPlaceTest : public testing::Test {
     }
     local_map.update(*map, {}, key_frame, 80);
   }
-  static Camera camera_in_front() {
-    Camera made;
-    made.width = kWidth;
-    made.height = kHeight;
-    made.pinhole = {500, 500, 319.5, 239.5};
-    return made;
-  }
   // Judges a frame with so many tenths of the points matched. Its image shows this; null: the image is gone.
   bool is_right(size_t tenths, const ImageU8* shown, Before before, Arrival arrival) {
     PlaceCheck place(options, Subject::stream);
@@ -53,7 +46,7 @@ class ShownPlaceTest : public testing::Test {
   }
 
   static constexpr size_t kAll = 10, kEnough = 7, kFew = 1;  // tenths
-  const Camera camera = camera_in_front();
+  const Camera camera = camera_for(kWidth, kHeight);
   const ImageU8 image = texture(kWidth, kHeight, 3), other = texture(kWidth, kHeight, 4);
   Frontend frontend{camera, {}, Sensor::monocular};
   RecoveryOptions options;
