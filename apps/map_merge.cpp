@@ -31,6 +31,22 @@ struct MergeArguments {
   bool json = false, keep_images = false;
 };
 
+// A setting that merging does not ask for must not seem to have an effect.
+Result<void> set_loops(const std::vector<std::string>& settings, LoopOptions& options) {
+  const Fields asked_for = merge_fields(options);
+  const auto knows = [](const Fields& known, std::string_view name) {
+    return std::ranges::find(known, name, &Field::name) != known.end();
+  };
+  for (const std::string& setting : settings) {
+    const std::string_view name = std::string_view(setting).substr(0, setting.find('='));
+    if (knows(asked_for, name) || !knows(fields(options), name)) continue;
+    std::string others;
+    for (const Field& field : asked_for) others += (others.empty() ? "" : ", ") + field.name;
+    return fail("--set " + setting + ": maps are merged without asking for it; what they ask for: " + others);
+  }
+  return set_all(settings, asked_for);
+}
+
 // The inputs must be left as they are, and none may count twice. The result must have a place before it is made.
 Result<void> check_files(const MergeArguments& a) {
   std::error_code ignored;
@@ -215,8 +231,7 @@ void print(const Names& names, const Map& map) {
 
 int run_merge(const MergeArguments& a) {
   LoopOptions options;
-  Fields known = fields(options);
-  if (const auto set = set_all(a.settings, known); !set) return fail_with(set.error());
+  if (const auto set = set_loops(a.settings, options); !set) return fail_with(set.error());
   if (const auto right = check_files(a); !right) return fail_with(right.error());
   const auto vocabulary = open_vocabulary(a.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
@@ -267,7 +282,8 @@ void add_map_merge(CLI::App& map_command, int& exit_code) {
       ->expected(2, -1);
   command->add_option("--out", a->out, "file for the merged map")->required();
   command->add_option("--vocabulary", a->vocabulary, "vocabulary (default: the one that ships)");
-  command->add_option("--set", a->settings, "one setting of loops, loop.NAME=VALUE; may be repeated");
+  command->add_option("--set", a->settings, "one setting of loops, loop.NAME=VALUE; may be repeated")
+      ->allow_extra_args(false);
   command->add_flag("--keep-images", a->keep_images,
                     "keep the images that were kept with the files in the folder OUT.images, for covis map export");
   command->add_flag("--json", a->json, "the report as JSON on stdout");

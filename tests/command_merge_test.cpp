@@ -106,6 +106,9 @@ TEST_F(CommandMerge, RefusesWhatItCanNotDoAndWritesNothing) {
   EXPECT_THAT(prune(folder / "no/m").error, HasSubstr("no/m: it can't be written"));
   EXPECT_EQ(text_of(one), bytes);
   EXPECT_EQ(merge({one, "--out", site}).code, 2) << "one map alone";
+  EXPECT_THAT(merge({one, two, "--out", site, "--set", "loop.max_drift=0"}).error,
+              AllOf(HasSubstr("--set loop.max_drift=0: maps are merged without asking for it"),
+                    HasSubstr("loop.merge_min_found_share")));
 
   std::ofstream(other, std::ios::binary) << map_of("0", "20", {"--set", "orb.levels=6"});
   const Outcome levels = merge({one, other, "--out", site});

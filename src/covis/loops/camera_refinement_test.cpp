@@ -182,9 +182,9 @@ TEST(CameraRefinement, IsAskedForAsTheMapGrowsWhileItIsOneAndNotLarge) {
     }
   }
   EXPECT_EQ(asked, (std::vector<uint32_t>{20, 25, 31, 38, 47, 58, 72, 90}));
-  map.clear();
-  schedule.restart(map);
-  EXPECT_FALSE(schedule.ask(map));
+  Map empty;
+  schedule.restart(empty);
+  EXPECT_FALSE(schedule.ask(empty));
   Map two;
   for (int64_t k = 0; k < 30; ++k) two.begin_submap(k, k, SE3(), features);
   EXPECT_FALSE(RefinementSchedule().ask(two));

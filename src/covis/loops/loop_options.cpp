@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/loops/loop_options.h"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 namespace covis {
 
 Fields fields(LoopOptions& o) {
@@ -25,6 +29,15 @@ Fields fields(LoopOptions& o) {
        100},
       {"loop.ba_key_frames", &o.ba_key_frames, "key frames after which its result is applied", 1, 100},
   };
+}
+
+Fields merge_fields(LoopOptions& options) {
+  constexpr std::array<std::string_view, 7> kAskedFor = {
+      "loop.min_matches",     "loop.min_inliers",           "loop.min_found",    "loop.min_found_share",
+      "loop.merge_min_found", "loop.merge_min_found_share", "loop.ba_iterations"};
+  Fields known = fields(options);
+  std::erase_if(known, [&](const Field& field) { return std::ranges::find(kAskedFor, field.name) == kAskedFor.end(); });
+  return known;
 }
 
 }  // namespace covis

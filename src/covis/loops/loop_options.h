@@ -26,5 +26,7 @@ struct LoopOptions {
   double drift(Sensor sensor) const { return sensor == Sensor::monocular ? max_drift_mono : max_drift; }
 };
 Fields fields(LoopOptions& options);
+// Those that merging maps asks for: between maps there is no drift, and nothing goes on meanwhile.
+Fields merge_fields(LoopOptions& options);
 
 }  // namespace covis

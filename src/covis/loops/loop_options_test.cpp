@@ -19,6 +19,15 @@ TEST(LoopOptions, EverySettingHasANameOfItsOwn) {
   EXPECT_EQ(names.size(), 14u);
 }
 
+TEST(LoopOptions, MergingAsksForNoDrift) {
+  LoopOptions options;
+  std::set<std::string> names;
+  for (const Field& field : merge_fields(options)) names.insert(field.name);
+  EXPECT_EQ(names.size(), 7u);
+  EXPECT_TRUE(names.contains("loop.merge_min_found"));
+  EXPECT_FALSE(names.contains("loop.max_drift"));
+}
+
 TEST(LoopOptions, OneCameraMayDriftMore) {
   const LoopOptions options;
   EXPECT_EQ(options.drift(Sensor::monocular), options.max_drift_mono);

@@ -15,11 +15,6 @@ constexpr int kGroup = 10;            // covisible key frames that make a group
 
 }  // namespace
 
-void KeyFrameDatabase::clear() {
-  list_of_.clear();
-  lists_.clear();
-}
-
 std::vector<uint32_t>& KeyFrameDatabase::list_of(uint32_t word) {
   if (word >= list_of_.size()) list_of_.resize(word + size_t{1});
   uint32_t& list = list_of_[word];

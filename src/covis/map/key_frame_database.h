@@ -22,7 +22,6 @@ class KeyFrameDatabase {
  public:
   void add(KeyFrameId id, const Words& words);
   void erase(KeyFrameId id, const Words& words);
-  void clear();
 
   // The slots of the key frames that have a word, rising; empty when none has.
   const std::vector<uint32_t>& holders(uint32_t word) const;

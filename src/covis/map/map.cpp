@@ -211,13 +211,4 @@ void Map::forget_erased(uint64_t count) {
   std::erase_if(erased_frames_, [&](const auto& entry) { return entry.second.erasure <= count; });
 }
 
-void Map::clear() {
-  key_frames_.clear();
-  points_.clear();
-  replaced_by_.clear();
-  erased_frames_.clear();
-  database_.clear();
-  submaps_.clear();
-}
-
 }  // namespace covis

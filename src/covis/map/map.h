@@ -47,6 +47,8 @@ struct Observation {
 };
 
 struct MapPoint {
+  static constexpr uint32_t kMostFrames = 1u << 31;  // that are counted
+
   Eigen::Vector3d position_w = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal_w = Eigen::Vector3d::Zero();  // mean unit vector from the observers' centres to the point
   Descriptor descriptor;                               // the observation's with the least median distance to the others
@@ -244,7 +246,6 @@ class Map {
     key_frames_.for_each(visit);
   }
 
-  void clear();
   uint32_t next_serial() const { return next_serial_; }
   uint32_t next_submap() const {
     return next_submap_;

@@ -15,6 +15,10 @@ namespace {
 // More observations than this add nothing to the representative descriptor; the first ones are compared.
 constexpr size_t kMaxCompared = 48;
 
+uint32_t sum_of_frames(uint32_t a, uint32_t b) {
+  return static_cast<uint32_t>(std::min(uint64_t{a} + b, uint64_t{MapPoint::kMostFrames}));
+}
+
 // Normal and range of distances.
 void derive_geometry(const Map& map, const MapPoint& point, PointAppearance& seen) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -126,8 +130,8 @@ bool Map::replace_point(MapPointId old, MapPointId by) {
   std::ranges::merge(to.observations, moved, std::back_inserter(all), {}, &Observation::key_frame,
                      &Observation::key_frame);
   to.observations = std::move(all);
-  to.visible += from.visible;
-  to.found += from.found;
+  to.visible = sum_of_frames(to.visible, from.visible);
+  to.found = sum_of_frames(to.found, from.found);
   points_.erase(old);
   replaced_by_[old] = {by, next_serial_ - 1};
   refresh_point(by);
@@ -207,11 +211,11 @@ void Map::set_appearance(MapPointId id, const PointAppearance& appearance) {
 }
 
 void Map::count_visible(MapPointId id, uint32_t frames) {
-  if (MapPoint* point = points_.find(id)) point->visible += frames;
+  if (MapPoint* point = points_.find(id)) point->visible = sum_of_frames(point->visible, frames);
 }
 
 void Map::count_found(MapPointId id, uint32_t frames) {
-  if (MapPoint* point = points_.find(id)) point->found += frames;
+  if (MapPoint* point = points_.find(id)) point->found = sum_of_frames(point->found, frames);
 }
 
 std::vector<MapPointId> Map::points() const {

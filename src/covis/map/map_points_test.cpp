@@ -8,6 +8,22 @@
 namespace covis {
 namespace {
 
+// A saved map with more would not be loaded.
+TEST(Map, FramesAreCountedUpToWhatAMapFileMayHave) {
+  MapFixture f;
+  const KeyFrameId a = f.frame(0), b = f.frame(1);
+  f.map.attach_to_tree(b);
+  const MapPointId p = f.map.add_point({0, 0, 5}, a, 0), q = f.map.add_point({0, 0, 5}, b, 1);
+  for (const MapPointId id : {p, q}) {
+    f.map.count_visible(id, MapPoint::kMostFrames - 1);
+    f.map.count_found(id, 7);
+  }
+  f.map.replace_point(p, q);
+  f.map.count_visible(q, 5);
+  EXPECT_EQ(f.map.at(q).visible, MapPoint::kMostFrames);
+  EXPECT_EQ(f.map.at(q).found, 16u);
+}
+
 TEST(Map, ReplacementForwards) {
   MapFixture f;
   const KeyFrameId a = f.frame(0), b = f.frame(1), c = f.frame(2);

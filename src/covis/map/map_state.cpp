@@ -15,7 +15,7 @@ constexpr float kMaxPixel = 1e6f;  // far beyond any image; the grid's arithmeti
 // Far beyond any world, and their squares are far from what a float can hold.
 constexpr double kMaxLength = 1e12, kMinDepth = 1e-12;  // metres
 constexpr float kMaxAngle = 6.2832f;                    // 2 pi, rounded up
-constexpr uint32_t kMaxCount = 1u << 31;                // none overflows for as long as a run may go on
+constexpr uint32_t kMaxSerial = 1u << 31;               // it does not overflow for as long as a run may go on
 
 std::string frame_name(size_t i) { return "key frame " + std::to_string(i); }
 std::string point_name(size_t i) { return "point " + std::to_string(i); }
@@ -91,7 +91,9 @@ std::string problem_of(const MapState& state, const MapPointState& p) {
   if (!(p.normal_w.norm() <= 1.01)) return "has a normal longer than 1, the mean of unit vectors";
   if (!std::isfinite(p.d_min) || !std::isfinite(p.d_max)) return "has a range of distances that is not finite";
   if (!(p.d_min >= 0 && p.d_min <= p.d_max)) return "has no valid range of distances";
-  if (p.visible > kMaxCount || p.found > kMaxCount) return "has been visible or found in more frames than a run has";
+  if (std::max(p.visible, p.found) > MapPoint::kMostFrames)
+    return "has been visible or found in more frames than a run has";
+  if (p.visible == 0) return "has been visible in no frame, not even where it was made";
   if (p.reference >= state.key_frames.size()) return "has a reference that is not there";
   return {};
 }
@@ -141,7 +143,7 @@ std::string problem_of(const Features& f, const ImageBounds& bounds) {
 std::string problem_of(const MapState& state) {
   if (state.key_frames.size() >= kNone || state.points.size() >= kNone) return "there is too much of it";
   if (!state.key_frames.empty() && !valid_camera(state.camera)) return "it has no valid camera";
-  if (state.next_serial > kMaxCount)
+  if (state.next_serial > kMaxSerial)
     return "its next serial is " + std::to_string(state.next_serial) + ", beyond any run";
   for (size_t i = 0; i < state.key_frames.size(); ++i) {
     if (const std::string problem = problem_of(state, i); !problem.empty()) return frame_name(i) + " " + problem;

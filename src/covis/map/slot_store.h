@@ -72,13 +72,6 @@ class SlotStore {
     }
   }
 
-  // Everything goes; old handles stay stale.
-  void clear() {
-    for (uint32_t s = 0; s < slots_; ++s) {
-      if (const Slot& slot = at_slot(s); slot.value) erase(Handle{s, slot.generation});
-    }
-  }
-
  private:
   struct Slot {
     std::optional<T> value;

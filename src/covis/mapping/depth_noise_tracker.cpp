@@ -17,7 +17,9 @@ void DepthNoiseTracker::learn(SharedMap& shared, const BundleProblem& problem) {
   const std::optional<double> factor = depth_noise_factor(problem);
   if (!factor) return;
   Pinhole camera = shared.read()->camera();
-  if (left_ && *left_ != camera.depth_noise) scale_ *= camera.depth_noise.b / left_->b;  // depths were looked up anew
+  // The map may have begun with what another run found, and its depths may have been looked up anew.
+  const DepthNoise known = left_.value_or(DepthNoise::kinect());
+  if (known != camera.depth_noise && camera.depth_noise.b > 0) scale_ *= camera.depth_noise.b / known.b;
   const double gain = std::max(kLeastGain, 1.0 / (++problems_ + 1));
   const double scale = std::clamp(scale_ * std::pow(*factor, gain), kLeastScale, kGreatestScale);
   camera.depth_noise = camera.depth_noise.scaled(scale / scale_);

@@ -16,7 +16,7 @@ class DepthNoiseTracker {
   void learn(SharedMap& map, const BundleProblem& problem);
 
  private:
-  double scale_ = 1;   // factor on the noise that the map began with
+  double scale_ = 1;   // the map's noise, as a factor on a Kinect's
   double logged_ = 1;  // the scale that was last logged
   int problems_ = 0;
   std::optional<DepthNoise> left_;  // the map's noise as it was left

@@ -11,8 +11,8 @@ namespace covis {
 
 // Erases the key frames beside `current` whose redundancy exceeds `max_redundancy`, one after the other, as each one's
 // points count for the next. The redundancy is the share of a key frame's points that at least three other key frames
-// observe at the same or a finer scale; with a depth sensor only its points up to `close_depth` count, and a key frame
-// without any stays. Roots and key frames with loop edges stay. Returns the number erased.
+// observe at a scale that is at most one level coarser; with a depth sensor only its points up to `close_depth` count,
+// and a key frame without any stays. Roots and key frames with loop edges stay. Returns the number erased.
 int cull_key_frames(SharedMap& map, KeyFrameId current, Sensor sensor, double max_redundancy,
                     const CloseDepth& close_depth);
 

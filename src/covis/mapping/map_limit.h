@@ -14,8 +14,9 @@ struct LimitReport {
 };
 
 // When the map takes more than `most` bytes (map/map_memory.h), erases key frames until it takes some 5 % less, at most
-// 64 in a call. Those that the newest ones need stay: tracking and mapping go on as they would without a bound.
-// `current`: the newest key frame; the map is measured at every eighth. For the one thread that writes to the map.
+// 64 in a call. The newest 50 stay, and those that share points with `current`: tracking and mapping go on as they
+// would without a bound, but for points that one of the 50 saw together with an old key frame alone. `current`: the
+// newest key frame; the map is measured at every eighth. For the one thread that writes to the map.
 LimitReport limit_map(SharedMap& shared, KeyFrameId current, size_t most);
 
 }  // namespace covis

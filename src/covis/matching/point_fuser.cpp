@@ -41,7 +41,8 @@ int PointFuser::fuse(SharedMap& shared, KeyFrameId target, const std::vector<Map
   }
   if (matcher_.matches().empty()) return 0;
 
-  // No MapEdit: callers fuse into several key frames with the descriptors of before, and refresh the points at the end.
+  // No MapEdit: callers fuse into several key frames, and refresh the points that got observations at the end. (One
+  // that replaces another is refreshed by the map at once.)
   const auto map = shared.write();
   if (!map->find(target)) return 0;
   int fused = 0;

@@ -128,7 +128,7 @@ BundleSummary BundleAdjuster::solve(BundleProblem& problem, const BundleOptions&
   }
   // The steps change the scale where nothing holds it, by some per cent at once.
   if (hold && stepped) scale_about(*hold, median_shrinkage(problem, *hold, distances), problem);
-  summary.ok = stepped || summary.initial_cost < 1e-12 || summary.iterations > 0;
+  summary.ok = std::isfinite(cost) && (stepped || cost < 1e-12 || summary.iterations > 0);
   return summary;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 #include <vector>
 
 #include "tests/ceres_problems.h"
@@ -44,6 +45,12 @@ TEST(BundleAdjustment, InterruptionLeavesAValidState) {
   EXPECT_TRUE(summary.interrupted);
   EXPECT_LE(summary.final_cost, summary.initial_cost);
   for (const SE3& pose : world.problem.poses) EXPECT_TRUE(pose.all_finite());
+}
+
+TEST(BundleAdjustment, WhatIsNotFiniteIsNotSolved) {
+  World world = make_world(10, 10, 300, Rows::mixed, 0);
+  world.problem.observations[7].u = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(BundleAdjuster().solve(world.problem, {.iterations = 10}).ok);
 }
 
 // The median of the ratios of the points' distances from the first pose.

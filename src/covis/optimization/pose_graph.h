@@ -6,7 +6,6 @@
 // adjustment. The cost is sum w |e|^2,  e = log(S_ji * S_i * S_j^-1), 7 rows of equal weight: [rho; phi; sigma].
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -29,15 +28,13 @@ struct PoseGraphProblem {
 };
 
 struct PoseGraphOptions {
-  int iterations = 20;                           // greatest number of Levenberg-Marquardt steps, accepted or rejected
-  double relative_cost_change = 1e-6;            // relative decrease of the cost below which the solver stops
-  const std::atomic<bool>* interrupt = nullptr;  // when it becomes true the solver soon returns the last accepted state
+  int iterations = 20;                 // greatest number of Levenberg-Marquardt steps, accepted or rejected
+  double relative_cost_change = 1e-6;  // relative decrease of the cost below which the solver stops
 };
 
 struct PoseGraphSummary {
   double initial_cost = 0, final_cost = 0;
   int iterations = 0;
-  bool interrupted = false;
   bool ok = true;  // false: no edge has a pose that moves, a value is not finite, or no step could be made
 };
 

@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::string_view kMagic = "COVISMAP";
 constexpr size_t kHeaderSize = 32, kEntrySize = 24;
+constexpr uint32_t kMostSections = 1000;  // empty ones cost nothing but the time to look at them
 constexpr int kLevel = 3;  // zstd's default: descriptors hardly compress, so a higher level is wasted effort
 
 // tables[k][b] is the checksum of byte b followed by k zero bytes; with all eight, eight bytes are processed at once.
@@ -173,6 +174,9 @@ Result<SectionFile> SectionFile::open(const std::filesystem::path& path) {
 
 Result<void> SectionFile::read_table(uint32_t count, uint32_t so_far, uint32_t wanted_crc) {
   if (count > (size_ - kHeaderSize) / kEntrySize) return fail(error("it is damaged: its header is wrong"));
+  if (count > kMostSections)
+    return fail(error("it has " + std::to_string(count) + " sections, and no map has more than " +
+                      std::to_string(kMostSections)));
   std::string table(kEntrySize * count, '\0');
   stream_.read(table.data(), static_cast<std::streamsize>(table.size()));
   if (!stream_ || crc32(table, so_far) != wanted_crc) return fail(error("it is damaged: its header is wrong"));

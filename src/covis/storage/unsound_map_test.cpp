@@ -128,6 +128,7 @@ std::vector<Unsound> unsound_points(const Places& at) {
           {"position beyond 1e+12 m", [](MapState& s) { s.points[0].position_w.y() = -1e300; }},
           {"normal", [](MapState& s) { s.points[0].normal_w.x() = 1e30; }},
           {"visible", [](MapState& s) { s.points[0].visible = 0xffffffff; }},
+          {"visible in no frame", [](MapState& s) { s.points[0].visible = 0; }},
           {"found", [](MapState& s) { s.points[0].found = 0xffffffff; }},
           {"range of distances", [](MapState& s) { s.points[0].d_min = -1; }},
           {"range of distances", [](MapState& s) { s.points[0].d_min = s.points[0].d_max + 1; }},

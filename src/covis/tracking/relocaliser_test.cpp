@@ -167,7 +167,8 @@ TEST_F(RelocaliserTest, WhileTheMapIsHiddenItsCopiesServe) {
   const SE3 T_cw = near_key_frame(5);
   search.refresh_camera(*world.shared.read());
   search.local_map.update(*world.shared.read(), {}, world.frames[5], 80);
-  world.shared.write()->clear();
+  const uint32_t submap = world.shared.read()->at(world.frames[5]).submap;
+  world.shared.write()->erase_submap(submap);
   TrackedFrame frame = frame_of(scene.view(T_cw), SE3());
   TrackFigures figures;
   Relocaliser by_copies = relocaliser(vocabulary);
