@@ -120,7 +120,7 @@ void add_calibrate_command(CLI::App& app, int& exit_code) {
   command->add_option("--dictionary", a->dictionary, "ChArUco: 4X4_50, 5X5_100, 6X6_250 …")->capture_default_str();
   command->add_flag("--fisheye", a->fisheye, "lens of more than about 120 degrees (kannala_brandt)");
   command->add_option("--stride", a->stride, "look at every n-th image (default: 5 of a video, 1 of a folder)")
-      ->check(CLI::Range(1, 10000));
+      ->transform(whole_number_from(1, 10000));
   command->add_option("--out", a->out, "camera file to write")->capture_default_str();
   command->add_option("--picture", a->picture, "PNG file for a picture of the residuals");
   command->footer(

@@ -12,6 +12,7 @@
 #include "check_sensor.h"
 #include "commands.h"
 #include "common.h"
+#include "covis/core/atomic_file.h"
 #include "covis/core/log.h"
 #include "covis/core/message_text.h"
 #include "covis/core/quantile.h"
@@ -70,6 +71,14 @@ void look_for_gaps(const std::vector<Timestamp>& stamps, std::vector<Problem>& p
     if (gaps[i] > 2.5 * usual)
       problems.push_back({frames[i + 1], "comes " + std::to_string(gaps[i]) + " s after the frame before it"});
   }
+}
+
+// Stamps in milliseconds or microseconds that are read as seconds or nanoseconds.
+void look_at_rate(double rate, std::vector<Problem>& problems) {
+  constexpr double kSlowest = 0.2, kFastest = 1000;  // Hz
+  if (rate > 0 && (rate < kSlowest || rate > kFastest))
+    problems.push_back({std::nullopt, "the frames come at " + std::to_string(rate) +
+                                          " Hz: are the stamps in seconds, or whole nanoseconds?"});
 }
 
 void print(const nlohmann::json& found) {
@@ -139,6 +148,7 @@ Findings read_all(io::Sequence& sequence, const Reading& reading, CheckPicture& 
     }
   }
   look_for_gaps(f.stamps, f.problems, f.frames);
+  look_at_rate(sequence.frame_rate(), f.problems);
   for (const SensorWarning& w : sensor.warnings()) f.problems.push_back({w.frame, describe(w, sequence.sensor())});
   f.depths = sensor.depths();
   return f;
@@ -173,6 +183,9 @@ int run(const CheckArguments& a) {
   const std::string out = a.out.empty() ? "check.png" : a.out;
   const auto fits = io::check_output(out, io::OutputKind::picture, {a.path, a.reading.camera});
   if (!fits) return fail_with(fits.error());
+  if (!a.out.empty()) {
+    if (const auto writable = check_writable(out); !writable) return fail_with(writable.error());
+  }
   const auto opened = io::open_sequence(a.path, a.reading.options());
   if (!opened) {
     log(LogLevel::error, opened.error().message);

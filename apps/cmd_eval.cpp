@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // covis eval: the deviation of a trajectory from the ground truth.
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -9,6 +10,7 @@
 
 #include "commands.h"
 #include "common.h"
+#include "covis/core/atomic_file.h"
 #include "covis/eval/evaluation.h"
 #include "covis/eval/report.h"
 #include "covis/io/output_check.h"
@@ -35,13 +37,36 @@ const std::map<std::string, io::TrajectoryFormat> kReadFormats{
     {"kitti", io::TrajectoryFormat::kitti},         {"euroc", io::TrajectoryFormat::euroc},
     {"tartanair", io::TrajectoryFormat::tartanair}, {"icl-nuim", io::TrajectoryFormat::icl_nuim}};
 
+// Rows without stamps are counted from 0 on, which fits nothing but other rows without stamps.
+Result<void> check_stamps(const EvalArguments& a) {
+  bool stamped[2];
+  const std::string files[] = {a.trajectory, a.truth}, stamps[] = {a.stamps, a.truth_stamps},
+                    formats[] = {a.format, a.truth_format}, options[] = {"--stamps", "--truth-stamps"};
+  for (size_t k = 0; k < 2; ++k) {
+    const auto format = io::trajectory_format(files[k], kReadFormats.at(formats[k]));
+    if (!format) return tl::unexpected(format.error());
+    stamped[k] = io::has_stamps(*format);
+    if (stamped[k] && !stamps[k].empty())
+      return fail(options[k] + " " + stamps[k] + ": " + files[k] + " has stamps of its own");
+    stamped[k] |= !stamps[k].empty();
+  }
+  if (stamped[0] == stamped[1]) return {};
+  const size_t without = stamped[0] ? 1 : 0;
+  return fail(files[without] + ": it has no stamps, and " + files[1 - without] + " has; give those of its rows with " +
+              options[without] + " times.txt");
+}
+
 int run(const EvalArguments& a) {
   if (!a.plot.empty()) {
     const bool page = std::filesystem::path(a.plot).extension() == ".html";
     const auto kind = page ? io::OutputKind::page : io::OutputKind::picture;
     const auto fits = io::check_output(a.plot, kind, {a.trajectory, a.truth, a.stamps, a.truth_stamps});
     if (!fits) return fail_with(fits.error());
+    if (const auto writable = check_writable(a.plot); !writable) return fail_with(writable.error());
   }
+  if (a.delta_unit == "frames" && a.delta != std::floor(a.delta))
+    return fail_with("--delta " + std::to_string(a.delta) + ": a number of frames is whole");
+  if (const auto fits = check_stamps(a); !fits) return fail_with(fits.error());
   const auto estimate = io::read_trajectory(a.trajectory, kReadFormats.at(a.format), a.stamps);
   if (!estimate) return fail_with(estimate.error());
   const auto truth = io::read_trajectory(a.truth, kReadFormats.at(a.truth_format), a.truth_stamps);

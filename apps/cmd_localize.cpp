@@ -8,6 +8,7 @@
 #include "apps/run/system_input.h"
 #include "commands.h"
 #include "common.h"
+#include "covis/core/atomic_file.h"
 #include "covis/core/log.h"
 #include "covis/core/quantile.h"
 #include "covis/io/output_check.h"
@@ -43,7 +44,7 @@ Found locate_all(io::Sequence& sequence, System& system) {
   const std::shared_ptr<const Snapshot> snapshot = system.snapshot();
   found.of_map.resize(snapshot->submaps.size());
   io::Frame frame;
-  while (true) {
+  while (interrupted == 0) {
     auto next = sequence.next(std::move(frame));
     frame = {};
     if (!next) {
@@ -60,6 +61,7 @@ Found locate_all(io::Sequence& sequence, System& system) {
     if (!located) continue;
     if (const auto m = snapshot->index_of(located->submap)) found.of_map[*m].push_back({frame.stamp, located->T_wc});
   }
+  return found;
 }
 
 void print(const Found& found, const LocalizeArguments& arguments) {
@@ -79,7 +81,8 @@ void print(const Found& found, const LocalizeArguments& arguments) {
 // The poses found must not take the place of what they are found with.
 Result<void> check_out(const LocalizeArguments& a, const io::Sequence& sequence) {
   const auto truth = sequence.truth();
-  return io::check_trajectories(a.out, {a.path, a.map, a.reading.camera, a.vocabulary, truth ? truth->file : ""});
+  auto fits = io::check_trajectories(a.out, {a.path, a.map, a.reading.camera, a.vocabulary, truth ? truth->file : ""});
+  return fits ? check_writable(a.out) : fits;
 }
 
 int localize(const LocalizeArguments& arguments) {
@@ -90,7 +93,8 @@ int localize(const LocalizeArguments& arguments) {
   if (const auto fits = check_out(arguments, **sequence); !fits) return fail_with(fits.error());
   options.sensor = (*sequence)->sensor();
   options.localize = true;
-  if (arguments.features > 0) options.orb.features = arguments.features;
+  const auto features = set_features(arguments.features, arguments.settings, options.orb.features);
+  if (!features) return fail_with(features.error());
   const auto vocabulary = open_vocabulary(arguments.vocabulary);
   if (!vocabulary) return fail_with(vocabulary.error());
   auto map = storage::load_compatible_map(
@@ -101,12 +105,15 @@ int localize(const LocalizeArguments& arguments) {
   if (const auto set = system.set_map(std::move(map->map), map->header.camera); !set)
     return fail_with(arguments.map + ": " + set.error().message);
 
+  end_well_on_signals();
   const Found found = locate_all(**sequence, system);
-  if (found.frames == 0) return fail_with(arguments.path + ": no frame could be read");
+  if (found.frames == 0 && interrupted == 0) return fail_with(arguments.path + ": no frame could be read");
   const auto saved = io::write_trajectories(arguments.out, found.of_map, io::TrajectoryFormat::tum);
   if (!saved) return fail_with(saved.error());
   print(found, arguments);
-  return 0;
+  if (interrupted == 0) return 0;
+  log(LogLevel::warning, "interrupted; the poses found so far are written");
+  return 128 + interrupted;
 }
 
 }  // namespace
@@ -121,8 +128,9 @@ void add_localize_command(CLI::App& app, int& exit_code) {
   command->add_option("--out", arguments->out, "poses found, TUM format, in the map's world")->capture_default_str();
   add_reading_options(*command, arguments->reading);
   command->add_option("--vocabulary", arguments->vocabulary, "vocabulary (default: the one that ships)");
-  command->add_option("--features", arguments->features, "keypoints an image")->check(CLI::Range(50, 30000));
-  command->add_option("--set", arguments->settings, "one setting, NAME=VALUE; may be repeated");
+  command->add_option("--features", arguments->features, "keypoints an image")->transform(whole_number_from(50, 30000));
+  command->add_option("--set", arguments->settings, "one setting, NAME=VALUE; may be repeated")
+      ->allow_extra_args(false);
   command->add_flag("--json", arguments->json, "the summary as JSON on stdout");
   command->footer("Examples:\n  covis localize office2 --map office.m --out found.txt");
   command->callback([arguments, &exit_code] { exit_code = localize(*arguments); });

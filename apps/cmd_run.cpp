@@ -2,7 +2,6 @@
 // covis run: reads a recording or a camera, and writes a trajectory and a map.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <iostream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -63,7 +62,7 @@ Result<void> apply_settings(const RunArguments& arguments, const Fields& known, 
     if (auto loaded = io::load_settings(arguments.config, known); !loaded) return loaded;
   }
   if (auto set = set_all(arguments.settings, known); !set) return set;
-  if (arguments.features > 0) options.orb.features = arguments.features;
+  if (auto set = set_features(arguments.features, arguments.settings, options.orb.features); !set) return set;
   if (options.trajectory_frames > 0)
     return fail("system.trajectory_frames: it is for programs; the results of covis run hold every frame");
   options.realtime = options.realtime || arguments.realtime;
@@ -92,7 +91,8 @@ void announce(const RunArguments& arguments, const io::Sequence& sequence) {
 }
 
 std::string title_of(const RunArguments& arguments) {
-  return std::filesystem::path(arguments.path).lexically_normal().filename().string();
+  const std::filesystem::path path = io::normal_path(arguments.path);
+  return (path.has_filename() ? path.filename() : path.parent_path().filename()).string();
 }
 
 // Messages begin with it; those of a camera name it themselves.
@@ -228,10 +228,7 @@ int run(const RunArguments& arguments) {
   SystemOptions options;
   const Fields known = fields(options);
   if (const auto applied = apply_settings(arguments, known, options); !applied) return fail_with(applied.error());
-  if (arguments.dump_config) {
-    std::cout << io::dump_settings(known);
-    return 0;
-  }
+  if (arguments.dump_config) return std::fputs(io::dump_settings(known).c_str(), stdout) < 0;
   if (const auto chosen = choose_instructions(arguments.simd); !chosen) return fail_with(chosen.error());
   if (arguments.path.empty())
     return fail_with("run: PATH is missing: a recording's folder, a bag, a video file or a camera's number");
@@ -309,8 +306,10 @@ int run(const RunArguments& arguments) {
                          saver ? &*saver : nullptr),
             record);
   for (const std::string& note : record.notes) log(LogLevel::warning, note);
-  if (const auto why = why_nothing_is_written(record, *system->snapshot(), arguments.out))
-    return fail_with(named(arguments, (*sequence)->kind()) + *why);
+  if (const auto why = why_nothing_is_written(record, *system->snapshot(), arguments.out)) {
+    fail_with(named(arguments, (*sequence)->kind()) + *why);
+    return record.failure.empty() && interrupted != 0 ? 128 + interrupted : 1;
+  }
 
   const auto summary = save(arguments, record, *system, **sequence, header, first_own, images, saver);
   if (viewer)
@@ -318,7 +317,6 @@ int run(const RunArguments& arguments) {
   if (!summary) return fail_with(summary.error());
   const int code = conclude(arguments, *summary, (*sequence)->kind(), (*sequence)->camera());
   if (viewer && arguments.view.at_end == ViewOptions::AtEnd::keep_serving) {
-    std::cout.flush();
     std::fflush(stdout);
     viewer->serve();
   }
@@ -337,16 +335,18 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_option("--out", arguments->out, "folder for the results")->capture_default_str();
   command->add_option("--map", arguments->map, "saved map to continue; the camera is located in it");
   command->add_flag("--localize", arguments->localize, "localise only: the map given by --map is not changed");
-  command->add_option("--save-map", arguments->save_map, "file to save the map to (docs/map-format.md)");
+  CLI::Option* save_map =
+      command->add_option("--save-map", arguments->save_map, "file to save the map to (docs/map-format.md)");
   command
       ->add_option("--save-every", arguments->save_every,
                    "save the map aside, to FILE.unfinished, after so many frames (500) or seconds (120s) each, so "
                    "that a kill loses no more; 0: never")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->needs(save_map);
   command
       ->add_option("--max-memory", arguments->max_memory,
                    "MB that the run may take: the map loses key frames where that costs least (docs/places.md)")
-      ->check(CLI::Range(1, 1'000'000));
+      ->transform(whole_number_from(1, 1'000'000));
   command->add_flag("--keep-images", arguments->keep_images,
                     "keep the key frames' images in the folder FILE.images beside the saved map, for covis map export");
   command->add_flag("--no-colours", arguments->no_colours,
@@ -359,7 +359,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->capture_default_str()
       ->check(CLI::IsMember(keys(kWriteFormats)));
   command->add_option("--features", arguments->features, "keypoints per image (short for --set orb.features=N)")
-      ->check(CLI::Range(50, 30000));
+      ->transform(whole_number_from(50, 30000));
   command
       ->add_option("--simd", arguments->simd,
                    "instruction set of the image kernels: best, scalar or a name (an unknown one lists them); the "
@@ -367,7 +367,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   add_run_view_options(*command, arguments->view);
   command->add_option("--config", arguments->config, "settings YAML");
-  command->add_option("--set", arguments->settings, "one setting, NAME=VALUE; may be repeated");
+  command->add_option("--set", arguments->settings, "one setting, NAME=VALUE; may be repeated")
+      ->allow_extra_args(false);
   command->add_flag("--dump-config", arguments->dump_config, "print all settings with their meaning, and end");
   command->add_flag("--quiet", arguments->quiet, "no progress, no summary");
   command->add_flag("--json", arguments->json, "the summary as JSON on stdout");

@@ -28,11 +28,34 @@ struct SynthArguments {
   bool overwrite = false, quiet = false, json = false;
 };
 
+// "synth.depth_noise" is set by --depth-noise.
+std::string flag_of(const std::string& field) {
+  std::string flag = "--" + field.substr(field.find('.') + 1);
+  std::replace(flag.begin(), flag.end(), '_', '-');
+  return flag;
+}
+
+// What the sensor has not; a flag for it would do nothing.
+Result<void> check_sensor_has(const SynthArguments& a) {
+  const std::map<std::string, std::vector<std::string>> lacks{
+      {"mono", {"synth.baseline", "synth.depth_noise", "synth.right_gain", "synth.right_offset"}},
+      {"stereo", {"synth.depth_noise"}},
+      {"rgbd", {"synth.right_gain", "synth.right_offset"}}};
+  const auto sensor = lacks.find(a.options.sensor);
+  if (sensor == lacks.end()) return {};
+  for (const std::string& name : sensor->second) {
+    if (const auto given = a.settings.find(name); given != a.settings.end() && !given->second.empty())
+      return fail(flag_of(name) + ": it does nothing with --sensor " + a.options.sensor);
+  }
+  return {};
+}
+
 int synth(SynthArguments arguments) {
   for (const auto& [name, text] : arguments.settings) {
     if (text.empty()) continue;
     if (auto ok = set_field(fields(arguments.options), name, text); !ok) return fail_with(ok.error());
   }
+  if (const auto has = check_sensor_has(arguments); !has) return fail_with(has.error());
   auto world = Synth::create(arguments.options);
   if (!world) return fail_with(world.error());
   end_well_on_signals();
@@ -54,7 +77,10 @@ int synth(SynthArguments arguments) {
   const Existing existing = arguments.overwrite ? Existing::replace : Existing::refuse;
   const auto report = write_sequence(*world, arguments.out, existing, progress);
   if (shown) std::fputs("\n", stderr);
-  if (!report) return fail_with(report.error());
+  if (!report) {
+    fail_with(report.error());
+    return interrupted == 0 ? 1 : 128 + interrupted;
+  }
 
   const SynthOptions& made = world->options();
   const double seconds = all.ms() / 1000;
@@ -78,13 +104,6 @@ int synth(SynthArguments arguments) {
                 report->frames / std::max(seconds, 1e-3));
   }
   return 0;
-}
-
-// "synth.depth_noise" is set by --depth-noise.
-std::string flag_of(const std::string& field) {
-  std::string flag = "--" + field.substr(field.find('.') + 1);
-  std::replace(flag.begin(), flag.end(), '_', '-');
-  return flag;
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ void add_view_command(CLI::App& app, int& exit_code) {
   command->add_option("PATH", arguments->path, "folder of results (covis run --out), or a saved map")->required();
   command->add_option("--port", arguments->view.port, "port the viewer listens on; 0: any that is free")
       ->capture_default_str()
-      ->check(CLI::Range(0, 65535));
+      ->transform(whole_number_from(0, 65535));
   add_host_option(*command, "--host", arguments->view);
   command->footer(
       "Examples:\n  covis view result\n  covis view office.m --port 0\nIt serves until Ctrl-C (docs/viewer.md). Exit "

@@ -60,7 +60,7 @@ Result<void> may_write(const std::string& file, bool overwrite, const std::vecto
     return fail(file + ": the file exists; --overwrite replaces it");
   const auto fits = io::check_output(file, io::OutputKind::vocabulary, {inputs.begin(), inputs.end()});
   if (!fits) return fits;
-  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  const std::filesystem::path folder = std::filesystem::absolute(file, error).parent_path();
   if (!std::filesystem::is_directory(folder, error)) return fail(folder.string() + ": there is no such folder");
   return {};
 }
@@ -144,7 +144,10 @@ int train(TrainArguments arguments) {
       return progress("images", static_cast<double>(done) / static_cast<double>(files->size()));
     });
   }
-  if (report.stopped) return fail_with("stopped; nothing was written");
+  if (report.stopped) {
+    fail_with("stopped; nothing was written");
+    return 128 + interrupted;
+  }
   if (!report.skipped.empty()) {
     log(LogLevel::warning, std::to_string(report.skipped.size()) + " of " + std::to_string(files->size()) +
                                " images were skipped, the first because: " + report.skipped.front());

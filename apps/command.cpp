@@ -89,6 +89,7 @@ int covis_command(int argc, char** argv) {
   covis::app::end_in_order_on_terminate();
   connect_log();
   std::signal(SIGXFSZ, SIG_IGN);              // a limit on the size of files is an error of writing, as a full disk is
+  std::signal(SIGPIPE, SIG_IGN);              // who reads stdout or stderr may leave: what a run has made is written
   setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // Covis alone reports a video that it can't read
   covis::io::limit_ffmpeg();
   CLI::App app{"Covis: visual SLAM for monocular, stereo and RGB-D cameras"};

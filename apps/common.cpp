@@ -2,10 +2,12 @@
 #include "common.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <csignal>
 #include <filesystem>
 #include <iostream>
+#include <set>
 
 #include "apps/run/run_json.h"
 #include "covis/core/log.h"
@@ -72,9 +74,9 @@ void add_reading_options(CLI::App& command, Reading& reading) {
   command.add_option("--topic", reading.topics.image, "image topic of a bag, the left one of a stereo pair");
   command.add_option("--right-topic", reading.topics.right, "right image topic of a bag");
   command.add_option("--depth-topic", reading.topics.depth, "depth topic of a bag");
-  command.add_option("--first", reading.first, "index of the first frame")->check(whole_number_from(0));
-  command.add_option("--count", reading.count, "frames at most; -1: all")->check(count_or_all());
-  command.add_option("--stride", reading.stride, "every n-th frame")->check(whole_number_from(1, kMostStride));
+  command.add_option("--first", reading.first, "index of the first frame")->transform(whole_number_from(0));
+  command.add_option("--count", reading.count, "frames at most; -1: all")->transform(count_or_all());
+  command.add_option("--stride", reading.stride, "every n-th frame")->transform(whole_number_from(1, kMostStride));
   command.add_flag("--skip-bad", reading.skip_bad,
                    "leave out frames without their right image, depth or a stamp that rises, also where they are many");
 }
@@ -99,13 +101,16 @@ CLI::Validator whole_number_from(int64_t least, int64_t most) {
       [least, most](std::string& text) {
         int64_t value = 0;
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error == std::errc() && end == text.data() + text.size() && value >= least && value <= most)
+        if (error == std::errc() && end == text.data() + text.size() && value >= least && value <= most) {
+          text = std::to_string(value);  // what reads it then takes a leading 0 for octal
           return std::string();
+        }
         const bool bounded = most < std::numeric_limits<int64_t>::max();
         return text + " is not a whole number from " + std::to_string(least) +
                (bounded ? " to " + std::to_string(most) : " on");
       },
-      "FROM " + std::to_string(least));
+      "FROM " + std::to_string(least) +
+          (most < std::numeric_limits<int64_t>::max() ? " TO " + std::to_string(most) : ""));
 }
 
 CLI::Validator positive_number() {
@@ -118,11 +123,23 @@ CLI::Validator positive_number() {
 }
 
 Result<void> set_all(const std::vector<std::string>& settings, const Fields& known) {
+  std::set<std::string> names;
   for (const std::string& setting : settings) {
     const size_t equals = setting.find('=');
     if (equals == std::string::npos) return fail("--set " + setting + ": it must be NAME=VALUE");
+    if (!names.insert(setting.substr(0, equals)).second)
+      return fail("--set " + setting + ": " + setting.substr(0, equals) + " is set twice");
     if (auto set = set_field(known, setting.substr(0, equals), setting.substr(equals + 1)); !set) return set;
   }
+  return {};
+}
+
+Result<void> set_features(int given, const std::vector<std::string>& settings, int& features) {
+  const auto sets_them = [](const std::string& setting) { return setting.starts_with("orb.features="); };
+  if (given > 0 && given != features && std::ranges::any_of(settings, sets_them))
+    return fail("--features " + std::to_string(given) + " and --set orb.features=" + std::to_string(features) +
+                " are the same setting; give one of them");
+  if (given > 0) features = given;
   return {};
 }
 
@@ -136,6 +153,8 @@ int fail_with(const Error& error) { return fail_with(error.message); }
 void end_well_on_signals() {
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
+  // A closed terminal; `nohup` has it ignored, and it stays so.
+  if (std::signal(SIGHUP, on_signal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 
 }  // namespace covis::app

@@ -57,12 +57,15 @@ struct Reading {
 // Adds --sensor, --kind, --camera, the topics of bags, --first, --count, --stride and --skip-bad.
 void add_reading_options(CLI::App& command, Reading& reading);
 
-// Checks of options; CLI11's own name no bounds that a person would, and let "nan" pass.
+// Checks of options; CLI11's own name no bounds that a person would, and let "nan" pass. A whole number is for
+// Option::transform(): its leading zeros go.
 CLI::Validator whole_number_from(int64_t least, int64_t most = std::numeric_limits<int64_t>::max());
 CLI::Validator positive_number();
 
 // Sets the fields that --set names, each as NAME=VALUE.
 Result<void> set_all(const std::vector<std::string>& settings, const Fields& known);
+// Takes what --features says, unless `settings` say another number of keypoints; 0: it was not given.
+Result<void> set_features(int given, const std::vector<std::string>& settings, int& features);
 
 nlohmann::json camera_json(const Camera& camera);
 // Prints it on stdout. A path in it need not be UTF-8.

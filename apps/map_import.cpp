@@ -48,7 +48,7 @@ void add_map_import(CLI::App& map_command, int& exit_code) {
   command->add_option("--out", a->out, "file for the map")->required();
   command->add_option("--features", a->features, "keypoints per image")
       ->capture_default_str()
-      ->check(CLI::Range(50, 30000));
+      ->transform(whole_number_from(50, 30000));
   command->add_option("--vocabulary", a->vocabulary, "as for covis run");
   command->callback([a, &exit_code] { exit_code = run_import(*a); });
 }

@@ -238,8 +238,8 @@ void add_map_prune(CLI::App& map_command, int& exit_code) {
   command->add_option("FILE", a->file, "a saved map")->required();
   CLI::Option_group* budget = command->add_option_group("budget", "at least one");
   budget->add_option("--key-frames", a->key_frames, "so many are left (at least one of each map)")
-      ->check(CLI::Range(size_t{1}, kAll));
-  budget->add_option("--points", a->points, "so many are left at most")->check(CLI::Range(size_t{1}, kAll));
+      ->transform(whole_number_from(1, kAll));
+  budget->add_option("--points", a->points, "so many are left at most")->transform(whole_number_from(1, kAll));
   budget->require_option(1, 2);
   command->add_option("--out", a->out, "file for the smaller map")->required();
   command->add_option("--vocabulary", a->vocabulary, "to look for what was taken out (default: the one that ships)");

@@ -68,7 +68,7 @@ void add_run_view_options(CLI::App& command, ViewOptions& options) {
       command
           .add_flag("--view{" + port + "}", options.port,
                     "show the run in a browser: --view or --view=PORT (default: " + port + "; 0: any that is free)")
-          ->check(CLI::Range(0, 65535));
+          ->transform(whole_number_from(0, 65535));
   add_host_option(command, "--view-host", options)->needs(view);
   command
       .add_flag_callback(

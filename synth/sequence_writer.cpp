@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 #include <optional>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -94,6 +95,21 @@ cv::Mat depth_image(const ImageF& depth, double scale) {
   return mat;
 }
 
+// Lies in every recording that is made here, before anything else does: another one is never replaced.
+constexpr const char* kMark = "synth.json";
+constexpr std::string_view kMarkBegins = "{\"made_by\": \"covis synth\"";
+
+std::string mark_of(const SynthOptions& o) {
+  std::string text(kMarkBegins);
+  text += format(R"(, "world": "%s", "sensor": "%s", "seed": %d})", o.world.c_str(), o.sensor.c_str(), o.seed);
+  return text += '\n';
+}
+
+bool is_marked(const fs::path& folder) {
+  const auto head = io::read_head(folder / kMark, kMarkBegins.size());
+  return head && *head == kMarkBegins;
+}
+
 Result<void> prepare_folder(const fs::path& folder, Existing existing, const std::vector<std::string>& subfolders) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -102,6 +118,10 @@ Result<void> prepare_folder(const fs::path& folder, Existing existing, const std
   if (!fs::is_empty(folder, error)) {
     if (existing == Existing::refuse)
       return fail("folder " + folder.string() + " is not empty; choose another, or say --overwrite");
+    if (!is_marked(folder))
+      return fail("folder " + folder.string() +
+                  " is not empty, and covis synth did not make what is in it (it has no " + kMark +
+                  "), so that it is not replaced; choose another folder");
     for (const char* ours : {"rgb", "depth", "images", "image_0", "image_1", "rgb.txt", "depth.txt", "associations.txt",
                              "groundtruth.txt", "camera.yaml", "calib.txt", "times.txt", "poses.txt"}) {
       fs::remove_all(folder / ours, error);
@@ -176,6 +196,7 @@ Result<SynthReport> write_sequence(Synth& synth, const fs::path& folder, Existin
                                                   ? std::vector<std::string>{"image_0", "image_1"}
                                                   : std::vector<std::string>{"images"};
   if (auto ok = prepare_folder(folder, existing, subfolders); !ok) return tl::unexpected(ok.error());
+  if (auto ok = write_atomically(folder / kMark, mark_of(synth.options())); !ok) return tl::unexpected(ok.error());
   SynthReport report;
   Trajectory truth;
   for (int i = 0; i < synth.frames(); ++i) {

@@ -120,6 +120,17 @@ TEST_F(SequenceWriter, KeepsWhatIsThereUnlessToldToReplaceIt) {
   expect_read_back(rgbd, folder_, io::SequenceKind::tum);
 }
 
+// --overwrite in a folder of real images removed them.
+TEST_F(SequenceWriter, ReplacesNoRecordingOfOthers) {
+  fs::create_directories(folder_ / "rgb");
+  std::ofstream(folder_ / "rgb" / "1.png") << "a photograph";
+  Synth rgbd = make("rgbd", 2);
+  const auto refused = write_sequence(rgbd, folder_, Existing::replace, {});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("covis synth did not make what is in it (it has no synth.json)"));
+  EXPECT_TRUE(fs::exists(folder_ / "rgb" / "1.png"));
+}
+
 TEST_F(SequenceWriter, SaysThatTheFolderCannotBeMade) {
   Synth synth = make("mono", 1);
   fs::create_directories(folder_);

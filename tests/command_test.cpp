@@ -301,6 +301,13 @@ TEST_F(CommandInterrupt, EndsSoonWhileMappingRuns) {
   }
 }
 
+TEST_F(CommandInterrupt, AClosedTerminalEndsARunInOrder) {
+  const fs::path recording = render("rgbd", 60);
+  interrupt({recording, "--realtime"}, 0.2, SIGHUP);
+  EXPECT_EQ(code, 128 + SIGHUP);
+  expect_results(folder / "out");
+}
+
 TEST_F(CommandInterrupt, TerminationIsToldFromCtrlC) {
   const fs::path recording = render("rgbd", 60);
   interrupt({recording, "--realtime"}, 0.2, SIGTERM);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The other commands as people use them, and the codes and messages of all for wrong arguments, input and disks.
+#include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 
@@ -112,7 +114,9 @@ TEST_F(CommandUsage, WrongArgumentsAreNamedWithCode2) {
       {{}, "subcommand is required"},
       {{"rnu", "somewhere"}, "rnu: no such command; did you mean covis run?"},
       {{"run", "somewhere", "--sensor", "sonar"}, "sonar not in {mono,rgbd,stereo}"},
-      {{"run", "somewhere", "--features", "1"}, "not in range 50 to 30000"},
+      {{"run", "somewhere", "--features", "1"}, "--features: 1 is not a whole number from 50 to 30000"},
+      {{"run", "somewhere", "--view=0x1F90"}, "0x1F90 is not a whole number from 0 to 65535"},
+      {{"run", "somewhere", "--save-every", "5"}, "--save-every requires --save-map"},
       {{"run", "somewhere", "--stride", "0"}, "--stride: 0 is not a whole number from 1 to 1000000000"},
       {{"run", "somewhere", "--count", "-5"}, "--count: -5 is not a whole number from 1 on, or -1 for all"},
       {{"run", "somewhere", "--first", "-1"}, "--first: -1 is not a whole number from 0 on"},
@@ -140,7 +144,10 @@ TEST_F(CommandUsage, WrongArgumentsAreNamedWithCode2) {
 
 TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
   std::ofstream(folder / "file.txt") << "not a trajectory\n";
-  const std::string file = folder / "file.txt", gone = folder / "gone";
+  const std::string file = folder / "file.txt", gone = folder / "gone", tum = folder / "tum.txt",
+                    kitti = folder / "kitti.txt";
+  std::ofstream(tum) << "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n";
+  std::ofstream(kitti) << "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n";
   const struct {
     std::vector<std::string> words;
     std::string message;
@@ -151,6 +158,9 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
       {{"run", gone, "--set", "orb.featurs=3"}, "nearest known one is 'orb.features'"},
       {{"run", gone, "--set", "orb.features=x"}, "whole number from 50"},
       {{"run", gone, "--set", "orb.features"}, "NAME=VALUE"},
+      {{"run", "--set", "orb.levels=4", gone}, gone + ": it does not exist"},
+      {{"run", gone, "--set", "orb.levels=4", "--set", "orb.levels=5"}, "orb.levels is set twice"},
+      {{"run", gone, "--features", "500", "--set", "orb.features=900"}, "are the same setting; give one of them"},
       {{"run", gone, "--set", "system.trajectory_frames=9"}, "it is for programs"},
       {{"run", gone, "--config", gone}, gone},
       {{"run", gone, "--set", "mapper.max_map_mb=-1"}, "whole number from 0"},
@@ -166,8 +176,16 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
       {{"calibrate", gone, "--board", "9x6", "--square", "0.03", "--marker", "0.02"}, "--charuco"},
       {{"eval", gone, gone}, gone},
       {{"eval", file, file}, "file.txt"},
+      {{"eval", tum, kitti},
+       "kitti.txt: it has no stamps, and " + tum + " has; give those of its rows with --truth-stamps"},
+      {{"eval", kitti, tum}, "kitti.txt: it has no stamps, and " + tum + " has; give those of its rows with --stamps"},
+      {{"eval", tum, tum, "--stamps", file}, "--stamps " + file + ": " + tum + " has stamps of its own"},
+      {{"eval", tum, tum, "--delta", "2.5"}, "a number of frames is whole"},
+      {{"eval", tum, tum, "--plot", gone + "/plot.png"}, "gone/plot.png: it can't be written"},
       {{"check", gone}, gone},
       {{"check", "--import-camera", file, "--out", gone}, "it is no camera that can be read. Readable are: Kalibr"},
+      {{"synth", "room", "--sensor", "mono", "--baseline", "0.1", "--out", gone},
+       "--baseline: it does nothing with --sensor mono"},
       {{"synth", "mars", "--out", gone}, "no world 'mars'"}};
   for (const auto& c : cases) {
     const Outcome outcome = covis(c.words);
@@ -175,6 +193,46 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
     EXPECT_THAT(outcome.error, HasSubstr(c.message));
   }
   EXPECT_FALSE(fs::exists(gone));
+}
+
+// CLI11 takes a leading 0 for octal.
+TEST_F(CommandUsage, LeadingZerosAreDecimal) {
+  const fs::path recording = render("mono", 12);
+  ASSERT_EQ(covis({"check", recording, "--count", "010", "--json", "--out", folder / "c.png"}).code, 0);
+  EXPECT_EQ(json::parse(text_of(folder / "stdout"), nullptr, false)["frames_read"], 10);
+}
+
+// The pictures that Covis leaves beside the images are none of them.
+TEST_F(CommandUsage, ItsOwnPicturesAreNoImagesOfTheRecording) {
+  const fs::path recording = render("mono", 5);
+  for (const fs::path& picture : {recording / "check.png", recording / "images" / "check.png"}) {
+    for (int twice = 0; twice < 2; ++twice) {
+      const Outcome check = covis({"check", recording, "--json", "--out", picture});
+      EXPECT_EQ(check.code, 0) << check.error << check.out;
+      EXPECT_EQ(json::parse(check.out, nullptr, false)["frames_read"], 5);
+    }
+  }
+}
+
+TEST_F(CommandUsage, AListThatIsALinkToNothingIsNotTakenForNone) {
+  const fs::path recording = render("rgbd", 5), list = recording / "depth.txt";
+  fs::remove(list);
+  fs::create_symlink("gone.txt", list);
+  const Outcome run = covis({"run", recording, "--quiet", "--out", folder / "out"});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.error, HasSubstr("depth.txt: it is a link to what is not there (gone.txt)"));
+}
+
+TEST_F(CommandUsage, WhoReadsItsMessagesMayLeave) {
+  const fs::path recording = render("rgbd", 10), pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  Process process(command({"run", recording, "--out", folder / "out"}), folder / "stdout", pipe);
+  while (!fs::exists(folder / "out") && !process.ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  close(reader);
+  EXPECT_EQ(process.wait(kPatience), 0);
+  expect_results(folder / "out");
 }
 
 TEST_F(CommandUsage, HelpAndVersionAreResults) {

@@ -86,10 +86,10 @@ Result<void> open_output_folder(const std::filesystem::path& folder, const std::
 
 std::optional<std::string> why_nothing_is_written(const RunRecord& run, const Snapshot& snapshot,
                                                   const std::filesystem::path& folder) {
-  if (run.interrupted) return std::nullopt;
-  if (!run.failure.empty()) {
+  if (run.interrupted || !run.failure.empty()) {
     if (!snapshot.trajectory.empty() || !has_results(folder)) return std::nullopt;
-    return run.failure + "; no frame was tracked, so that the older results in " + folder.string() + " stay";
+    return (run.failure.empty() ? "interrupted" : run.failure) +
+           "; no frame was tracked, so that the older results in " + folder.string() + " stay";
   }
   std::string first;
   for (size_t k = 0; k < run.frames.size(); ++k) {

@@ -45,8 +45,18 @@ TEST_F(RunOutputs, AFailureWithoutATrackedFrameIsWrittenWhereNoOlderResultsAre) 
   EXPECT_THAT(why_nothing_is_written(failed, nothing, folder.path()).value_or(""),
               testing::HasSubstr("camera 0: it is gone; no frame was tracked, so that the older results in "));
   EXPECT_FALSE(why_nothing_is_written(failed, made_snapshot(), folder.path())) << "frames were tracked";
-  failed.interrupted = true;
-  EXPECT_FALSE(why_nothing_is_written(failed, nothing, folder.path()));
+}
+
+// Ctrl-C before the first pose replaced forty tracked frames by none.
+TEST_F(RunOutputs, AnInterruptionBeforeTheFirstPoseLeavesOlderResults) {
+  RunRecord stopped = made_record();
+  stopped.interrupted = true;
+  const Snapshot nothing;
+  EXPECT_FALSE(why_nothing_is_written(stopped, nothing, folder.path())) << "there are none yet";
+  ASSERT_TRUE(write());
+  EXPECT_THAT(why_nothing_is_written(stopped, nothing, folder.path()).value_or(""),
+              testing::HasSubstr("interrupted; no frame was tracked, so that the older results in "));
+  EXPECT_FALSE(why_nothing_is_written(stopped, made_snapshot(), folder.path())) << "frames were tracked";
 }
 
 TEST_F(RunOutputs, ATrajectoryOfOthersIsRefusedBeforeTheRun) {

@@ -38,6 +38,12 @@ std::string number(double value) {
   return text;
 }
 
+// As people write it: 1000000, not 1e+06.
+std::string bound(double value) {
+  const bool is_whole = value == std::floor(value) && std::abs(value) < 1e15;
+  return is_whole ? std::to_string(static_cast<int64_t>(value)) : number(value);
+}
+
 tl::unexpected<Error> wrong(const Field& field, std::string_view text, std::string_view wanted) {
   return fail(field.name + ": '" + std::string(text) + "' is not right; it must be " + std::string(wanted) + " (" +
               field.doc + ")");
@@ -51,8 +57,8 @@ std::string field_range(const Field& field) {
   const bool low = field.min > std::numeric_limits<double>::lowest(),
              high = field.max < std::numeric_limits<double>::max();
   std::string text;
-  if (low) text = "from " + number(field.min);
-  if (high) text += (low ? " to " : "up to ") + number(field.max);
+  if (low) text = "from " + bound(field.min);
+  if (high) text += (low ? " to " : "up to ") + bound(field.max);
   return text;
 }
 

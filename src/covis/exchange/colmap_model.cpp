@@ -70,7 +70,8 @@ Result<Camera> read_camera(const fs::path& file, int& id) {
   Camera camera;
   *line >> id >> model >> camera.width >> camera.height;
   const auto known = kModels.find(model);
-  if (!*line || known == kModels.end()) {
+  if (!*line) return lines->problem("CAMERA_ID MODEL WIDTH HEIGHT and the model's figures are wanted, decimal numbers");
+  if (known == kModels.end()) {
     return lines->problem("camera model '" + model +
                           "' is none of SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, OPENCV_FISHEYE");
   }

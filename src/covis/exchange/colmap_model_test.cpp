@@ -77,6 +77,7 @@ TEST_F(ColmapModelFiles, ThatAreWrongAreNamedWithTheirLine) {
   const std::string camera = "1 PINHOLE 640 480 500 500 320 240\n";
   EXPECT_THAT(error("", images), HasSubstr("cameras.txt:0: there is no camera"));
   EXPECT_THAT(error("1 FOV 640 480 1 2 3 4 5\n", images), HasSubstr("camera model 'FOV'"));
+  EXPECT_THAT(error("1 PINHOLE 0x280 480 500 500 320 240\n", images), HasSubstr("decimal numbers"));
   EXPECT_THAT(error("1 PINHOLE 640 480 500 500 320\n", images), HasSubstr("cameras.txt:1: "));
   EXPECT_THAT(error("1 PINHOLE 640 480 nan 500 320 240\n", images), HasSubstr("positive focal lengths"));
   EXPECT_THAT(error(camera + "2 PINHOLE 640 480 500 500 320 240\n", images), HasSubstr("second camera"));

@@ -2,6 +2,7 @@
 #include "covis/io/bag.h"
 
 #include <algorithm>
+#include <cctype>
 #include <optional>
 
 #include "covis/core/message_text.h"
@@ -28,7 +29,8 @@ std::optional<BagFormat> format_of(const fs::path& file) {
 }
 
 bool is_bag_name(const fs::path& file) {
-  const std::string name = file.filename().string();
+  std::string name = file.filename().string();
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return name.ends_with(".bag") || name.ends_with(".bag.active") || name.ends_with(".db3") ||
          name.ends_with(".db3.zstd") || name.ends_with(".mcap");
 }

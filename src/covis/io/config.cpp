@@ -19,7 +19,9 @@ Result<void> load_map(const std::filesystem::path& file, const YAML::Node& node,
     }
     const std::string where = yaml_place(file, entry.first);
     if (!seen.insert(name).second) return fail(where + ": '" + name + "' is given twice");
-    if (!entry.second.IsScalar()) return fail(where + ": '" + name + "' must be a single value");
+    if (!entry.second.IsScalar())
+      return fail(where + ": '" + name + "' must be a single value" +
+                  std::string(entry.second.IsNull() ? "; there is none" : ""));
     if (auto set = set_field(fields, name, entry.second.Scalar()); !set)
       return fail(where + ": " + set.error().message);
   }

@@ -78,6 +78,9 @@ Result<cv::Mat> decode_image(const std::string& name, std::string_view bytes, in
     if (const auto problem = problem_of_image(plain, expected)) return fail(name + ": " + *problem);
     bytes = plain;
   }
+  // OpenCV reads one byte behind the last number of a picture in plain text (P1 to P3), which need not end its line.
+  std::string ended;
+  if (bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '3') bytes = ended.append(bytes) += '\n';
   const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
   const ReusedMemory memory(std::move(to));
   cv::Mat decoded;

@@ -306,6 +306,12 @@ TEST_F(Images, BytesThatAJpegMayHoldBetweenItsPartsAreNoDamage) {
   }
 }
 
+TEST_F(Images, APictureInPlainTextMayEndWithItsLastNumber) {
+  write("a.pgm", "P2\n3 2\n255\n1 2 3 4 5 60");
+  ASSERT_TRUE(reader.grey(folder / "a.pgm", grey));
+  EXPECT_EQ(grey(2, 1), 60);
+}
+
 TEST_F(Images, ATiffMayLackTheLengthsOfItsStrips) {
   std::string tiff = saved("a.tiff", noise());
   const size_t list = static_cast<unsigned char>(tiff[4]) | static_cast<unsigned char>(tiff[5]) << 8 |

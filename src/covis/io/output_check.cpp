@@ -38,12 +38,13 @@ bool is_camera(std::string_view bytes) {
   return bytes.starts_with("width:") || bytes.starts_with("sensor_type: camera");
 }
 
-// Binary, or as text: branching, depth, 0 0.
+// Binary, or as text: branching, depth, 0 0. (Four numbers of a camera are none.)
 bool is_vocabulary(std::string_view bytes) {
+  if (bytes.starts_with("COVISVOC")) return true;
   const std::vector<std::string_view> words = split(bytes.substr(0, bytes.find('\n')));
-  const bool numbers =
-      std::all_of(words.begin(), words.end(), [](auto word) { return parse_double(word).has_value(); });
-  return bytes.starts_with("COVISVOC") || (words.size() == 4 && numbers);
+  if (words.size() != 4 || words[2] != "0" || words[3] != "0") return false;
+  const auto branching = parse_double(words[0]), depth = parse_double(words[1]);
+  return branching && depth && *branching >= 2 && *branching <= 256 && *depth >= 1 && *depth <= 16;
 }
 
 bool is_of(OutputKind kind, std::string_view bytes) {
@@ -128,6 +129,11 @@ Result<void> check_output(const fs::path& out, OutputKind kind, const std::vecto
   if (*replaceable) return {};
   return fail(out.string() + ": it is there and is not " + name(kind) +
               ", so that it is not replaced; remove it or choose another name");
+}
+
+bool is_marked_picture(const fs::path& file) {
+  const auto head = read_head(file, kPngHeader + kMark.size());
+  return head && is_of(OutputKind::picture, *head);
 }
 
 std::string marked_picture(std::string png) { return png.insert(std::min(kPngHeader, png.size()), kMark); }

@@ -44,5 +44,6 @@ Result<void> check_output(const std::filesystem::path& out, OutputKind kind,
 
 // The bytes of a PNG file with a note in it that Covis made it, so that a later picture may replace it.
 std::string marked_picture(std::string png);
+bool is_marked_picture(const std::filesystem::path& file);
 
 }  // namespace covis::io

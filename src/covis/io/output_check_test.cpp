@@ -55,6 +55,7 @@ TEST_F(OutputCheck, FilesOfOthersAreNotReplaced) {
   EXPECT_EQ(replaced_by("# my notes"), Kinds{});
   EXPECT_EQ(replaced_by("# Camera list with one line of data per camera:\n"), Kinds{});
   EXPECT_EQ(replaced_by("COVISMAP"), Kinds{});
+  EXPECT_EQ(replaced_by("525 525 320 240\n"), Kinds{}) << "four numbers are a camera";
 }
 
 TEST_F(OutputCheck, AFileThatCantBeReadIsNamed) {

@@ -7,6 +7,7 @@
 #include "covis/io/files.h"
 #include "covis/io/image_stamps.h"
 #include "covis/io/images.h"
+#include "covis/io/output_check.h"
 #include "covis/io/recording.h"
 
 namespace covis::io {
@@ -102,7 +103,10 @@ std::vector<fs::path> list_images(const fs::path& folder) {
   std::vector<fs::path> images;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.is_regular_file(error) && is_image(entry.path())) images.push_back(entry.path());
+    if (!entry.is_regular_file(error) || !is_image(entry.path())) continue;
+    // A check or a run whose results are beside the images leaves pictures there.
+    if (entry.path().extension() == ".png" && is_marked_picture(entry.path())) continue;
+    images.push_back(entry.path());
   }
   std::sort(images.begin(), images.end(), natural_less);
   return images;

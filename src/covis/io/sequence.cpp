@@ -31,6 +31,19 @@ bool is_number(const std::string& text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
+// A list or a camera file that is there by name only would be read as none.
+Result<void> check_links(const fs::path& folder) {
+  std::error_code none;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
+    const std::string extension = entry.path().extension().string();
+    const bool may_be_read = extension.empty() || extension == ".txt" || extension == ".yaml" || extension == ".csv";
+    if (may_be_read && entry.is_symlink(none) && !fs::exists(entry.path(), none))
+      return fail(entry.path().string() + ": it is a link to what is not there (" +
+                  fs::read_symlink(entry.path(), none).string() + ")");
+  }
+  return {};
+}
+
 std::optional<SequenceKind> kind_of_folder(const fs::path& folder) {
   if (is_bag(folder)) return SequenceKind::bag;
   if (fs::is_directory(folder / "mav0") || fs::is_directory(folder / "cam0")) return SequenceKind::euroc;
@@ -131,6 +144,7 @@ Result<std::unique_ptr<Sequence>> open(const std::string& path, const SequenceOp
   if (kind == SequenceKind::video) return open_video(path, request, options);
   if (kind == SequenceKind::camera) return open_camera(path, request, options);
   if (kind != SequenceKind::bag && !fs::is_directory(path)) return fail(path + ": it is not a folder");
+  if (auto whole = check_links(path); !whole) return tl::unexpected(whole.error());
   auto recording = read_folder(kind, request);
   if (!recording) return tl::unexpected(recording.error());
   if (auto left = leave_out_bad_frames(*recording, request.bad_frames); !left) return tl::unexpected(left.error());

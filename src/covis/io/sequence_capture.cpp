@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <mutex>
+#include <utility>
 
 #include "covis/geometry/camera_check.h"
 #include "covis/io/decode_ahead.h"
@@ -73,7 +74,10 @@ class VideoSequence : public Sequence {
   Result<std::optional<Frame>> decode(Frame frame) {
     if (options_.count >= 0 && given_ >= options_.count) return std::optional<Frame>();
     while (read_ < options_.first || (read_ - options_.first) % options_.stride != 0) {
-      if (!file_->grab()) return end();
+      if (!file_->grab()) {
+        if (read_ < options_.first && !std::exchange(said_, true)) return too_short();
+        return end();
+      }
       ++read_;
     }
     if (!file_->grab()) return end();
@@ -107,6 +111,11 @@ class VideoSequence : public Sequence {
     return stamp;
   }
 
+  tl::unexpected<Error> too_short() const {
+    return fail(name_ + ": it has " + std::to_string(read_) + " frames; none is left from frame " +
+                std::to_string(options_.first) + " on");
+  }
+
   // A video with fewer frames than its container says gets a note and no error, for containers without a list of frames
   // (WebM, Matroska, a rate that varies) tell no more than a guess.
   std::optional<Frame> end() {
@@ -128,7 +137,7 @@ class VideoSequence : public Sequence {
   int64_t read_ = 0, given_ = 0;
   int64_t last_index_ = -1;
   Timestamp last_stamp_ = 0;
-  bool said_ = false;  // a note tells of the end
+  bool said_ = false;  // a note or an error tells of the end
   mutable std::mutex notes_mutex_;
   std::vector<std::string> notes_;  // guarded by notes_mutex_
   cv::Mat picture_;

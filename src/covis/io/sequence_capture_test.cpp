@@ -58,6 +58,42 @@ TEST_F(Sequences, ReadsTheUsualContainers) {
   }
 }
 
+// FFmpeg knows JPEG files in a row under another name where they have the header of a JPEG file.
+TEST_F(Sequences, ReadsJpegFilesInARow) {
+  camera_yaml();
+  std::string all;
+  for (int i = 0; i < 10; ++i) {
+    std::vector<uint8_t> bytes;
+    cv::imencode(".jpg", cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(20 * i)), bytes);
+    all.append(bytes.begin(), bytes.end());
+  }
+  write("a.mjpg", all);
+  const auto opened = open_sequence((folder / "a.mjpg").string(), {.camera_file = folder / "camera.yaml"});
+  ASSERT_TRUE(opened) << opened.error().message;
+  int frames = 0;
+  for (auto frame = (*opened)->next(); frame && *frame; frame = (*opened)->next()) {
+    EXPECT_NEAR((*frame)->image(20, 20), 20 * frames, 2);
+    ++frames;
+  }
+  EXPECT_EQ(frames, 10);
+}
+
+TEST_F(Sequences, AVideoThatEndsBeforeTheFirstFrameSaysSo) {
+  camera_yaml();
+  const std::string video = (folder / "video.avi").string();
+  cv::VideoWriter writer(video, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25, {kWidth, kHeight});
+  for (int i = 0; i < 3; ++i) writer.write(cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(40 * i)));
+  writer.release();
+  const auto opened = open_sequence(video, {.camera_file = folder / "camera.yaml", .first = 500});
+  ASSERT_TRUE(opened) << opened.error().message;
+  const auto frame = (*opened)->next();
+  ASSERT_FALSE(frame);
+  EXPECT_THAT(frame.error().message, HasSubstr("video.avi: it has 3 frames; none is left from frame 500 on"));
+  const auto after = (*opened)->next();
+  ASSERT_TRUE(after) << "who goes on after an error comes to an end";
+  EXPECT_FALSE(*after);
+}
+
 TEST_F(Sequences, AVideoOpenedUncalibratedHasASizeAlone) {
   const std::string video = (folder / "video.avi").string();
   cv::VideoWriter writer(video, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25, {kWidth, kHeight});

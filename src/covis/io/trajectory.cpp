@@ -46,9 +46,15 @@ SE3 forward_right_down() {
   return {R, Eigen::Vector3d::Zero()};
 }
 
+// EuRoC's stamps are whole nanoseconds; TUM's columns may have commas between them, too.
+bool is_euroc(std::string_view line) {
+  const size_t comma = line.find(',');
+  return comma != line.npos && line.find_first_not_of("-0123456789") == comma;
+}
+
 TrajectoryFormat format_of(const std::filesystem::path& file, std::string_view line, size_t columns) {
   if (columns == 12) return TrajectoryFormat::kitti;
-  if (line.find(',') != std::string_view::npos) return TrajectoryFormat::euroc;
+  if (is_euroc(line)) return TrajectoryFormat::euroc;
   if (columns == 7) return TrajectoryFormat::tartanair;
   return file.string().ends_with(".gt.freiburg") ? TrajectoryFormat::icl_nuim : TrajectoryFormat::tum;
 }
@@ -67,10 +73,6 @@ std::optional<SE3> pose_of(TrajectoryFormat format, const std::vector<double>& v
     default:
       return from_quaternion(v[0], v[1], v[2], v[3], v[4], v[5], v[6]);
   }
-}
-
-bool has_stamps(TrajectoryFormat format) {
-  return format != TrajectoryFormat::kitti && format != TrajectoryFormat::tartanair;
 }
 
 // text: the stamp in a row.
@@ -93,6 +95,21 @@ bool is_of_map(const std::filesystem::path& one, const std::filesystem::path& fi
 }
 
 }  // namespace
+
+bool has_stamps(TrajectoryFormat format) {
+  return format != TrajectoryFormat::kitti && format != TrajectoryFormat::tartanair;
+}
+
+Result<TrajectoryFormat> trajectory_format(const std::filesystem::path& file, TrajectoryFormat format) {
+  if (format != TrajectoryFormat::automatic) return format;
+  const auto text = read_text(file);
+  if (!text) return tl::unexpected(text.error());
+  for_each_line(*text, [&](std::string_view line, int) {
+    format = format_of(file, line, split(line).size());
+    return false;
+  });
+  return format;
+}
 
 Result<Trajectory> read_trajectory(const std::filesystem::path& file, TrajectoryFormat format,
                                    const std::filesystem::path& stamps_file) {
@@ -133,8 +150,10 @@ Result<Trajectory> read_trajectory(const std::filesystem::path& file, Trajectory
       }
     }
     const std::optional<SE3> pose = v ? pose_of(row, *v) : std::nullopt;
-    if (!v || !stamp) {
+    if (!v) {
       problem = place(file, number) + ": a column is not a finite number";
+    } else if (!stamp) {
+      problem = place(file, number) + ": its stamp is no number of seconds (or of nanoseconds) within 146 years of 0";
     } else if (!pose) {
       problem =
           place(file, number) + ": the rotation is not valid (a unit quaternion or an orthonormal matrix is expected)";

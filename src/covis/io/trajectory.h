@@ -30,7 +30,8 @@ enum class TrajectoryFormat { automatic, tum, kitti, euroc, tartanair, icl_nuim 
 inline constexpr Timestamp kTartanAirStep = 100'000'000;  // ns
 inline constexpr Timestamp kIclNuimRate = 30;             // Hz
 
-// automatic: recognised from the number of columns and the separator, and by the name's ending .gt.freiburg (ICL-NUIM).
+// automatic: recognised from the number of columns, the separator and the stamp (EuRoC's are whole nanoseconds, with
+// commas behind them), and by the name's ending .gt.freiburg (ICL-NUIM).
 // Stamps are in seconds; they are in nanoseconds when they have 16 digits or more before the point, and in EuRoC rows
 // when they are integers. KITTI and TartanAir rows have no stamps: these come from `stamps` (a times.txt) or, without
 // it, from the row's number, in seconds or by kTartanAirStep. Blank lines and lines starting with '#' are skipped; any
@@ -38,6 +39,10 @@ inline constexpr Timestamp kIclNuimRate = 30;             // Hz
 Result<Trajectory> read_trajectory(const std::filesystem::path& file,
                                    TrajectoryFormat format = TrajectoryFormat::automatic,
                                    const std::filesystem::path& stamps = {});
+// The format of a file as its first row tells it, where `format` is automatic.
+Result<TrajectoryFormat> trajectory_format(const std::filesystem::path& file, TrajectoryFormat format);
+// False: rows of this format have no stamps.
+bool has_stamps(TrajectoryFormat format);
 // Writes to a temporary name and renames, so that a full disk leaves no partial file. format: tum, kitti or euroc.
 Result<void> write_trajectory(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFormat format);
 // Maps that are not joined have a world each, and so a file each: FILE, FILE_map1, … Files of that name with higher

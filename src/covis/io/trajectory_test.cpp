@@ -38,6 +38,18 @@ TEST_F(Trajectories, AreReadAsTartanAirAndIclNuimHaveThem) {
   EXPECT_TRUE(numbered->front().T_wc.t().isApprox(Eigen::Vector3d(1, 2, 3)));
 }
 
+// EuRoC's quaternions begin with w.
+TEST_F(Trajectories, CommasAloneMakeNoEurocFile) {
+  write("tum.csv", "1305031102.1753,1,2,3,0.6,0,0,0.8\n");
+  write("euroc.csv", "#timestamp\n1403636579763555584,1,2,3,0.8,0.6,0,0\n");
+  EXPECT_EQ(*trajectory_format(folder / "tum.csv", TrajectoryFormat::automatic), TrajectoryFormat::tum);
+  EXPECT_EQ(*trajectory_format(folder / "euroc.csv", TrajectoryFormat::automatic), TrajectoryFormat::euroc);
+  EXPECT_TRUE(read_trajectory(folder / "tum.csv")
+                  ->front()
+                  .T_wc.R()
+                  .isApprox(read_trajectory(folder / "euroc.csv")->front().T_wc.R()));
+}
+
 TEST_F(Trajectories, TheFirstRowTellsTheFormatOfAll) {
   write("t.txt", "0 1 2 3 0 0 0 1\n1 0 0 1 0 1 0 2 0 0 1 3\n");
   EXPECT_THAT(read_trajectory(folder / "t.txt").error().message, HasSubstr("t.txt:2: it has 12 columns"));

@@ -77,7 +77,7 @@ class CheckedVideo : public VideoFile {
 std::string limited_ffmpeg_options(const std::string& given) {
   const std::string limits =
       "protocol_whitelist;file|format_whitelist;mov,matroska,avi,ogg,flv,asf,ivf,yuv4mpegpipe,mpegts,mpeg,mpegvideo,"
-      "m4v,h264,hevc,mjpeg";
+      "m4v,h264,hevc,mjpeg,jpeg_pipe";
   // The last value of an option counts, but behind one that it does not understand FFmpeg reads none.
   return given.empty() ? limits : limits + "|" + given + "|" + limits;
 }

@@ -69,9 +69,6 @@ double WeightsByWord::score(const std::vector<WordWeight>& other) const {
   return score;
 }
 
-Vocabulary::Vocabulary() = default;
-Vocabulary::~Vocabulary() = default;
-
 Result<std::shared_ptr<const Vocabulary>> Vocabulary::load(const std::filesystem::path& file) {
   auto mapped = MappedFile::open(file);
   if (!mapped) return tl::unexpected(mapped.error());
@@ -87,8 +84,9 @@ Result<std::shared_ptr<const Vocabulary>> Vocabulary::load(const std::filesystem
     return built;
   }
   const std::shared_ptr<Vocabulary> vocabulary(new Vocabulary);
-  vocabulary->mapped_ = std::move(*mapped);
-  if (auto ok = vocabulary->open(bytes); !ok) return named(ok.error());
+  // A copy: who cuts the file short later must not end the process.
+  vocabulary->memory_.assign(bytes.begin(), bytes.end());
+  if (auto ok = vocabulary->open(vocabulary->memory_); !ok) return named(ok.error());
   if (!vocabulary->verify()) return named({"the vocabulary can't be used: its content is damaged (checksum)"});
   return vocabulary;
 }

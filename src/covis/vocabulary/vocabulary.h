@@ -64,17 +64,15 @@ struct VocabularyNode {
   float weight = 0;     // idf of a word (a node without children); ignored for other nodes
 };
 
-class MappedFile;
-
 // Immutable; any number of threads may use it at once.
 class Vocabulary {
  public:
   static constexpr int kMaxBranching = 256, kMaxDepth = 16;
   static constexpr float kMaxWeight = 1e6f;  // the logarithm of any number of images is far below
 
-  // Loads the binary format (mapped: the file must not be modified in place afterwards; save() never does) or the
-  // field's text format, recognised by content. All of it is checked, the checksum of a binary file included, so that
-  // a damaged vocabulary never passes for the one whose checksum it has.
+  // Loads the binary format or the field's text format, recognised by content. All of it is checked, the checksum of a
+  // binary file included, so that a damaged vocabulary never passes for the one whose checksum it has. The file is
+  // copied into memory: what happens to it later changes nothing.
   static Result<std::shared_ptr<const Vocabulary>> load(const std::filesystem::path& file);
   // Numbers words breadth first. An error names the invalid node.
   static Result<std::shared_ptr<const Vocabulary>> build(int branching, int depth,
@@ -82,7 +80,6 @@ class Vocabulary {
 
   Vocabulary(const Vocabulary&) = delete;
   Vocabulary& operator=(const Vocabulary&) = delete;
-  ~Vocabulary();
 
   // Writes the binary format to a temporary file and renames it.
   Result<void> save(const std::filesystem::path& file) const;
@@ -111,7 +108,7 @@ class Vocabulary {
     uint32_t word;   // number of words among the earlier nodes, which is a word's own number
   };
 
-  Vocabulary();
+  Vocabulary() = default;
   // Returns the node of each descriptor after so many levels, or the leaf above. The descriptors descend side by side,
   // so that they wait for memory together.
   std::vector<uint32_t> descend(std::span<const Descriptor> descriptors, int levels) const;
@@ -123,9 +120,8 @@ class Vocabulary {
   std::span<const std::byte> bytes_;         // bytes of the whole file
   std::span<const Descriptor> descriptors_;  // one per node; the root's is zero
   std::span<const Node> nodes_;
-  std::span<const float> weights_;      // one per word
-  AlignedVector<std::byte> memory_;     // holder of the bytes, or …
-  std::unique_ptr<MappedFile> mapped_;  // … their mapped file
+  std::span<const float> weights_;   // one per word
+  AlignedVector<std::byte> memory_;  // holder of the bytes
 };
 
 }  // namespace covis

@@ -28,9 +28,18 @@ TEST_F(VocabularyFile, SavesWhatItLoads) {
   }
   ASSERT_TRUE((*loaded)->save(folder_ / "again"));
   EXPECT_EQ(read_file(folder_ / "again"), bytes_);
-  ASSERT_TRUE((*loaded)->save(folder_ / "good"));  // over the file that is mapped
+  ASSERT_TRUE((*loaded)->save(folder_ / "good"));  // over the file that it was loaded from
   EXPECT_TRUE((*loaded)->verify());
   EXPECT_EQ(read_file(folder_ / "good"), bytes_);
+}
+
+// A file that is mapped ends the process by a signal then.
+TEST_F(VocabularyFile, AFileThatIsCutShortLaterChangesNothing) {
+  const auto loaded = Vocabulary::load(folder_ / "good");
+  ASSERT_TRUE(loaded);
+  std::filesystem::resize_file(folder_ / "good", 1000);
+  EXPECT_TRUE((*loaded)->verify());
+  EXPECT_EQ((*loaded)->transform(images_.image(0)), vocabulary_->transform(images_.image(0)));
 }
 
 TEST_F(VocabularyFile, SavingThroughALinkReplacesWhatItNames) {
