@@ -20,11 +20,11 @@ constexpr double kLeastRelief = 0.001;  // noise alone is more, and a wall is no
 constexpr double kMostError = 0.85;     // DepthAgainstMotion::error()
 constexpr size_t kFew = 3;              // comparisons that suffice where the error is great
 constexpr double kMostErrorOfFew = 1.1;
-constexpr double kMostExplained = 0.6;  // DepthAgainstMotion::explained of depth that may be wrong
-constexpr double kEndsBelow = 0.6;      // the error at which a doubt ends
-constexpr double kLeastSpread = 0.06;   // below it depth is right, however flat the scene
-constexpr size_t kLeastDepths = 50;     // depths without which a frame says nothing of its relief
-constexpr int kLeastFeatures = 100;     // keypoints without which a frame says nothing
+constexpr double kMostExplained = 0.55;  // DepthAgainstMotion::explained of depth that may be wrong
+constexpr double kEndsBelow = 0.6;       // the error at which a doubt ends
+constexpr double kLeastSpread = 0.06;    // below it depth is right, however flat the scene
+constexpr size_t kLeastDepths = 50;      // depths without which a frame says nothing of its relief
+constexpr int kLeastFeatures = 100;      // keypoints without which a frame says nothing
 
 std::string text(const char* pattern, double figure) {
   char line[400];
@@ -212,17 +212,23 @@ void SensorMonitor::add_comparison(int64_t frame, const DepthAgainstMotion& comp
 // What a map on probation is asked makes no doubt: a camera that goes straight ahead gives no answer that could end it.
 bool SensorMonitor::add_view(int64_t frame, Timestamp stamp, FeaturesPtr features, const Pinhole& camera) {
   constexpr double kEvery = 0.19;  // seconds, three frames at 15 Hz: sooner another view is hardly seen
+  constexpr double kFirst = 5;     // seconds
   constexpr int kConfirmed = 3;    // answers in a row
-  auto& [check, last, agreeing] = comparisons_.of_frames;
-  if (!holds(SensorDoubt::depth_against_motion) && comparisons_.trust == MapTrust::usual) {
-    comparisons_.of_frames = {};
+  using Pace = MotionDepthCheck::Pace;
+  if (sensor_ == Sensor::monocular) return false;
+  auto& [check, last, begun, agreeing] = comparisons_.of_frames;
+  const bool doubted = holds(SensorDoubt::depth_against_motion);
+  const bool asked_for = doubted || comparisons_.trust == MapTrust::on_probation;
+  const bool first = comparisons_.error.count < kComparisons && (!begun || to_seconds(stamp - *begun) < kFirst);
+  if (!begun) begun = stamp;
+  if (!asked_for && !first) {
+    comparisons_.of_frames = {.begun = begun};
   } else if (!last || to_seconds(stamp) - to_seconds(*last) > kEvery) {
     last = stamp;
-    const bool doubted = holds(SensorDoubt::depth_against_motion);
-    for (const DepthAgainstMotion& comparison :
-         check.add(std::move(features), camera, MotionDepthCheck::Pace::every_view)) {
-      if (doubted) add_comparison(frame, comparison);
-      agreeing = comparison.error() < kEndsBelow && comparison.explained > kMostExplained ? agreeing + 1 : 0;
+    for (const DepthAgainstMotion& comparison : check.add(std::move(features), camera, Pace::every_view)) {
+      if (doubted || first) add_comparison(frame, comparison);
+      if (asked_for)
+        agreeing = comparison.error() < kEndsBelow && comparison.explained > kMostExplained ? agreeing + 1 : 0;
     }
   }
   return agreeing >= kConfirmed;

@@ -59,8 +59,9 @@ class SensorMonitor {
   void add_frame(int64_t frame, const Features& features, double row_error, Budget budget = Budget::usual);
   void add_comparison(int64_t frame, const DepthAgainstMotion& comparison);
   // Each frame, with the pinhole camera of its features and the noise of depth that was given; it does something only
-  // while motion contradicts depth, or the map is on probation. Then frames are compared as well, at most five in a
-  // second, each in 5 to 30 ms, because where all is known no key frame is made whose comparison could end the doubt.
+  // in the first five seconds, until there were five answers, while motion contradicts depth, or while the map is on
+  // probation. Then frames are compared as well, at most five in a second, each in 5 to 30 ms: a slow camera makes few
+  // key frames, and where all is known none is made whose comparison could end the doubt.
   // Returns true while the last three answers say that depth is right up to its scale.
   bool add_view(int64_t frame, Timestamp stamp, FeaturesPtr features, const Pinhole& camera);
   // Each frame of a depth camera.
@@ -125,8 +126,8 @@ class SensorMonitor {
   };
   DepthFigures depth_figures_;
   struct ComparedFrames {
-    MotionDepthCheck check;
-    std::optional<Timestamp> last;
+    MotionDepthCheck check = {};
+    std::optional<Timestamp> last = {}, begun = {};
     int agreeing = 0;  // answers in a row
   };
   struct Comparisons {

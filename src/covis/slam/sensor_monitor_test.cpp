@@ -176,6 +176,7 @@ class DoubtedFrames : public testing::Test {
   // The number of frames after which depth is said to be right of a map on probation.
   static int probation_for(float (*depth_of)(float)) {
     SensorMonitor monitor(Sensor::rgbd);
+    for (int k = 0; k < 5; ++k) monitor.add_comparison(k, {100, 0.03, 0.3});
     for (int k = 0; k < frames().count(); ++k) {
       monitor.add_map_trust(SensorMonitor::MapTrust::on_probation);
       const bool is_right = monitor.add_view(k, frames().stamp(k), with_depth(k, depth_of), camera());
@@ -204,6 +205,27 @@ TEST_F(DoubtedFrames, KeepItWhereDepthIsWrong) {
 TEST_F(DoubtedFrames, TellThatDepthOfAMapOnProbationIsRight) {
   EXPECT_LT(probation_for(right), 12) << "before two seconds are over";
   EXPECT_EQ(probation_for(inverse), frames().count());
+}
+
+// A slow camera makes few key frames: reversed depth was believed for all of six seconds.
+TEST_F(DoubtedFrames, BeginTheDoubtInTheFirstSecondsWithoutAKeyFrame) {
+  const auto doubted_after = [](float (*depth_of)(float)) {
+    SensorMonitor monitor(Sensor::rgbd);
+    for (int k = 0; k < frames().count(); ++k) {
+      monitor.add_view(k, frames().stamp(k), with_depth(k, depth_of), camera());
+      if (monitor.doubts()) return k;
+    }
+    return frames().count();
+  };
+  EXPECT_LT(doubted_after(inverse), 16) << "two seconds";
+  EXPECT_EQ(doubted_after(right), frames().count());
+}
+
+TEST_F(DoubtedFrames, AreNotComparedAfterTheFirstSeconds) {
+  SensorMonitor monitor(Sensor::rgbd);
+  const auto later = [](int k) { return frames().stamp(k) + (k > 0 ? from_seconds(6) : 0); };
+  for (int k = 0; k < frames().count(); ++k) monitor.add_view(k, later(k), with_depth(k, inverse), camera());
+  EXPECT_FALSE(monitor.doubts()) << "key frames tell";
 }
 
 TEST_F(DoubtedFrames, SayNothingOfAMapThatIsOnNoProbation) {
