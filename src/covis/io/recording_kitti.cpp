@@ -57,8 +57,8 @@ Result<std::map<std::string, Projection>> read_projections(const fs::path& file)
       problem = projection.error().message;
       return false;
     }
-    projections[name] = *projection;
-    return true;
+    if (!projections.emplace(name, *projection).second) problem = place(file, number) + ": " + name + " is given twice";
+    return problem.empty();
   });
   if (!problem.empty()) return fail(problem);
   return projections;

@@ -106,6 +106,7 @@ TEST_F(BadInput, CalibrationOfKittiThatIsNotOfARectifiedCamera) {
   EXPECT_THAT(error("P1: 50 0 32 -25 0 50 24 0 0 0 1 5"), HasSubstr("5.000000 m forwards"));
   EXPECT_THAT(error("P1: 50 0 32 -25 0 50 34 0 0 0 1 0"), HasSubstr("cy is 24 left and 34 right"));
   EXPECT_THAT(error("P1: 50 0 32 -25 0 60 24 0 0 0 1 0"), HasSubstr("fy is 50 left and 60 right"));
+  EXPECT_THAT(error("P0: 51 0 32 0 0 51 24 0 0 0 1 0"), HasSubstr("calib.txt:2: P0 is given twice"));
   write("calib.txt", "\xef\xbb\xbf" + left + right);
   EXPECT_TRUE(open()) << "behind a byte order mark";
   write("calib.txt", std::string("\xff\xfeP\0"

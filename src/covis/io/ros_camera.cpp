@@ -58,6 +58,10 @@ bool needs_no_rectification(const RosCameraInfo& info) {
 }  // namespace
 
 Result<Camera> raw_camera(const RosCameraInfo& info) {
+  constexpr double kMostSkew = 1e-3;  // as a share of the focal length
+  if (std::abs(info.K[1]) > kMostSkew * info.K[0])
+    return fail("K has a skew (its second number is " + std::to_string(info.K[1]) +
+                "), and must be fx 0 cx 0 fy cy 0 0 1");
   auto camera = camera_of(info, "K", {info.K[0], info.K[4], info.K[2], info.K[5], 0});
   if (!camera || all_zero(info.D, 0)) return camera;
   const size_t count = info.D.size();

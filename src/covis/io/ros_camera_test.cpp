@@ -38,6 +38,9 @@ TEST(RosCamera, FieldsThatCantBeUsed) {
   info.binning_x = 2;
   EXPECT_THAT(raw_camera(info).error().message, HasSubstr("binning_x"));
   info = camera_info();
+  info.K[1] = 5;
+  EXPECT_THAT(raw_camera(info).error().message, HasSubstr("K has a skew (its second number is 5.000000)"));
+  info = camera_info();
   info.P = {};
   EXPECT_THAT(rectified_camera(info).error().message, HasSubstr("P holds the focal lengths"));
   EXPECT_THAT(stereo_camera(camera_info(), camera_info(-5), StereoImages::rectified).error().message,
