@@ -125,6 +125,30 @@ TEST_P(EachSensor, LossIsAStateWithAReasonAndIsRecoveredFrom) {
   EXPECT_LT(error(system.trajectory(), recording.synth, GetParam() == Sensor::monocular), 0.02);
 }
 
+// The walk back from where the map begins ends at frames that show nothing; those before them are found by their place.
+TEST(System, FramesThatTheWalkDoesNotReachAreLocatedAtTheEnd) {
+  constexpr int kAll = 60, kStood = 12, kBlack = 6;
+  Recording& recording = shared_recording(Sensor::monocular, kAll);
+  System system(recording.synth.camera(), options_for(Sensor::monocular), vocabulary());
+  for (int i = 0; i < kStood + kBlack; ++i) {
+    System::Input input = i < kStood ? recording.frame(0) : recording.black(0);
+    input.frame = i;
+    input.stamp = recording.synth.stamp(0) + from_seconds(0.04 * (i - kStood - kBlack));
+    system.process(input);
+  }
+  for (int i = 0; i < kAll; ++i) {
+    System::Input input = recording.frame(i);
+    input.frame = kStood + kBlack + i;
+    system.process(input);
+  }
+  system.finish();
+  std::vector<PoseOfFrame> poses = system.trajectory();
+  EXPECT_EQ(poses.size(), size_t{kStood + kAll}) << "all but those that show nothing";
+  EXPECT_EQ(poses.front().frame, 0);
+  for (PoseOfFrame& pose : poses) pose.frame = std::max<int64_t>(0, pose.frame - kStood - kBlack);
+  EXPECT_LT(error(poses, recording.synth, true), 0.02);
+}
+
 TEST(System, NothingToSeeIsNotInitialised) {
   for (const Sensor sensor : {Sensor::monocular, Sensor::stereo, Sensor::rgbd}) {
     Recording& recording = shared_recording(sensor, 1, 8, "room", {160, 120});

@@ -44,7 +44,7 @@ MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic
   using Pace = MotionDepthCheck::Pace;
   if (!interrupt || !*interrupt)
     report.depth_checks = check_depth(report.key_frame, request.suspected_depth ? Pace::every_view : Pace::usual);
-  report.located = backtrack(map_, {options_.sensor, options_.tracker, options_.seed}, request.unlocated);
+  report.earlier = backtrack(map_, {options_.sensor, options_.tracker, options_.seed}, request.unlocated);
   report.total_ms = total.ms();
   return report;
 }

@@ -63,9 +63,9 @@ TEST_F(BackendTest, EarlierFramesAreLocatedWithTheKeyFrameThatBringsThem) {
   const auto view = [&](size_t i) { return scene.view(scene.T_cw(i), Sensor::rgbd, i).features; };
   r.unlocated = {{3, 3, view(3), first}, {2, 2, view(2), first}};
   const MappingReport report = process(r);
-  ASSERT_EQ(report.located.size(), 2u);
-  EXPECT_EQ(report.located[0].frame, 3);
-  const SE3 T_cw = report.located[1].pose.T_cw(*shared.read());
+  ASSERT_EQ(report.earlier.located.size(), 2u);
+  EXPECT_EQ(report.earlier.located[0].frame, 3);
+  const SE3 T_cw = report.earlier.located[1].pose.T_cw(*shared.read());
   EXPECT_LT((T_cw.centre() - scene.T_wc_of(2).t()).norm(), 0.01);
 }
 

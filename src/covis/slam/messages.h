@@ -10,6 +10,7 @@
 #include "covis/loops/loop_report.h"
 #include "covis/mapping/depth_against_motion.h"
 #include "covis/mapping/mapping_report.h"
+#include "covis/tracking/backtrack.h"
 
 namespace covis {
 
@@ -29,9 +30,9 @@ using BackendRequest = std::variant<KeyFrameRequest, InitialMapRequest, DiscardS
 // The answer to a KeyFrameRequest or an InitialMapRequest.
 struct MappingReport : MapperReport {
   LoopReport loop;
-  std::vector<LocatedFrame> located;  // earlier frames that got their pose now
-  double loop_ms = 0;                 // loop closing, and applying and starting jobs in the background
-  double full_adjustment_ms = 0;      // the full bundle adjustment whose result was applied with this key frame
+  Backtracked earlier;            // frames without a pose that came with the request
+  double loop_ms = 0;             // loop closing, and applying and starting jobs in the background
+  double full_adjustment_ms = 0;  // the full bundle adjustment whose result was applied with this key frame
   double total_ms = 0;
   std::vector<DepthAgainstMotion> depth_checks = {};  // none: depth was not compared
 };

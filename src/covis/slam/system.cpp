@@ -157,9 +157,16 @@ std::vector<MappingReport> System::finish() {
     mapping_.finish();
     tracker_.map_moved();
     const BacktrackSettings settings{options_.sensor, options_.tracker, options_.seed};
-    for (const LocatedFrame& located : backtrack(map_, settings, tracker_.take_unlocated())) log_.locate(located);
+    take(backtrack(map_, settings, tracker_.take_unlocated()));
+    Relocaliser relocaliser(map_, options_.tracker, options_.seed, vocabulary_);
+    for (const LocatedFrame& located : frames_.late.locate(std::move(relocaliser), trajectory())) log_.locate(located);
   }
   return std::move(report.mapping);
+}
+
+void System::take(Backtracked earlier) {
+  for (const LocatedFrame& located : earlier.located) log_.locate(located);
+  frames_.late.keep(std::move(earlier.left));
 }
 
 Result<std::vector<MappingReport>> System::set_mode(TrackingMode mode) {
@@ -280,7 +287,7 @@ void System::apply(MappingReport made, FrameReport& report) {
   tracker_.key_frame_made(made);
   for (const DepthAgainstMotion& check : made.depth_checks) monitor_.add_comparison(made.frame, check);
   if (made.key_frame.valid()) anchor(made);
-  for (const LocatedFrame& located : made.located) log_.locate(located);
+  take(std::move(made.earlier));
   report.mapping.push_back(std::move(made));
 }
 

@@ -22,6 +22,7 @@
 #include "covis/map/map_state.h"
 #include "covis/map/shared_map.h"
 #include "covis/slam/key_frame_colours.h"
+#include "covis/slam/late_frames.h"
 #include "covis/slam/mapping_actor.h"
 #include "covis/slam/options.h"
 #include "covis/slam/sensor_monitor.h"
@@ -96,7 +97,8 @@ class System {
   std::vector<TrackedPoint> tracked_points() const;
   // All keypoints of the last frame, then the map points it should have shown and did not; for viewers.
   std::vector<ViewedKeypoint> viewed_keypoints() const;
-  // Waits for mapping to end, and locates frames that got no pose where the map reaches them now (backtrack.h).
+  // Waits for mapping to end, and locates frames that got no pose where the map reaches them now: backward from where
+  // the camera was found (backtrack.h), the others as single images.
   // process() may be called again afterwards.
   std::vector<MappingReport> finish();
   // The warnings of the sensor that came with what finish() or set_mode() returned; process() reports its own. They are
@@ -139,6 +141,7 @@ class System {
   void anchor(const KeyFrameMade& made);
   void anchor_in(const Map& map, const KeyFrameMade& made);
   void record(const Input& input, const Tracker::Outcome& outcome, FrameReport& report);
+  void take(Backtracked earlier);
   void discard(uint32_t submap);
   MappingStatus::Depth compare_depth(const Input& input, const FeaturesPtr& features, FrameReport& report);
   void watch_sensor(int64_t frame, FrameReport& report);
@@ -157,11 +160,12 @@ class System {
   Tracker tracker_;
   MappingActor mapping_;
   SensorMonitor monitor_{options_.sensor};
-  struct FrameCounts {
+  struct Frames {
     int64_t processed = 0;
     int64_t visible_at = 0;  // the count at which pending mapping becomes visible
+    LateFrames late = {};
   };
-  FrameCounts frames_;
+  Frames frames_;
 };
 
 }  // namespace covis

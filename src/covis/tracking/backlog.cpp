@@ -8,7 +8,7 @@
 namespace covis {
 namespace {
 
-constexpr size_t kMost = 60;  // frames of a list: two seconds of most cameras; some 0.25 MB each with 4000 features
+constexpr size_t kMost = 180;  // frames of a list: six seconds of most cameras; some 0.25 MB each with 4000 features
 
 void append(UnlocatedFrame frame, std::vector<UnlocatedFrame>& frames) {
   if (frames.size() == kMost) frames.erase(frames.begin());

@@ -89,11 +89,11 @@ std::optional<RelativePose> Walk::step(const UnlocatedFrame& frame) {
 
 }  // namespace
 
-std::vector<LocatedFrame> backtrack(const SharedMap& map, const BacktrackSettings& settings,
-                                    const std::vector<UnlocatedFrame>& frames) {
+Backtracked backtrack(const SharedMap& map, const BacktrackSettings& settings,
+                      const std::vector<UnlocatedFrame>& frames) {
   constexpr int kPatience = 5;  // frames in a row that may fail
-  std::vector<LocatedFrame> located;
-  if (frames.empty()) return located;
+  Backtracked found;
+  if (frames.empty()) return found;
   Walk walk(map, settings);
   KeyFrameId near;
   int failed = 0;
@@ -102,15 +102,15 @@ std::vector<LocatedFrame> backtrack(const SharedMap& map, const BacktrackSetting
       near = frame.near;
       failed = walk.begin_at(near) ? 0 : kPatience;
     }
-    if (failed >= kPatience) continue;
-    if (const auto pose = walk.step(frame)) {
-      located.push_back({frame.frame, *pose});
+    if (const auto pose = failed < kPatience ? walk.step(frame) : std::nullopt) {
+      found.located.push_back({frame.frame, *pose});
       failed = 0;
     } else {
+      found.left.push_back(frame);
       ++failed;
     }
   }
-  return located;
+  return found;
 }
 
 }  // namespace covis

@@ -19,9 +19,14 @@ struct BacktrackSettings {
   int seed = 0;
 };
 
-// Returns the poses of those frames (newest first) that are found. Reads the map in short read guards, and must not run
-// while key frames are erased.
-std::vector<LocatedFrame> backtrack(const SharedMap& map, const BacktrackSettings& settings,
-                                    const std::vector<UnlocatedFrame>& frames);
+struct Backtracked {
+  std::vector<LocatedFrame> located;
+  std::vector<UnlocatedFrame> left;  // those that were not found
+};
+
+// Looks for the poses of these frames (newest first). Reads the map in short read guards, and must not run while key
+// frames are erased.
+Backtracked backtrack(const SharedMap& map, const BacktrackSettings& settings,
+                      const std::vector<UnlocatedFrame>& frames);
 
 }  // namespace covis

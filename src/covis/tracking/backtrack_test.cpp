@@ -23,8 +23,13 @@ class BacktrackTest : public testing::TestWithParam<Sensor> {
     for (size_t i = kFirst; i-- > 0;) frames.push_back(unlocated(i));
     return frames;
   }
+  // Each frame is located or left.
   std::vector<LocatedFrame> backtracked(const std::vector<UnlocatedFrame>& frames) const {
-    return backtrack(world.shared, {.sensor = GetParam()}, frames);
+    const Backtracked found = backtrack(world.shared, {.sensor = GetParam()}, frames);
+    EXPECT_EQ(found.located.size() + found.left.size(), frames.size());
+    for (const UnlocatedFrame& left : found.left)
+      EXPECT_EQ(std::ranges::count(found.located, left.frame, &LocatedFrame::frame), 0);
+    return found.located;
   }
   // The distance of a frame from its true place, metres.
   double error(const LocatedFrame& located) const {

@@ -24,7 +24,9 @@ std::optional<Relocaliser::Located> Relocaliser::locate(FeaturesPtr features, in
   image.straighten_for(search.camera);
   TrackFigures figures;
   if (!find(image, search, &map_, {}, figures)) return std::nullopt;
-  return Located{image.T_cw, search.local_map.reference.submap, figures.inliers, image.information};
+  const KeyFrameView& near = search.local_map.reference;
+  return Located{image.T_cw, near.submap, figures.inliers, image.information,
+                 RelativePose{near.id, near.scale, image.T_cw * near.T_cw.inverse()}};
 }
 
 bool Relocaliser::find(TrackedFrame& frame, PoseSearch& search, const SharedMap* live, const Where& where,
