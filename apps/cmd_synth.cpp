@@ -35,7 +35,7 @@ std::string flag_of(const std::string& field) {
   return flag;
 }
 
-// What the sensor has not; a flag for it would do nothing.
+// A flag for something that the sensor does not have would do nothing.
 Result<void> check_sensor_has(const SynthArguments& a) {
   const std::map<std::string, std::vector<std::string>> lacks{
       {"mono", {"synth.baseline", "synth.depth_noise", "synth.right_gain", "synth.right_offset"}},

@@ -102,7 +102,7 @@ CLI::Validator whole_number_from(int64_t least, int64_t most) {
         int64_t value = 0;
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
         if (error == std::errc() && end == text.data() + text.size() && value >= least && value <= most) {
-          text = std::to_string(value);  // what reads it then takes a leading 0 for octal
+          text = std::to_string(value);  // a leading 0 would be taken for octal
           return std::string();
         }
         const bool bounded = most < std::numeric_limits<int64_t>::max();

@@ -2,7 +2,10 @@
 // Recordings, trajectories and errors for the Python module: what the command has, as objects.
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 
@@ -49,10 +52,18 @@ struct PyTrajectory {
     for (const StampedPose& pose : trajectory) made.poses.push_back({pose.stamp, to_pose(pose.T_wc), 0});
     return made;
   }
-  Trajectory internal() const {
-    Trajectory trajectory;
-    for (const TrajectoryPose& pose : poses) trajectory.push_back({pose.stamp, to_se3(pose.pose)});
-    return trajectory;
+  // Each submap has a world of its own. That of the most poses is first, of equals the earlier one.
+  std::vector<Trajectory> by_submap() const {
+    std::vector<Trajectory> all;
+    std::map<uint32_t, size_t> index;
+    for (const TrajectoryPose& pose : poses) {
+      const size_t k = index.emplace(pose.submap, all.size()).first->second;
+      if (k == all.size()) all.emplace_back();
+      all[k].push_back({pose.stamp, to_se3(pose.pose)});
+    }
+    std::ranges::stable_sort(all, std::greater(), &Trajectory::size);
+    if (all.empty()) all.emplace_back();
+    return all;
   }
 };
 
@@ -73,7 +84,9 @@ PyTrajectory from_arrays(const std::vector<int64_t>& stamps,
     if (!std::isfinite(pose.x + pose.y + pose.z)) refuse("positions: finite numbers are wanted");
     const double norm = std::sqrt(pose.qx * pose.qx + pose.qy * pose.qy + pose.qz * pose.qz + pose.qw * pose.qw);
     if (!(std::abs(norm - 1) < 1e-2)) refuse("quaternions: a unit quaternion is wanted");
-    made.poses.push_back({stamps[static_cast<size_t>(i)], pose, 0});
+    const double by = std::abs(norm - 1) < 1e-9 ? 1 : norm;
+    const Pose unit{pose.x, pose.y, pose.z, pose.qx / by, pose.qy / by, pose.qz / by, pose.qw / by};
+    made.poses.push_back({stamps[static_cast<size_t>(i)], unit, 0});
   }
   return made;
 }
@@ -98,9 +111,12 @@ void bind_trajectory(py::module_& m) {
       .def(
           "save",
           [](const PyTrajectory& t, const std::string& file, const std::string& format) {
-            value(io::write_trajectory(file, t.internal(), format_of(format)));
+            value(io::write_trajectories(file, t.by_submap(), format_of(format)));
           },
-          py::arg("file"), py::arg("format") = "tum", "Writes a file of the format tum, kitti or euroc.")
+          py::arg("file"), py::arg("format") = "tum",
+          "Writes a file of the format tum, kitti or euroc. Submaps have worlds of their own and so files of their "
+          "own: "
+          "that of the most poses is FILE, the others FILE_map1 and so on, as covis run names them.")
       .def("__len__", [](const PyTrajectory& t) { return t.poses.size(); })
       .def("__getitem__",
            [](const PyTrajectory& t, py::ssize_t i) {
@@ -135,11 +151,13 @@ PyEvaluation evaluate_both(const PyTrajectory& estimate, const PyTrajectory& tru
                                      {"none", AlignMode::none},
                                      {"first", AlignMode::first},
                                      {"first-sim3", AlignMode::first_sim3}});
+  if (!(max_difference > 0) || !std::isfinite(max_difference))
+    throw py::value_error("max_difference: a positive number of seconds is wanted");
   options.max_difference = max_difference;
   PyEvaluation made;
   {
     const py::gil_scoped_release released;
-    made.evaluation = value(evaluate(estimate.internal(), truth.internal(), options));
+    made.evaluation = value(evaluate(estimate.by_submap().front(), truth.by_submap().front(), options));
   }
   for (const ComparedPose& pose : made.evaluation.compared) {
     const auto put = [](const SE3& T) { return std::array{T.t().x(), T.t().y(), T.t().z()}; };

@@ -2,6 +2,7 @@
 #include "apps/view/view_state.h"
 
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <tuple>
 #include <utility>
@@ -144,7 +145,8 @@ std::string answer(const ViewState& state, std::string_view question) {
   const auto json = nlohmann::json::parse(question, nullptr, false);
   BlockWriter out;
   const auto id_in = [&](const char* name) {
-    return json.is_object() && json.contains(name) && json[name].is_number_unsigned();
+    return json.is_object() && json.contains(name) && json[name].is_number_unsigned() &&
+           json[name].get<uint64_t>() <= std::numeric_limits<uint32_t>::max();
   };
   if (id_in("key_frame")) {
     const auto id = json["key_frame"].get<uint32_t>();

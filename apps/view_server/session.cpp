@@ -70,7 +70,7 @@ Response make(const Request& request, http::status status, const char* type, std
 Response key_frame_image(const Request& request, const std::string& number, Shared& shared) {
   uint32_t id = 0;
   const auto parsed = std::from_chars(number.data(), number.data() + number.size(), id);
-  const KeyFrameRow* row = parsed.ptr == number.data() + number.size() && !number.empty()
+  const KeyFrameRow* row = parsed.ec == std::errc() && parsed.ptr == number.data() + number.size()
                                ? shared.source->refresh().map->key_frame(id)
                                : nullptr;
   auto picture = row ? shared.source->key_frame_image(*row) : std::nullopt;

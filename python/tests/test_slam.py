@@ -116,6 +116,35 @@ def test_trajectories_that_are_none_are_refused(positions, quaternions, message)
         covis.Trajectory([1, 2, 3], positions, quaternions)
 
 
+def test_quaternions_nearly_of_length_1_become_rotations():
+    path = covis.Trajectory([1, 2, 3], PLACES, TURNS * 1.009)
+    assert np.allclose(np.linalg.norm(path.quaternions, axis=1), 1, atol=1e-12)
+    covis.Pose.from_matrix(path[0].matrix)
+
+
+@pytest.mark.parametrize('seconds', [0, -1, np.nan, np.inf])
+def test_the_difference_of_stamps_is_a_time(seconds):
+    path = covis.Trajectory([1, 2, 3], PLACES, TURNS)
+    with pytest.raises(ValueError, match='max_difference: a positive number of seconds is wanted'):
+        covis.evaluate(path, path, max_difference=seconds)
+
+
+def test_a_log_sink_may_own_what_logs():
+    class Robot:
+        def __init__(self):
+            covis.set_log_sink(self.hear)
+
+        def hear(self, level, message):
+            pass
+
+        def __del__(self):
+            covis.set_log_sink(None)  # within the replacement of the sink
+
+    robot = Robot()
+    del robot
+    covis.set_log_sink(None)
+
+
 def test_a_snapshot_is_sound_and_is_not_copied(desk):
     slam, results, _ = desk
     s = slam.snapshot()

@@ -23,8 +23,11 @@ std::atomic<int> pauses = 0;
 }  // namespace
 
 void set_log_sink(LogSink new_sink) {
-  const std::lock_guard lock(sink_mutex());
-  sink() = std::move(new_sink);
+  // The sink before ends outside the lock: with it may end a program's own things, which wait for threads that log.
+  {
+    const std::lock_guard lock(sink_mutex());
+    std::swap(sink(), new_sink);
+  }
 }
 
 void log(LogLevel level, std::string_view message) {
