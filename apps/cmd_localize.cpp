@@ -107,7 +107,11 @@ int localize(const LocalizeArguments& arguments) {
 
   end_well_on_signals();
   const Found found = locate_all(**sequence, system);
-  if (found.frames == 0 && interrupted == 0) return fail_with(arguments.path + ": no frame could be read");
+  if (interrupted != 0 && found.localized() == 0) {
+    fail_with("interrupted before an image was localised; nothing is written");
+    return 128 + interrupted;
+  }
+  if (found.frames == 0) return fail_with(arguments.path + ": no frame could be read");
   const auto saved = io::write_trajectories(arguments.out, found.of_map, io::TrajectoryFormat::tum);
   if (!saved) return fail_with(saved.error());
   print(found, arguments);

@@ -308,7 +308,8 @@ int run(const RunArguments& arguments) {
   for (const std::string& note : record.notes) log(LogLevel::warning, note);
   if (const auto why = why_nothing_is_written(record, *system->snapshot(), arguments.out)) {
     fail_with(named(arguments, (*sequence)->kind()) + *why);
-    return record.failure.empty() && interrupted != 0 ? 128 + interrupted : 1;
+    const bool is_camera = (*sequence)->kind() == io::SequenceKind::camera;
+    return record.failure.empty() && interrupted != 0 && !is_camera ? 128 + interrupted : 1;
   }
 
   const auto summary = save(arguments, record, *system, **sequence, header, first_own, images, saver);

@@ -23,6 +23,7 @@ std::vector<LocatedFrame> LateFrames::locate(Relocaliser relocaliser, std::vecto
   if (frames.size() < kFewest) return located;
   PathReach believed(std::move(known)), reach = believed;
   const auto end_row = [&] {
+    if (row.empty()) return;
     const bool is_believed = row.size() >= kFewest;
     if (is_believed) located.insert(located.end(), row.begin(), row.end());
     (is_believed ? believed : reach) = is_believed ? reach : believed;

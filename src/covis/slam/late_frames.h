@@ -15,6 +15,7 @@ class LateFrames {
  public:
   // Newest first; of many the oldest go.
   void keep(std::vector<UnlocatedFrame> frames);
+  bool empty() const { return frames_.empty(); }
   // Locates them as single images, and forgets them. Each has to be within reach of the poses that are known
   // (path_reach.h), and a few in a row have to be found, as one alone may be at a look-alike.
   std::vector<LocatedFrame> locate(Relocaliser relocaliser, std::vector<PoseOfFrame> known);

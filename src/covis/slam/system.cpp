@@ -158,8 +158,11 @@ std::vector<MappingReport> System::finish() {
     tracker_.map_moved();
     const BacktrackSettings settings{options_.sensor, options_.tracker, options_.seed};
     take(backtrack(map_, settings, tracker_.take_unlocated()));
-    Relocaliser relocaliser(map_, options_.tracker, options_.seed, vocabulary_);
-    for (const LocatedFrame& located : frames_.late.locate(std::move(relocaliser), trajectory())) log_.locate(located);
+    if (!frames_.late.empty()) {
+      Relocaliser relocaliser(map_, options_.tracker, options_.seed, vocabulary_);
+      for (const LocatedFrame& located : frames_.late.locate(std::move(relocaliser), trajectory()))
+        log_.locate(located);
+    }
   }
   return std::move(report.mapping);
 }
