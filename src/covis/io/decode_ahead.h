@@ -29,12 +29,13 @@ class DecodeAhead {
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   }
 
-  // Waits for the next frame.
+  // Waits for the next frame. Several threads may ask; each is given the end.
   Item next(Frame recycled) {
     std::unique_lock lock(mutex_);
     if (ended_) return std::optional<Frame>();
     keep_memory(std::move(recycled));
-    changed_.wait(lock, [&] { return !ready_.empty(); });
+    changed_.wait(lock, [&] { return ended_ || !ready_.empty(); });
+    if (ended_) return std::optional<Frame>();
     Item item = std::move(ready_.front());
     ready_.pop_front();
     ended_ = is_end(item);

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <new>
 #include <set>
+#include <thread>
+#include <vector>
 
 namespace covis::io {
 namespace {
@@ -13,6 +16,27 @@ Frame make_frame(int64_t index, Frame memory) {
   memory.index = index;
   memory.image.resize(64, 48);
   return memory;
+}
+
+// One of them took the end, and the others waited for ever.
+TEST(DecodeAhead, EachOfSeveralThreadsIsGivenTheEnd) {
+  int64_t made = 0;
+  DecodeAhead ahead(
+      [&](Frame memory) -> DecodeAhead::Item {
+        if (made == 30) return std::optional<Frame>();
+        return std::optional(make_frame(made++, std::move(memory)));
+      },
+      3);
+  std::atomic<int> taken = 0;
+  {
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < 4; ++t) {
+      threads.emplace_back([&] {
+        for (auto item = ahead.next({}); item && *item; item = ahead.next({})) ++taken;
+      });
+    }
+  }
+  EXPECT_EQ(taken, 30);
 }
 
 TEST(DecodeAhead, GivesAllInOrderInAFewImagesMemory) {
