@@ -215,19 +215,20 @@ void add_check_command(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<CheckArguments>();
   CLI::App* command =
       app.add_subcommand("check", "Describe a recording and report what is wrong with it, with a picture");
-  CLI::Option* path = command->add_option("PATH", a->path, kRecordingPath);
+  command->add_option("PATH", a->path, kRecordingPath);
   add_reading_options(*command, a->reading);
+  command->add_flag("--json", a->json, "JSON on stdout");
+  CLI::Option* import = command->add_option(
+      "--import-camera", a->import_camera,
+      "instead of checking a recording, make a camera file of a camera of Kalibr, COLMAP, Kimera, EuRoC, "
+      "ROS, OpenCV or Open3D (docs/input.md)");
+  for (CLI::Option* of_recordings : command->get_options()) {
+    if (of_recordings != import && of_recordings != command->get_help_ptr()) import->excludes(of_recordings);
+  }
   command->add_option("--out", a->out,
                       "the picture: stereo rows, depth overlay, or keypoints (default: check.png); with "
                       "--import-camera the camera file (default: camera.yaml); only such a picture or file of Covis "
                       "is replaced");
-  CLI::Option* json = command->add_flag("--json", a->json, "JSON on stdout");
-  command
-      ->add_option("--import-camera", a->import_camera,
-                   "instead of checking a recording, make a camera file of a camera of Kalibr, COLMAP, Kimera, EuRoC, "
-                   "ROS, OpenCV or Open3D (docs/input.md)")
-      ->excludes(path)
-      ->excludes(json);
   command->footer(
       "Examples:\n  covis check rgbd_dataset_freiburg1_desk\n  covis check kitti/sequences/06 --out rows.png\n  covis "
       "check --import-camera camchain.yaml --out camera.yaml\nExit code 1 when there is a problem.");

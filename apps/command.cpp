@@ -127,7 +127,7 @@ int covis_command(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return say(app, error);
+    exit_code = say(app, error);
   } catch (const std::exception& error) {
     covis::log(covis::LogLevel::error, covis::app::current_activity() + ": " + std::string(covis::reason_of(error)));
     return 1;

@@ -2,6 +2,7 @@
 #include "map_export.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iomanip>
@@ -64,17 +65,32 @@ Result<void> check_files(const ExportArguments& a, io::OutputKind kind, size_t s
   return {};
 }
 
-constexpr std::pair<const char*, io::OutputKind> kModels[] = {{"sparse/0/cameras.txt", io::OutputKind::colmap},
-                                                              {"transforms.json", io::OutputKind::nerfstudio},
-                                                              {"bundle.out", io::OutputKind::bundler}};
+constexpr std::pair<Format, io::OutputKind> kModels[] = {{Format::colmap, io::OutputKind::colmap},
+                                                         {Format::nerfstudio, io::OutputKind::nerfstudio},
+                                                         {Format::bundler, io::OutputKind::bundler}};
 
-// Files in a folder are replaced if an earlier export made it, of whichever format: they share the images.
+// The files of the k-th submap's model in the folder of the export; the first tells that Covis wrote it.
+std::vector<fs::path> model_files(Format format, size_t k) {
+  if (format == Format::colmap) {
+    const fs::path folder = fs::path("sparse") / std::to_string(k);
+    return {folder / "cameras.txt", folder / "images.txt", folder / "points3D.txt"};
+  }
+  if (format == Format::nerfstudio) return {of_submap("transforms.json", k), of_submap("transforms.ply", k)};
+  const fs::path folder = k == 0 ? fs::path() : of_submap("bundle", k);
+  return {folder / "bundle.out", folder / "list.txt"};
+}
+
+// The folder of the images in that of the export: those for Bundler are resampled, and so not those of the others.
+const char* images_of(Format format) { return format == Format::bundler ? "images_centred" : "images"; }
+
+// Files in a folder are replaced if an earlier export made it, of whichever format.
 Result<void> check_folder(const fs::path& out) {
   std::error_code none;
   bool earlier = !fs::is_directory(out, none) || fs::is_empty(out, none);
-  for (const auto& [file, kind] : kModels) {
-    if (!fs::is_regular_file(out / file, none)) continue;
-    if (auto fits = io::check_output(out / file, kind); !fits) return fits;
+  for (const auto& [format, kind] : kModels) {
+    const fs::path file = out / model_files(format, 0).front();
+    if (!fs::is_regular_file(file, none)) continue;
+    if (auto fits = io::check_output(file, kind); !fits) return fits;
     earlier = true;
   }
   if (earlier) return {};
@@ -98,6 +114,19 @@ Result<void> check_target(Format format, const ExportArguments& a, size_t submap
   return {};
 }
 
+// Models of higher numbers from an earlier export are removed, because they would be mistaken for this one's.
+void remove_left_models(Format format, const fs::path& out, size_t submaps) {
+  const auto model = std::ranges::find(kModels, format, &std::pair<Format, io::OutputKind>::first);
+  std::error_code error;
+  for (size_t k = submaps;; ++k) {
+    const std::vector<fs::path> files = model_files(format, k);
+    const fs::path first = out / files.front();
+    if (!fs::is_regular_file(first, error) || !io::check_output(first, model->second)) return;
+    for (const fs::path& file : files) fs::remove(out / file, error);
+    if (first.parent_path() != out) fs::remove(first.parent_path(), error);  // stays unless it is empty
+  }
+}
+
 // Calls write(scene, name of the file) for each submap.
 template <class Write>
 Result<void> each(const std::vector<Scene>& scenes, const fs::path& file, Write&& write) {
@@ -116,7 +145,7 @@ Result<void> write_poses(const std::vector<Scene>& scenes, const fs::path& file,
   return io::write_trajectories(file, trajectories, format);
 }
 
-// The images go to the folder `images` of the export, if there are any; returns how many there are. Error: those that
+// The images go to a folder of the export, if there are any; returns how many there are. Error: those that
 // were named are not there.
 Result<size_t> write_images(const ExportArguments& a, std::vector<Scene>& scenes) {
   const fs::path kept = a.images.empty() ? exchange::image_folder(a.file) : fs::path(a.images);
@@ -124,7 +153,7 @@ Result<size_t> write_images(const ExportArguments& a, std::vector<Scene>& scenes
   for (Scene& scene : scenes) {
     views += scene.views.size();
     if (a.images.empty() && !fs::is_directory(kept)) continue;
-    const auto written = exchange::write_images(kept, fs::path(a.out) / "images", scene);
+    const auto written = exchange::write_images(kept, fs::path(a.out) / images_of(kFormats.at(a.to)), scene);
     if (!written) return tl::unexpected(written.error());
     images += *written;
   }
@@ -143,7 +172,8 @@ bool has_observations(Format format) { return format == Format::colmap || format
 // and logs how much that is.
 Result<void> make_tracks(const ExportArguments& a, bool images, std::vector<Scene>& scenes) {
   for (size_t k = 0; k < scenes.size(); ++k) {
-    const auto unlike = images ? exchange::align_keypoints(scenes[k], fs::path(a.out) / "images") : Result<size_t>(0);
+    const auto unlike = images ? exchange::align_keypoints(scenes[k], fs::path(a.out) / images_of(kFormats.at(a.to)))
+                               : Result<size_t>(0);
     if (!unlike) return tl::unexpected(unlike.error());
     exchange::adjust_points(scenes[k]);
     const exchange::LeftOut left_out = exchange::keep_tracks(scenes[k]);
@@ -172,14 +202,16 @@ Result<void> fill_folder(Format format, const ExportArguments& a, std::vector<Sc
   for (size_t k = 0; k < scenes.size(); ++k) {
     Result<void> written;
     if (format == Format::colmap) {
-      written = write_colmap(out / "sparse" / std::to_string(k), scenes[k]);
+      written = write_colmap(out / model_files(format, k).front().parent_path(), scenes[k]);
     } else if (format == Format::nerfstudio) {
-      written = write_nerfstudio(out, of_submap("transforms", k), scenes[k], "images");
+      written = write_nerfstudio(out, of_submap("transforms", k), scenes[k], images_of(format));
     } else {
-      written = write_bundler(k == 0 ? out : of_submap(out / "bundle", k), scenes[k], k == 0 ? "images" : "../images");
+      const fs::path folder = model_files(format, k).front().parent_path();
+      written = write_bundler(out / folder, scenes[k], (k == 0 ? "" : "../") + std::string(images_of(format)));
     }
     if (!written) return written;
   }
+  remove_left_models(format, out, scenes.size());
   return {};
 }
 
@@ -249,12 +281,15 @@ int run_export(const ExportArguments& a) {
   if (scenes.empty()) return fail_with(a.file + ": the map is empty, there is nothing to export");
   if (const auto fits = check_target(format, a, scenes.size()); !fits) return fail_with(fits.error());
   if (const auto written = write(format, a, scenes); !written) return fail_with(written.error());
+  if (format == Format::geojson) scenes.resize(1);
   size_t views = 0, points = 0;
   for (const Scene& scene : scenes) {
     views += scene.views.size();
     points += scene.points.size();
   }
-  std::cout << a.out << ": " << views << " key frames and " << points << " points of " << scenes.size() << " map"
+  const bool poses_alone = format == Format::tum || format == Format::kitti || format == Format::geojson;
+  std::cout << a.out << ": " << views << " key frames"
+            << (poses_alone ? "" : " and " + std::to_string(points) + " points") << " of " << scenes.size() << " map"
             << (scenes.size() > 1 ? "s" : "") << "\n";
   return 0;
 }

@@ -5,8 +5,10 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <limits>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "covis/core/image.h"
@@ -34,6 +36,9 @@ Image to_image(const py::object& object, const char* which, const char* wanted) 
   if ((array.shape(1) > 1 && array.strides(1) != kSize) || array.strides(0) % kSize != 0 || array.strides(0) < 0)
     throw py::value_error(std::string(which) +
                           ": rows must be contiguous and in order; numpy.ascontiguousarray() makes them so");
+  constexpr py::ssize_t kGreatest = std::numeric_limits<int>::max();
+  if (array.shape(0) > kGreatest || array.shape(1) > kGreatest)
+    throw py::value_error(std::string(which) + ": more than " + std::to_string(kGreatest) + " rows or columns");
   Image image;
   image.data = static_cast<const Pixel*>(array.data());
   image.width = static_cast<int>(array.shape(1));
@@ -93,6 +98,13 @@ inline py::array_t<double> matrix_of(const Pose& p) {
     for (int k = 0; k < 4; ++k) r(i, k) = rows[i][k];
   }
   return m;
+}
+
+// A text that may name a file whose name is not of UTF-8; its other bytes become \\x and two digits.
+inline py::str text_of(std::string_view text) {
+  PyObject* decoded = PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "backslashreplace");
+  if (decoded == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::str>(decoded);
 }
 
 // A tl::expected's value; its error is raised as covis.Error.

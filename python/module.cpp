@@ -2,6 +2,7 @@
 // The Python module covis._covis: include/covis as it is, with NumPy arrays for images and lists of points.
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include "arrays.h"
 
@@ -27,32 +28,40 @@ std::vector<std::pair<std::string, std::string>> to_settings(const py::dict& set
   std::vector<std::pair<std::string, std::string>> list;
   for (const auto& [name, value] : settings) {
     std::string text = py::str(value);
-    if (py::isinstance<py::bool_>(value)) text = value.cast<bool>() ? "true" : "false";
+    if (text == "True" || text == "False") text = text == "True" ? "true" : "false";  // NumPy's too
     list.emplace_back(py::str(name), text);
   }
   return list;
 }
 
-// Ending a system waits for its threads, whose messages may wait for the interpreter's lock.
+thread_local bool in_sink = false;  // this thread calls the log sink at present
+
+// Ending a system waits for its threads, whose messages may wait for the interpreter's lock. Where a thread of its own
+// drops it, in a log sink or in the garbage collection that one sets off, the main thread ends it instead.
 struct DeleteReleased {
   void operator()(Slam* slam) const {
+    if (in_sink && Py_AddPendingCall(&end, slam) == 0) return;
+    end(slam);
+  }
+  static int end(void* slam) {
     const py::gil_scoped_release released;
-    delete slam;
+    delete static_cast<Slam*>(slam);
+    return 0;
   }
 };
 using SlamHolder = std::unique_ptr<Slam, DeleteReleased>;
 
 SlamHolder make_slam(const CameraParameters& camera, SensorType sensor, const std::optional<RightCamera>& right,
-                     Timing timing, Mode mode, const std::string& map, const std::string& vocabulary,
-                     const py::dict& settings) {
+                     Timing timing, Mode mode, const std::filesystem::path& map,
+                     const std::filesystem::path& vocabulary, const py::dict& settings) {
   SlamOptions options;
   options.sensor = sensor;
   options.camera = camera;
   options.right = right;
   options.timing = timing;
   options.mode = mode;
-  options.map = map;
-  options.vocabulary = vocabulary;
+  options.map = map.string();
+  options.vocabulary = vocabulary.string();
   options.settings = to_settings(settings);
   const py::gil_scoped_release released;
   return SlamHolder(value_of(Slam::create(options)).release());
@@ -106,16 +115,18 @@ void bind_slam(py::module_& m) {
       .def("finish", &Slam::finish, Released(), "Waits for mapping, and locates frames that got no pose.")
       .def("reset", &Slam::reset, Released(), "Forgets the map and the trajectory.")
       .def(
-          "load_map", [](Slam& s, const std::string& file) { value_of(s.load_map(file)); }, py::arg("file"), Released(),
-          "Puts a saved map in place of the present one, to be continued or localised in.")
+          "load_map", [](Slam& s, const std::filesystem::path& file) { value_of(s.load_map(file.string())); },
+          py::arg("file"), Released(), "Puts a saved map in place of the present one, to be continued or localised in.")
       .def(
-          "save_map", [](const Slam& s, const std::string& file) { value_of(s.save_map(file)); }, py::arg("file"),
-          Released(), "Saves the map to one file; call finish() before, to have all of it.")
+          "save_map", [](const Slam& s, const std::filesystem::path& file) { value_of(s.save_map(file.string())); },
+          py::arg("file"), Released(), "Saves the map to one file; call finish() before, to have all of it.")
       .def_property("mode", &Slam::mode,
                     py::cpp_function([](Slam& s, Mode mode) { value_of(s.set_mode(mode)); }, Released()),
                     "The Mode; setting it changes between mapping and localisation from the next frame on.")
       .def("on_event", &Slam::on_event, py::arg("handler"),
-           "Calls handler(event) for each Event, from inside track(), finish() and setting mode; None ends it.")
+           "Calls handler(event) for each Event, from inside track(), finish() and setting mode; None ends it. A "
+           "handler "
+           "that names its Slam keeps it alive until then.")
       .def(
           "snapshot", [](const Slam& s) { return std::const_pointer_cast<MapSnapshot>(s.snapshot()); }, Released(),
           "The map and the trajectory as they are now: a Snapshot.")
@@ -129,14 +140,28 @@ void bind_slam(py::module_& m) {
 }
 
 // The library drops what a sink throws; here it is reported first.
-void set_reported_sink(LogSink sink) {
+void set_reported_sink(std::function<void(LogLevel, py::object)> sink) {
   if (!sink) return set_log_sink({});
   set_log_sink([sink = std::move(sink)](LogLevel level, std::string_view message) {
+    const py::gil_scoped_acquire interpreter;
+    in_sink = true;
     try {
-      sink(level, message);
+      sink(level, text_of(message));
     } catch (py::error_already_set& raised) {
-      const py::gil_scoped_acquire interpreter;
       raised.discard_as_unraisable("the log sink of covis");
+    }
+    in_sink = false;
+  });
+}
+
+void bind_error(py::module_& m) {
+  static const py::handle error = py::exception<CovisError>(m, "Error", PyExc_RuntimeError).release();
+  error.attr("__doc__") = "What the library refuses; the message names the argument, the file or the setting.";
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const CovisError& refused) {
+      PyErr_SetObject(error.ptr(), text_of(refused.what()).ptr());
     }
   });
 }
@@ -146,8 +171,7 @@ void set_reported_sink(LogSink sink) {
 PYBIND11_MODULE(_covis, m) {
   m.doc() = "Visual SLAM for monocular, stereo and RGB-D cameras.";
   m.attr("__version__") = version();
-  py::register_exception<CovisError>(m, "Error", PyExc_RuntimeError).attr("__doc__") =
-      "What the library refuses; the message names the argument, the file or the setting.";
+  bind_error(m);
   bind_values(m);
   bind_snapshot(m);
   bind_slam(m);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recordings, trajectories and errors for the Python module: what the command has, as objects.
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -103,20 +105,19 @@ void bind_trajectory(py::module_& m) {
       .def(py::init(&from_arrays), py::arg("stamps"), py::arg("positions"), py::arg("quaternions"))
       .def_static(
           "load",
-          [](const std::string& file, const std::string& format, const std::string& stamps) {
-            return PyTrajectory::of(value(io::read_trajectory(file, format_of(format), stamps)));
+          [](const std::filesystem::path& file, const std::string& format, const std::filesystem::path& stamps) {
+            return PyTrajectory::of(value(io::read_trajectory(file.string(), format_of(format), stamps.string())));
           },
           py::arg("file"), py::arg("format") = "automatic", py::arg("stamps") = "",
           "Reads a file of the format tum, kitti or euroc; stamps: the file of stamps (seconds) beside one of kitti.")
       .def(
           "save",
-          [](const PyTrajectory& t, const std::string& file, const std::string& format) {
-            value(io::write_trajectories(file, t.by_submap(), format_of(format)));
+          [](const PyTrajectory& t, const std::filesystem::path& file, const std::string& format) {
+            value(io::write_trajectories(file.string(), t.by_submap(), format_of(format)));
           },
           py::arg("file"), py::arg("format") = "tum",
           "Writes a file of the format tum, kitti or euroc. Submaps have worlds of their own and so files of their "
-          "own: "
-          "that of the most poses is FILE, the others FILE_map1 and so on, as covis run names them.")
+          "own: that of the most poses is FILE, the others FILE_map1 and so on, as covis run names them.")
       .def("__len__", [](const PyTrajectory& t) { return t.poses.size(); })
       .def("__getitem__",
            [](const PyTrajectory& t, py::ssize_t i) {
@@ -214,8 +215,8 @@ struct PyRecording {
   std::shared_ptr<std::mutex> picture_mutex = std::make_shared<std::mutex>();  // held while a picture is read
 };
 
-PyRecording open(const std::string& path, const std::string& kind, const std::string& sensor,
-                 const std::string& camera_file, int64_t first, int64_t count, int stride) {
+PyRecording open(const std::filesystem::path& path, const std::string& kind, const std::string& sensor,
+                 const std::filesystem::path& camera_file, int64_t first, int64_t count, int stride) {
   io::SequenceOptions options;
   using K = io::SequenceKind;
   options.kind = choose<K>("kind", kind,
@@ -233,12 +234,12 @@ PyRecording open(const std::string& path, const std::string& kind, const std::st
   if (!sensor.empty())
     options.sensor = choose<Sensor>("sensor", sensor,
                                     {{"mono", Sensor::monocular}, {"stereo", Sensor::stereo}, {"rgbd", Sensor::rgbd}});
-  options.camera_file = camera_file;
+  options.camera_file = camera_file.string();
   options.first = first;
   options.count = count;
   options.stride = stride;
   const py::gil_scoped_release released;
-  return {value(io::open_sequence(path, options))};
+  return {value(io::open_sequence(path.string(), options))};
 }
 
 SensorType public_sensor(Sensor sensor) {
@@ -303,10 +304,15 @@ void bind_recordings(py::module_& m) {
       .def_property_readonly(
           "frame_rate", [](const PyRecording& r) { return r.sequence->frame_rate(); }, "Frames a second.")
       .def_property_readonly(
-          "description", [](const PyRecording& r) { return r.sequence->description(); },
+          "description", [](const PyRecording& r) { return text_of(r.sequence->description()); },
           "A line for people: its kind and size.")
       .def_property_readonly(
-          "notes", [](const PyRecording& r) { return r.sequence->notes(); },
+          "notes",
+          [](const PyRecording& r) {
+            py::list notes;
+            for (const std::string& note : r.sequence->notes()) notes.append(text_of(note));
+            return notes;
+          },
           "List of sentences: what was skipped, and what lacked.")
       .def(
           "truth",

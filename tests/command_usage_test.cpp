@@ -88,6 +88,7 @@ TEST_F(CommandCheck, MakesACameraFileOfAnotherProgramsCamera) {
   EXPECT_THAT(covis({"check", "--import-camera", chain, "--out", chain}).error, HasSubstr("left as they are"));
   EXPECT_THAT(text_of(chain), HasSubstr("cam1"));
   EXPECT_EQ(covis({"check", folder, "--import-camera", chain}).code, 2) << "one or the other";
+  EXPECT_EQ(covis({"check", "--import-camera", chain, "--stride", "2"}).code, 2) << "that is of recordings";
 }
 
 TEST_F(CommandCheck, LeftAndRightSwapped) {
@@ -359,6 +360,8 @@ TEST_F(CommandUsage, AFullDiskIsSaidAndTheOtherFilesAreWritten) {
   Process eval(command({"eval", truth, truth}), "/dev/full", folder / "stderr");
   EXPECT_EQ(eval.wait(kPatience), 1);
   EXPECT_THAT(text_of(folder / "stderr"), HasSubstr("stdout"));
+  Process help(command({"--help"}), "/dev/full", folder / "stderr");
+  EXPECT_EQ(help.wait(kPatience), 1);
 }
 
 }  // namespace

@@ -145,6 +145,32 @@ def test_a_log_sink_may_own_what_logs():
     covis.set_log_sink(None)
 
 
+DROPPED_IN_A_SINK = """
+import covis, gc, sys, threading, time
+source = covis.Recording(sys.argv[1])
+ended = threading.Event()
+class Camera(covis.Slam):
+    def __del__(self):
+        ended.set()
+slams = [Camera(source.camera, source.sensor, timing=covis.Timing.realtime, vocabulary=covis.default_vocabulary())]
+def sink(level, message):
+    if threading.current_thread() is not threading.main_thread():
+        slams.clear()
+covis.set_log_sink(sink)
+for frame in source:
+    if not slams:
+        break
+    slams[0].track(frame.stamp, frame.image, depth=frame.depth)
+    ended.wait(0.05)
+print('ended' if ended.wait(5) else 'nothing was written by another thread')
+"""
+
+
+def test_a_system_may_be_dropped_by_its_own_thread(recording):
+    done = subprocess.run([sys.executable, '-c', DROPPED_IN_A_SINK, recording('desk_rgbd')], capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stdout.strip()) == (0, 'ended'), done.stderr
+
+
 def test_a_snapshot_is_sound_and_is_not_copied(desk):
     slam, results, _ = desk
     s = slam.snapshot()
@@ -209,6 +235,29 @@ def test_a_map_is_kept_and_localised_in(desk, recording, tmp_path):
     assert len(later.snapshot().points) == 0
     later.load_map(file)
     assert len(later.snapshot().points) == len(slam.snapshot().points)
+
+
+def test_worlds_of_submaps_are_kept_apart(recording, tmp_path):
+    parts = [covis.Recording(recording(name), count=n) for name, n in (('room_rgbd', 30), ('posters_rgbd', 40))]
+    slam = system(parts[0])
+    truths, last = [], 0
+    for part in parts:
+        later = last + 10**8
+        truth = part.truth()
+        truths.append(covis.Trajectory(truth.stamps + later, truth.positions, truth.quaternions))
+        for frame in part:
+            last = frame.stamp + later
+            slam.track(last, frame.image, depth=frame.depth)
+    slam.finish()
+    path = slam.trajectory()
+    assert set(path.submaps) == {0, 1}
+    sizes = sorted(((path.submaps == k).sum(), k) for k in (0, 1))
+    largest = sizes[-1][1]
+    assert covis.evaluate(path, truths[largest]).ate_rmse < 0.01, 'of the map with the most poses alone'
+    path.save(tmp_path / 'path.txt')
+    for file, (size, k) in zip(('path_map1.txt', 'path.txt'), sizes):
+        saved = covis.Trajectory.load(tmp_path / file)
+        assert len(saved) == size and covis.evaluate(saved, truths[k]).ate_rmse < 0.01
 
 
 def test_events_and_messages_come_by_themselves(recording):

@@ -234,10 +234,35 @@ class OtherFormats(unittest.TestCase):
         self.assertEqual((out / 'bundle.out').read_text().splitlines()[1].split()[0], str(info()['key_frames']))
         for line in (out / 'list.txt').read_text().splitlines():
             self.assertTrue((out / line.split()[0]).exists())
+        centred = contents(out / 'images_centred')
+        export('colmap', 'bundler')
+        self.assertEqual(contents(out / 'images_centred'), centred, 'images of another shape are beside them')
+        self.assertEqual(set(contents(out / 'images')), set(centred))
         path = json.loads(export('geojson', 'path.geojson', '--origin', '48.2', '16.4', '--heading', '30').read_text())
         line = path['features'][0]['geometry']['coordinates']
         self.assertEqual(len(line), info()['key_frames'])
         np.testing.assert_allclose(line[0], [16.4, 48.2, 0], atol=1e-6)
+
+    def test_models_of_an_earlier_export_are_not_left(self):
+        for to, first, second in (('colmap', 'sparse/0', 'sparse/1'), ('nerfstudio', 'transforms.json', 'transforms_map1.json'),
+                                  ('bundler', 'bundle.out', 'bundle_map1/bundle.out')):
+            out = export(to, f'left_{to}')
+            if to == 'colmap':
+                shutil.copytree(out / first, out / second)
+                (out / 'sparse/2').mkdir()
+                (out / 'sparse/2/cameras.txt').write_text('1 PINHOLE by hand')
+            else:
+                (out / second).parent.mkdir(exist_ok=True)
+                shutil.copy(out / first, out / second)
+            export(to, f'left_{to}')
+            self.assertTrue((out / first).exists())
+            self.assertFalse((out / second).exists(), to)
+        self.assertTrue((WORK / 'left_colmap/sparse/2/cameras.txt').exists())
+
+    def test_the_command_counts_what_is_written(self):
+        for to, more in (('tum', ()), ('geojson', ('--origin', '48', '16'))):
+            said = run(COVIS, 'map', 'export', MAP, '--to', to, '--out', WORK / f'counted.{to}', *more)
+            self.assertIn(f"{info()['key_frames']} key frames of 1 map", said)
 
     def test_a_picture_from_above(self):
         run(COVIS, 'map', 'info', MAP, '--picture', WORK / 'above.png')
