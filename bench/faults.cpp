@@ -72,10 +72,13 @@ void run_rendered(const Choice& choice, Sensor sensor) {
 
 }  // namespace
 
-// faults [--back] [--small] [WORLD] [PART OF A NAME]      a rendered recording; --back: after the faulty stretch the
-//                                                         camera goes back the way it came; --small: images of 320x240
-// faults [--camera FILE] FOLDER [PART OF A NAME]          the first frames of a recording with a ground truth, by every
-//                                                         sensor that it has
+constexpr const char* kUsage = R"(
+faults [--back] [--small] [WORLD] [PART OF A NAME]      a rendered recording; --back: after the faulty stretch the
+                                                        camera goes back the way it came; --small: images of 320x240
+faults [--camera FILE] FOLDER [PART OF A NAME]          the first frames of a recording with a ground truth, by every
+                                                        sensor that it has
+)";
+
 int main(int count, char** arguments) {
   Choice choice;
   std::vector<std::string> names;
@@ -87,11 +90,16 @@ int main(int count, char** arguments) {
       choice.small = true;
     else if (argument == "--camera" && i + 1 < count)
       choice.camera_file = arguments[++i];
+    else if (argument.starts_with('-'))
+      return std::printf("%s: no such option\n%s", argument.c_str(), kUsage), 2;
     else
       names.push_back(argument);
   }
   if (!names.empty()) choice.recording = names[0];
   if (names.size() > 1) choice.only = names[1];
-  const auto run = std::filesystem::is_directory(choice.recording) ? run_stored : run_rendered;
+  const bool stored = std::filesystem::is_directory(choice.recording);
+  if (!stored && std::ranges::find(synth_worlds(), choice.recording) == synth_worlds().end())
+    return std::printf("%s: neither a folder nor a world of covis synth\n%s", choice.recording.c_str(), kUsage), 2;
+  const auto run = stored ? run_stored : run_rendered;
   for (const Sensor sensor : {Sensor::rgbd, Sensor::stereo, Sensor::monocular}) run(choice, sensor);
 }

@@ -43,7 +43,7 @@ void convert(const fs::path& recording, const fs::path& file, io::RosWire wire) 
 
 using CommandBag = CommandTest;
 
-TEST_F(CommandBag, GivesTheTrajectoryOfTheFolderItWasMadeFrom) {
+TEST_F(CommandBag, GivesTheTrajectoryOfTheFolderItWasMadeFromLong) {
   for (const auto& [sensor, name, wire] : {std::tuple{"mono", "recording.bag", io::RosWire::ros1},
                                            std::tuple{"rgbd", "recording.db3", io::RosWire::cdr}}) {
     SCOPED_TRACE(sensor);

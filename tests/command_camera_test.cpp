@@ -61,7 +61,7 @@ TEST_F(CommandCamera, ThatCanHardlyBeRightIsNamedByRunAsByCheck) {
   EXPECT_THAT(check.out, doubt);
 }
 
-TEST_F(CommandCamera, ThatTheImagesDoNotTellIsAskedFor) {
+TEST_F(CommandCamera, ThatTheImagesDoNotTellIsAskedForLong) {
   const fs::path recording = render("mono", 1), still = folder / "still";
   fs::create_directories(still);
   for (int i = 0; i < 20; ++i)

@@ -43,7 +43,7 @@ TEST_F(CommandRun, WritesAllItsFilesForEachSensor) {
 }
 
 // The key frames' images are kept beside the map, under their ids, and no others.
-TEST_F(CommandRun, KeepsTheImagesOfKeyFramesBesideTheMap) {
+TEST_F(CommandRun, KeepsTheImagesOfKeyFramesBesideTheMapLong) {
   const fs::path recording = render("rgbd", 40), map = folder / "m.covis", images = folder / "m.covis.images";
   ASSERT_EQ(covis({"run", recording, "--quiet", "--out", folder / "out", "--keep-images"}).code, 1)
       << "there is no map to keep them beside";

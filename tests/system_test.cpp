@@ -43,7 +43,7 @@ TEST_P(EachSensor, TracksARoomLong) {
   expect_tracked(recording, GetParam(), 0.02);
 }
 
-TEST_P(EachSensor, TwoRunsGiveTheSameBytes) {
+TEST_P(EachSensor, TwoRunsGiveTheSameBytesLong) {
   Recording& recording = shared_recording(GetParam(), 32);
   std::string first;
   for (int run = 0; run < 2; ++run) {
@@ -126,7 +126,7 @@ TEST_P(EachSensor, LossIsAStateWithAReasonAndIsRecoveredFrom) {
 }
 
 // The walk back from where the map begins ends at frames that show nothing; those before them are found by their place.
-TEST(System, FramesThatTheWalkDoesNotReachAreLocatedAtTheEnd) {
+TEST(System, FramesThatTheWalkDoesNotReachAreLocatedAtTheEndLong) {
   constexpr int kAll = 60, kStood = 12, kBlack = 6;
   Recording& recording = shared_recording(Sensor::monocular, kAll);
   System system(recording.synth.camera(), options_for(Sensor::monocular), vocabulary());
