@@ -147,7 +147,7 @@ Map map_before(Walk& walk, const SystemOptions& options) {
 }
 
 // No map is begun beside one that is for localisation only, nor without a way to join it later.
-TEST(FurtherMap, NoneIsBegunWhereItMustNot) {
+TEST(FurtherMap, NoneIsBegunWhereItMustNotLong) {
   Recording& recording = shared_recording(Sensor::rgbd, 160);
   Walk walk = carried_away(recording);
   const MapState before = map_before(walk, options_for(Sensor::rgbd)).state();
@@ -305,7 +305,7 @@ TEST(Jump, IsNotToAnotherPosterInRealTimeEitherLong) {
 // Another gap in that walk leads to a place at which too few points match: where these alone are asked, the camera is
 // lost within a second, and its poses, which were tentative, are retracted. What these frames show is located
 // afterwards.
-TEST(Jump, ThatProvesWrongIsTakenBack) {
+TEST(Jump, ThatProvesWrongIsTakenBackLong) {
   Recording& recording = shared_recording(Sensor::rgbd, 160, 10, "posters");
   Walk walk = cut(recording, 10, 80, 122, 150);
   SystemOptions options = options_for(Sensor::rgbd);
@@ -323,7 +323,7 @@ TEST(Jump, ThatProvesWrongIsTakenBack) {
 }
 
 // The place was right: the image shows its points, and the camera is not lost.
-TEST(Jump, ThatTheImageBearsOutIsKept) {
+TEST(Jump, ThatTheImageBearsOutIsKeptLong) {
   Recording& recording = shared_recording(Sensor::rgbd, 160, 10, "posters");
   Walk walk = cut(recording, 10, 80, 122, 150);
   Walked run(walk, options_for(Sensor::rgbd));
