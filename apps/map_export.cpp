@@ -2,7 +2,6 @@
 #include "map_export.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iomanip>
@@ -65,11 +64,15 @@ Result<void> check_files(const ExportArguments& a, io::OutputKind kind, size_t s
   return {};
 }
 
-constexpr std::pair<Format, io::OutputKind> kModels[] = {{Format::colmap, io::OutputKind::colmap},
-                                                         {Format::nerfstudio, io::OutputKind::nerfstudio},
-                                                         {Format::bundler, io::OutputKind::bundler}};
+constexpr Format kModels[] = {Format::colmap, Format::nerfstudio, Format::bundler};
 
-// The files of the k-th submap's model in the folder of the export; the first tells that Covis wrote it.
+io::OutputKind kind_of_model(Format format) {
+  return format == Format::colmap       ? io::OutputKind::colmap
+         : format == Format::nerfstudio ? io::OutputKind::nerfstudio
+                                        : io::OutputKind::bundler;
+}
+
+// The files of the k-th submap's model in the folder of the export; the first is of kind_of_model().
 std::vector<fs::path> model_files(Format format, size_t k) {
   if (format == Format::colmap) {
     const fs::path folder = fs::path("sparse") / std::to_string(k);
@@ -84,14 +87,16 @@ std::vector<fs::path> model_files(Format format, size_t k) {
 const char* images_of(Format format) { return format == Format::bundler ? "images_centred" : "images"; }
 
 // Files in a folder are replaced if an earlier export made it, of whichever format.
-Result<void> check_folder(const fs::path& out) {
+Result<void> check_folder(Format wanted, const fs::path& out, size_t submaps) {
   std::error_code none;
   bool earlier = !fs::is_directory(out, none) || fs::is_empty(out, none);
-  for (const auto& [format, kind] : kModels) {
-    const fs::path file = out / model_files(format, 0).front();
-    if (!fs::is_regular_file(file, none)) continue;
-    if (auto fits = io::check_output(file, kind); !fits) return fits;
-    earlier = true;
+  for (const Format format : kModels) {
+    for (size_t k = 0; k < (format == wanted ? submaps : 1); ++k) {
+      const fs::path file = out / model_files(format, k).front();
+      if (!fs::is_regular_file(file, none)) continue;
+      if (auto fits = io::check_output(file, kind_of_model(format)); !fits) return fits;
+      earlier = true;
+    }
   }
   if (earlier) return {};
   return fail(out.string() + ": the folder holds other things, and no earlier export; choose another, or a new one");
@@ -109,19 +114,18 @@ Result<void> check_target(Format format, const ExportArguments& a, size_t submap
     case Format::colmap:
     case Format::nerfstudio:
     case Format::bundler:
-      return check_folder(a.out);
+      return check_folder(format, a.out, submaps);
   }
   return {};
 }
 
 // Models of higher numbers from an earlier export are removed, because they would be mistaken for this one's.
 void remove_left_models(Format format, const fs::path& out, size_t submaps) {
-  const auto model = std::ranges::find(kModels, format, &std::pair<Format, io::OutputKind>::first);
   std::error_code error;
   for (size_t k = submaps;; ++k) {
     const std::vector<fs::path> files = model_files(format, k);
     const fs::path first = out / files.front();
-    if (!fs::is_regular_file(first, error) || !io::check_output(first, model->second)) return;
+    if (!fs::is_regular_file(first, error) || !io::check_output(first, kind_of_model(format))) return;
     for (const fs::path& file : files) fs::remove(out / file, error);
     if (first.parent_path() != out) fs::remove(first.parent_path(), error);  // stays unless it is empty
   }
@@ -145,15 +149,15 @@ Result<void> write_poses(const std::vector<Scene>& scenes, const fs::path& file,
   return io::write_trajectories(file, trajectories, format);
 }
 
-// The images go to a folder of the export, if there are any; returns how many there are. Error: those that
-// were named are not there.
-Result<size_t> write_images(const ExportArguments& a, std::vector<Scene>& scenes) {
+// The images go to this folder, if there are any; returns how many there are. Error: those that were named are not
+// there.
+Result<size_t> write_images(const ExportArguments& a, const fs::path& folder, std::vector<Scene>& scenes) {
   const fs::path kept = a.images.empty() ? exchange::image_folder(a.file) : fs::path(a.images);
   size_t views = 0, images = 0;
   for (Scene& scene : scenes) {
     views += scene.views.size();
     if (a.images.empty() && !fs::is_directory(kept)) continue;
-    const auto written = exchange::write_images(kept, fs::path(a.out) / images_of(kFormats.at(a.to)), scene);
+    const auto written = exchange::write_images(kept, folder, scene);
     if (!written) return tl::unexpected(written.error());
     images += *written;
   }
@@ -168,18 +172,17 @@ Result<size_t> write_images(const ExportArguments& a, std::vector<Scene>& scenes
 // These formats hold a point by the pixels at which it is seen.
 bool has_observations(Format format) { return format == Format::colmap || format == Format::bundler; }
 
-// Brings keypoints, where there are images, and points to the export's pixels. Leaves out what does not make a track,
-// and logs how much that is.
-Result<void> make_tracks(const ExportArguments& a, bool images, std::vector<Scene>& scenes) {
+// Brings keypoints, where a folder of images is given, and points to the export's pixels. Leaves out what does not make
+// a track, and logs how much that is.
+Result<void> make_tracks(const std::string& out, const fs::path& images, std::vector<Scene>& scenes) {
   for (size_t k = 0; k < scenes.size(); ++k) {
-    const auto unlike = images ? exchange::align_keypoints(scenes[k], fs::path(a.out) / images_of(kFormats.at(a.to)))
-                               : Result<size_t>(0);
+    const auto unlike = images.empty() ? Result<size_t>(0) : exchange::align_keypoints(scenes[k], images);
     if (!unlike) return tl::unexpected(unlike.error());
     exchange::adjust_points(scenes[k]);
     const exchange::LeftOut left_out = exchange::keep_tracks(scenes[k]);
     std::ostringstream text;
-    text << a.out << ": left out are ";
-    if (images) text << *unlike << " observations whose image does not show their point as its finest does, ";
+    text << out << ": left out are ";
+    if (!images.empty()) text << *unlike << " observations whose image does not show their point as its finest does, ";
     text << left_out.observations << " observations more than " << exchange::kMaxObservationError << " pixels off and "
          << left_out.points << " points that fewer than two key frames then see; the mean reprojection error is "
          << std::fixed << std::setprecision(2) << exchange::mean_error(scenes[k]) << " pixels";
@@ -193,12 +196,12 @@ Result<void> fill_folder(Format format, const ExportArguments& a, std::vector<Sc
   if (format == Format::bundler) {
     for (Scene& scene : scenes) scene = exchange::centred(scene);
   }
-  const auto images = write_images(a, scenes);
+  const fs::path out = a.out, folder_of_images = out / images_of(format);
+  const auto images = write_images(a, folder_of_images, scenes);
   if (!images) return tl::unexpected(images.error());
   if (has_observations(format)) {
-    if (const auto made = make_tracks(a, *images > 0, scenes); !made) return made;
+    if (const auto made = make_tracks(a.out, *images > 0 ? folder_of_images : "", scenes); !made) return made;
   }
-  const fs::path out = a.out;
   for (size_t k = 0; k < scenes.size(); ++k) {
     Result<void> written;
     if (format == Format::colmap) {

@@ -36,6 +36,15 @@ std::vector<std::pair<std::string, std::string>> to_settings(const py::dict& set
 
 thread_local bool in_sink = false;  // this thread calls the log sink at present
 
+// A sink that calls the library may be called again by what that says.
+struct InSink {
+  InSink() : outer(std::exchange(in_sink, true)) {}
+  ~InSink() { in_sink = outer; }
+  InSink(const InSink&) = delete;
+  InSink& operator=(const InSink&) = delete;
+  const bool outer;
+};
+
 // Ending a system waits for its threads, whose messages may wait for the interpreter's lock. Where a thread of its own
 // drops it, in a log sink or in the garbage collection that one sets off, the main thread ends it instead.
 struct DeleteReleased {
@@ -125,8 +134,7 @@ void bind_slam(py::module_& m) {
                     "The Mode; setting it changes between mapping and localisation from the next frame on.")
       .def("on_event", &Slam::on_event, py::arg("handler"),
            "Calls handler(event) for each Event, from inside track(), finish() and setting mode; None ends it. A "
-           "handler "
-           "that names its Slam keeps it alive until then.")
+           "handler that names its Slam keeps it alive until then.")
       .def(
           "snapshot", [](const Slam& s) { return std::const_pointer_cast<MapSnapshot>(s.snapshot()); }, Released(),
           "The map and the trajectory as they are now: a Snapshot.")
@@ -144,13 +152,12 @@ void set_reported_sink(std::function<void(LogLevel, py::object)> sink) {
   if (!sink) return set_log_sink({});
   set_log_sink([sink = std::move(sink)](LogLevel level, std::string_view message) {
     const py::gil_scoped_acquire interpreter;
-    in_sink = true;
+    const InSink called;
     try {
       sink(level, text_of(message));
     } catch (py::error_already_set& raised) {
       raised.discard_as_unraisable("the log sink of covis");
     }
-    in_sink = false;
   });
 }
 

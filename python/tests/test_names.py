@@ -28,7 +28,6 @@ def test_a_name_that_is_not_utf8(recording, tmp_path):
     odd = os.fsdecode(os.fsencode(tmp_path) + b'/desk\xff')
     with pytest.raises(covis.Error, match=r'desk\\xff'):
         covis.Recording(odd)
-    messages = []
     shutil.copytree(recording('desk_rgbd'), odd)
     source = covis.Recording(odd, count=3)
     assert source.description and next(source).image.shape == (240, 320)

@@ -146,7 +146,7 @@ def test_a_log_sink_may_own_what_logs():
 
 
 DROPPED_IN_A_SINK = """
-import covis, gc, sys, threading, time
+import covis, sys, threading
 source = covis.Recording(sys.argv[1])
 ended = threading.Event()
 class Camera(covis.Slam):
