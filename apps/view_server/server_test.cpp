@@ -61,12 +61,15 @@ class ServerTest : public testing::Test {
   tcp::endpoint endpoint() const { return {boost::asio::ip::make_address("127.0.0.1"), server->port()}; }
   using Response = http::response<http::string_body>;
   using Fields = std::vector<std::pair<http::field, std::string>>;
-  Response get(const std::string& target, const Fields& fields = {}, http::verb verb = http::verb::get) {
+  Response get(const std::string& target, const Fields& fields = {}, http::verb verb = http::verb::get,
+               const std::string& body = "") {
     beast::tcp_stream stream(context);
     stream.connect(endpoint());
     http::request<http::string_body> request{verb, target, 11};
     request.set(http::field::host, "localhost:" + std::to_string(server->port()));
     for (const auto& [name, value] : fields) request.set(name, value);
+    request.body() = body;
+    request.prepare_payload();
     http::write(stream, request);
     beast::flat_buffer buffer;
     Response response;
@@ -111,7 +114,11 @@ TEST_F(ServerTest, ServesThePage) {
   EXPECT_EQ(get("/viewer.js").body(), page_script());
   EXPECT_EQ(get("/viewer.css").body(), page_style());
   EXPECT_EQ(get("/elsewhere").result(), http::status::not_found);
-  EXPECT_EQ(get("/", {}, http::verb::post).result(), http::status::method_not_allowed);
+}
+
+TEST_F(ServerTest, OnlyAnswersGet) {
+  for (const std::string& body : {std::string(), std::string("a=1"), std::string(100'000, 'x')})
+    EXPECT_EQ(get("/", {}, http::verb::post, body).result(), http::status::method_not_allowed) << body.size();
 }
 
 TEST_F(ServerTest, ServesImagesOfKeyFramesThatHaveOne) {

@@ -25,8 +25,8 @@ using ErrorCode = beast::error_code;
 constexpr std::chrono::milliseconds kInterval{66}, kLongestInterval{10'000};
 // Until an image that is asked for is there; shorter than the time after which a source makes another.
 constexpr std::chrono::milliseconds kImageTime{66};
-constexpr size_t kMostQuestions = 64;  // that wait for their answers
-constexpr size_t kMostRequestBytes = 16384;
+constexpr size_t kMostQuestions = 64;        // that wait for their answers
+constexpr size_t kMostRequestBytes = 16384;  // of a body, which no request that this server answers has, or a question
 constexpr auto kIdle = std::chrono::seconds(60);  // a connection without a request ends
 
 std::string text_of(beast::string_view text) { return {text.data(), text.size()}; }
@@ -109,13 +109,15 @@ Response respond(const Request& request, Shared& shared) {
 }
 
 void HttpSession::read() {
-  // No request that this server answers has a body.
   parser_.emplace();
-  parser_->body_limit(0);
+  parser_->body_limit(kMostRequestBytes);
   stream_.expires_after(kIdle);
   http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](ErrorCode error, size_t) {
-    if (error) return;
+    const bool too_large = error == http::error::body_limit;
+    if (error && !too_large) return;
     self->request_ = self->parser_->release();
+    // The rest of a body that is too large is not read: the connection ends with the answer.
+    if (too_large) self->request_.keep_alive(false);
     self->handle();
   });
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "covis/io/files.h"
 #include "covis/io/image_stamps.h"
@@ -57,22 +58,39 @@ Result<void> add_depth(const fs::path& depth_folder, Recording& recording) {
   return {};
 }
 
+// The object that the file holds. Of a key that is given twice the library would take the last value.
+Result<nlohmann::json> read_object(const fs::path& file) {
+  const auto text = read_text(file);
+  if (!text) return tl::unexpected(text.error());
+  std::vector<std::set<std::string>> open;  // the keys of the objects around the present place
+  std::string twice;
+  const auto note = [&](int, nlohmann::json::parse_event_t event, const nlohmann::json& parsed) {
+    using Event = nlohmann::json::parse_event_t;
+    if (event == Event::object_start) open.emplace_back();
+    if (event == Event::object_end) open.pop_back();
+    if (event == Event::key && !open.back().insert(parsed.get<std::string>()).second) twice = parsed.get<std::string>();
+    return true;
+  };
+  nlohmann::json root = nlohmann::json::parse(*text, note, false);
+  if (root.is_discarded() || !root.is_object()) return fail(file.string() + ": it is not JSON, or no object");
+  if (!twice.empty()) return fail(file.string() + ": '" + twice + "' is given twice");
+  return root;
+}
+
 }  // namespace
 
 Result<Camera> read_open3d_camera(const fs::path& file) {
-  const auto text = read_text(file);
-  if (!text) return tl::unexpected(text.error());
-  const nlohmann::json root = nlohmann::json::parse(*text, nullptr, false);
-  if (root.is_discarded() || !root.is_object()) return fail(file.string() + ": it is not JSON, or no object");
+  const auto root = read_object(file);
+  if (!root) return tl::unexpected(root.error());
   Camera camera;
   for (const auto& [key, side] : {std::pair("width", &camera.width), {"height", &camera.height}}) {
-    const auto found = root.find(key);
-    if (found == root.end() || !found->is_number_integer() || *found < 1 || *found > 20000)
+    const auto found = root->find(key);
+    if (found == root->end() || !found->is_number_integer() || *found < 1 || *found > 20000)
       return fail(file.string() + ": '" + key + "' must be that of the images, in pixels");
     *side = found->get<int>();
   }
-  const auto matrix = root.find("intrinsic_matrix");
-  const bool numbers = matrix != root.end() && matrix->is_array() && matrix->size() == 9 &&
+  const auto matrix = root->find("intrinsic_matrix");
+  const bool numbers = matrix != root->end() && matrix->is_array() && matrix->size() == 9 &&
                        std::all_of(matrix->begin(), matrix->end(), [](const auto& v) { return v.is_number(); });
   if (!numbers) return fail(file.string() + ": 'intrinsic_matrix' must be a list of nine numbers");
   const auto k = matrix->get<std::vector<double>>();

@@ -101,6 +101,8 @@ TEST_F(Open3d, NamesTheFieldOfTheCameraThatIsWrong) {
   EXPECT_THAT(open_error(), HasSubstr("focal lengths"));
   write("camera_intrinsic.json", "{\"width\": \"64\", \"height\": 48}");
   EXPECT_THAT(open_error(), AllOf(HasSubstr("camera_intrinsic.json"), HasSubstr("'width'")));
+  write("camera_intrinsic.json", "{\"width\": 64, \"depth\": {\"width\": 1}, \"width\": 65}");
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("camera_intrinsic.json"), HasSubstr("'width' is given twice")));
 }
 
 }  // namespace

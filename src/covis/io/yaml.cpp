@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "covis/io/files.h"
 
@@ -69,41 +71,60 @@ YAML::Node only_document(const std::string& text) {
   }
 }
 
-// Looks for an alias within the node that it stands for: YAML::Node would be endless.
-class Aliases : public YAML::EventHandler {
+// Looks for what a YAML::Node is silent about: a key that a map has twice, whose first value would count; and an alias
+// within the node that it stands for, as the node would be endless.
+class Flaws : public YAML::EventHandler {
  public:
-  // Returns the line of the first such alias, counted from 1; 0: there is none.
-  int line() const { return line_; }
+  // Returns what is wrong first and where; nothing is: an empty text.
+  const std::string& problem() const { return problem_; }
+  const YAML::Mark& place() const { return place_; }
 
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override { step(); }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t, const std::string& value) override {
+    if (step() && !open_.back().keys.insert(value).second) say(mark, "'" + value + "' is given twice");
+  }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    if (line_ == 0 && std::find(open_.begin(), open_.end(), anchor) != open_.end()) line_ = mark.line + 1;
+    step();
+    if (std::any_of(open_.begin(), open_.end(), [&](const Open& node) { return node.anchor == anchor; }))
+      say(mark, "not YAML that can be read: what an alias (*) stands for contains the alias itself");
   }
   void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
-    open_.push_back(anchor);
+    step();
+    open_.push_back({anchor, false, false, {}});
   }
   void OnSequenceEnd() override { open_.pop_back(); }
   void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
-    open_.push_back(anchor);
+    step();
+    open_.push_back({anchor, true, false, {}});
   }
   void OnMapEnd() override { open_.pop_back(); }
 
  private:
-  std::vector<YAML::anchor_t> open_;  // those of the lists and maps around the present place
-  int line_ = 0;
-};
+  // A list or map around the present place.
+  struct Open {
+    YAML::anchor_t anchor = 0;
+    bool is_map = false, value_is_next = false;
+    std::set<std::string> keys;
+  };
 
-int line_of_endless_alias(const std::string& text) {
-  Aliases aliases;
-  std::istringstream stream(text);
-  YAML::Parser parser(stream);
-  parser.HandleNextDocument(aliases);
-  return aliases.line();
-}
+  // Returns whether what begins here is a key of a map.
+  bool step() {
+    if (open_.empty() || !open_.back().is_map) return false;
+    return std::exchange(open_.back().value_is_next, !open_.back().value_is_next) == false;
+  }
+  void say(const YAML::Mark& mark, std::string problem) {
+    if (!problem_.empty()) return;
+    problem_ = std::move(problem);
+    place_ = mark;
+  }
+
+  std::vector<Open> open_;
+  std::string problem_;
+  YAML::Mark place_;
+};
 
 // yaml-cpp reads UTF-16 and UTF-32 too, where the files begin with a mark.
 bool is_text(std::string_view text) {
@@ -123,8 +144,10 @@ auto parsed(const std::filesystem::path& file, Parse parse) -> Result<decltype(p
   if (text.starts_with("%YAML:")) text.replace(0, 1, "#");
   const auto place = [&](int line) { return file.string() + ":" + std::to_string(line); };
   try {
-    if (const int line = line_of_endless_alias(text); line > 0)
-      return fail(place(line) + ": not YAML that can be read: what an alias (*) stands for contains the alias itself");
+    Flaws flaws;
+    std::istringstream stream(text);
+    YAML::Parser(stream).HandleNextDocument(flaws);
+    if (!flaws.problem().empty()) return fail(place(flaws.place().line + 1) + ": " + flaws.problem());
     return parse(text);
   } catch (const YAML::DeepRecursion& error) {
     return fail(place(error.mark.line + 1) + ": not YAML that can be read: it is nested too deep");

@@ -34,6 +34,14 @@ TEST_F(Yaml, ANodeThatContainsItselfIsRefused) {
   EXPECT_TRUE(load_yaml(folder / "good.yaml"));
 }
 
+// The first value would count, without a word.
+TEST_F(Yaml, AKeyThatAMapHasTwiceIsRefused) {
+  write("twice.yaml", "one: {a: 1, b: [1, a]}\ntwo:\n  a: 1\n  'a': 2\n");
+  EXPECT_THAT(load_yaml(folder / "twice.yaml").error().message, HasSubstr("twice.yaml:4: 'a' is given twice"));
+  write("good.yaml", "a: {a: a}\nb: &b [a, a, {a: }]\n? [c, c]\n: d\nc: *b\nd: *b\n");
+  EXPECT_TRUE(load_yaml(folder / "good.yaml"));
+}
+
 TEST_F(Yaml, ListsThatAliasesMultiplyAreBounded) {
   std::string text = "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n";
   for (char name = 'b'; name < 'j'; ++name) {
