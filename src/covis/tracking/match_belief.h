@@ -26,8 +26,8 @@ class MatchBelief {
     constexpr double kOfUsual = 0.85;
     return local_share(figures) < kOfUsual * usual_local_;
   }
-  // True when so few agree that a camera found again may be at a place that only looks alike
-  // (docs/notes/044-depth-doubted-sooner.md).
+  // True when so few agree that a camera found again may be at a place that only looks alike, unless its image shows
+  // that it does not (docs/notes/044-depth-doubted-sooner.md, 057-other-guises.md).
   bool is_weak(const TrackFigures& figures) const {
     constexpr double kOfUsual = 0.5;
     return local_share(figures) < kOfUsual * usual_local_;

@@ -32,6 +32,17 @@ bool PlaceCheck::is_right(const Found& found, Arrival arrival) {
   return true;
 }
 
+bool PlaceCheck::is_shown(const Found& found) const {
+  if (!found.live) return false;
+  std::optional<ShownPoints> shown;
+  {
+    const auto map = found.live->read();
+    shown = points_to_show(found, *map);
+  }
+  const auto share = shown ? shown->even_share(*found.image) : std::nullopt;
+  return share && *share >= options_.min_shown_share;
+}
+
 void PlaceCheck::doubt(const TrackedFrame& frame) { jump_ = {jump_ ? jump_->frame : frame.index, frame.stamp}; }
 
 void PlaceCheck::accept(const TrackedFrame& frame, uint32_t submap) {

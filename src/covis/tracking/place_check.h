@@ -44,6 +44,9 @@ class PlaceCheck {
   };
   // True when the frame may be where it was found.
   bool is_right(const Found& found, Arrival arrival);
+  // True when the image shows the points of the map evenly where the frame's pose has them, corners or not: then no
+  // other place looks like this one, however few points match.
+  bool is_shown(const Found& found) const;
   // The place of this frame, which is right as far as one can tell, is tentative for a second from now.
   void doubt(const TrackedFrame& frame);
   // The same frame is tracked: its pose holds.

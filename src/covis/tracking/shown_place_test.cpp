@@ -31,6 +31,15 @@ class ShownPlaceTest : public testing::Test {
   }
   // Judges a frame with so many tenths of the points matched. Its image shows this; null: the image is gone.
   bool is_right(size_t tenths, const ImageU8* shown, Before before, Arrival arrival) {
+    return judge(tenths, shown, before,
+                 [&](PlaceCheck& place, const PlaceCheck::Found& found) { return place.is_right(found, arrival); });
+  }
+  bool is_shown(size_t tenths, const ImageU8* shown) {
+    return judge(tenths, shown, Before::there,
+                 [](PlaceCheck& place, const PlaceCheck::Found& found) { return place.is_shown(found); });
+  }
+  template <class Ask>
+  bool judge(size_t tenths, const ImageU8* shown, Before before, Ask ask) {
     PlaceCheck place(options, Subject::stream);
     TrackedFrame frame;
     frame.start(features, 1, from_seconds(0.1));
@@ -42,7 +51,7 @@ class ShownPlaceTest : public testing::Test {
     if (shown) frontend.monocular(shown->view());
     const ImageProbe probe = frontend.probe();
     const std::vector<uint8_t> in_view(local_map.points.size(), 1);
-    return place.is_right({frame, local_map, in_view, &shared, shown ? &probe : nullptr}, arrival);
+    return ask(place, {frame, local_map, in_view, &shared, shown ? &probe : nullptr});
   }
 
   static constexpr size_t kAll = 10, kEnough = 7, kFew = 1;  // tenths
@@ -71,6 +80,12 @@ TEST_F(ShownPlaceTest, TheImageAloneBearsOutNoJumpWithoutALoss) {
     EXPECT_FALSE(is_right(kFew, &image, Before::elsewhere, arrival));
     EXPECT_TRUE(is_right(kEnough, &image, Before::elsewhere, arrival));
   }
+}
+
+TEST_F(ShownPlaceTest, APlaceIsShownHoweverFewMatch) {
+  EXPECT_TRUE(is_shown(kFew, &image));
+  EXPECT_FALSE(is_shown(kFew, &other));
+  EXPECT_FALSE(is_shown(kAll, nullptr)) << "there is no image to show it";
 }
 
 TEST_F(ShownPlaceTest, TheImageRefutesAJumpThatEnoughMatchesBearOut) {

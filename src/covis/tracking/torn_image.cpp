@@ -2,6 +2,7 @@
 #include "covis/tracking/torn_image.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "covis/core/reserve.h"
@@ -14,6 +15,7 @@ namespace {
 constexpr size_t kMostLookedFor = 300;
 constexpr int kLeastSampled = 8;       // things that only look alike are rarely displaced by one and the same way
 constexpr int kFewSampled = 4;         // in the frames after a torn one
+constexpr int kMostSightings = 3;      // times as many points are seen elsewhere: tiles show them all over the image
 constexpr double kMostInliers = 0.15;  // share of the displaced points
 constexpr float kLeastWay = 1 / 16.f, kSameWay = 1 / 40.f;  // share of the image's width
 
@@ -40,7 +42,9 @@ TornImage::TornImage() {
   most_rows_.reserve(kMostLookedFor);
 }
 
-bool DisplacedRows::shows_tear() const { return sampled >= kLeastSampled && inliers <= kMostInliers * displaced; }
+bool DisplacedRows::shows_tear() const {
+  return sampled >= kLeastSampled && kMostSightings * sampled >= sightings && inliers <= kMostInliers * displaced;
+}
 
 bool DisplacedRows::may_show_tear() const { return sampled >= kFewSampled && inliers <= 2 * kMostInliers * displaced; }
 
@@ -67,19 +71,22 @@ DisplacedRows TornImage::look(const LocalMap& local_map, std::span<const uint8_t
   if (missing_.size() < kFewSampled) return {};
   find_sightings(local_map, frame, camera);
 
-  // Rows of the largest group of points that are displaced alike.
+  // Rows of the largest group of points that are displaced alike and along the rows, as what a cable or a buffer loses
+  // displaces them.
   const Features& f = *frame.features;
   const float same = kSameWay * (f.grid.bounds.max_x - f.grid.bounds.min_x);
   std::vector<float>& rows = most_rows_;
   rows.clear();
   for (const Sighting& middle : sightings_) {
+    if (std::abs(middle.way.y()) > same) continue;
     rows_.clear();
     for (const Sighting& s : sightings_) {
       if ((s.way - middle.way).norm() < same) rows_.push_back(s.row);
     }
     if (rows_.size() > rows.size()) std::swap(rows, rows_);
   }
-  DisplacedRows found{static_cast<int>(rows.size()), static_cast<int>(rows.size() * every), 0};
+  DisplacedRows found{static_cast<int>(rows.size()), static_cast<int>(rows.size() * every),
+                      static_cast<int>(sightings_.size()), 0};
   if (found.sampled < kFewSampled) return found;
   std::sort(rows.begin(), rows.end());
   const float first = rows[rows.size() / 10], last = rows[rows.size() - 1 - rows.size() / 10];

@@ -16,10 +16,12 @@
 
 namespace covis {
 
-// The points that a frame should show and shows elsewhere, all moved alike, and the rows where it shows them.
+// The points that a frame should show and shows elsewhere in the same rows, all moved alike, and the rows where it
+// shows them.
 struct DisplacedRows {
   int sampled = 0;    // such points among those that were looked for
   int displaced = 0;  // such points in all, as the sample says
+  int sightings = 0;  // points among those that were looked for that are seen elsewhere, by whatever way
   int inliers = 0;    // matches in these rows that agree with the pose
 
   bool shows_tear() const;

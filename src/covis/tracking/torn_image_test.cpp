@@ -20,12 +20,22 @@ class TornImageTest : public testing::Test {
     local_map.update(*world.shared.read(), {}, world.shared.read()->key_frames().front(), 10);
     expected.assign(local_map.points.size(), 1);
   }
-  // The features for which `moves` holds are elsewhere, and show no known point there.
+  // The features for which `moves` holds are elsewhere, and show no known point there. way: to the right; or by a
+  // feature's number.
   template <class Moves>
   TrackedFrame displaced(float way, Moves moves, Timestamp stamp = 0) const {
+    return displaced_by([way](size_t) { return Eigen::Vector2f(way, 0); }, moves, stamp);
+  }
+  template <class Way, class Moves>
+  TrackedFrame displaced_by(Way way, Moves moves, Timestamp stamp = 0) const {
     const PointScene::View whole = scene.view(pose);
     const PointScene::View view = edited(whole, [&](Features& f) {
-      for (size_t i = 0; i < f.x.size(); ++i) f.x[i] += moves(i, f.y[i]) ? way : 0;
+      for (size_t i = 0; i < f.x.size(); ++i) {
+        if (!moves(i, f.y[i])) continue;
+        const Eigen::Vector2f by = way(i);
+        f.x[i] += by.x();
+        f.y[i] += by.y();
+      }
     });
     TrackedFrame frame = frame_of(view, pose, 0, stamp);
     match_points(frame, view, world);
@@ -73,6 +83,18 @@ TEST_F(TornImageTest, DisplacedPointsAmongRightOnesAreNoTear) {
   EXPECT_GT(found.displaced, 50);
   EXPECT_GT(found.inliers, found.displaced);
   EXPECT_FALSE(found.may_show_tear());
+}
+
+// Tiles: in a part of the image most are not found, and each of the others is taken for one of its neighbours.
+TEST_F(TornImageTest, WaysThatDifferOrLeadAcrossTheRowsAreNoTear) {
+  const auto lower = [](size_t, float y) { return y > kTear; };
+  const auto neighbours = [](size_t i) { return Eigen::Vector2f(i % 2 == 0 ? 100 : -100, i % 4 < 2 ? 0 : 60); };
+  const DisplacedRows differ = look(displaced_by(neighbours, lower));
+  EXPECT_GE(differ.sampled, 20);
+  EXPECT_LE(differ.inliers, 0.15 * differ.displaced);
+  EXPECT_FALSE(differ.shows_tear());
+  const DisplacedRows across = look(displaced_by([](size_t) { return Eigen::Vector2f(30, 60); }, lower));
+  EXPECT_FALSE(across.may_show_tear());
 }
 
 TEST_F(TornImageTest, RowsThatShowOtherThingsAreNoTear) {

@@ -206,7 +206,9 @@ bool Tracker::relocalise(TrackResult& result, const SharedMap* live, std::option
     health_.last_recovery = current_.stamp;
     result.method = TrackMethod::recovered;
     result.first_share = 0;  // that of a hypothesis which was refused
-    if (belief_.is_weak(result)) search_.place.doubt(current_);
+    // A look-alike shows only what matched, not all that stands around it.
+    if (belief_.is_weak(result) && !search_.place.is_shown(search_.found(current_, live)))
+      search_.place.doubt(current_);
   } else if (state_ == TrackingState::lost || result.reason == NoPoseReason::none) {
     result.reason = NoPoseReason::no_key_frame_matches;
   }
