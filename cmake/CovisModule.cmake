@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-# covis_module(NAME DEPS … [DIR …] [TEST_DEPS …] [TEST_NAME …] [ONE_TEST] [ADDRESSED FILTER] [THREADED FILTER] [ONE_THREAD]): a static library
+# covis_module(NAME DEPS … [DIR …] [TEST_DEPS …] [TEST_NAME …] [ONE_TEST] [ADDRESSED FILTER] [THREADED NAME …]): a static library
 # covis_NAME of the *.cpp files below src/covis/NAME, and a test of the *_test.cpp files among them.
 #   DIR         the folder of the sources, from the project's root, when it is another
 #   TEST_NAME   the test's name, where it is not to be NAME_test
 #   ONE_TEST    the cases share what is dear to make or to load (OpenCV), so ctest runs them in one process
 #   ADDRESSED   of such a test, the cases (a GoogleTest filter) the address sanitizer is to run; without it all
-#   THREADED    of such a test, the cases (a GoogleTest filter) the thread sanitizer is to run; without it all
-#   ONE_THREAD  the module starts no thread and shares nothing: its test is not built with the thread sanitizer
+#   THREADED    NAME_test.cpp starts threads, or holds what threads share: the thread sanitizer has these alone
 function(covis_module name)
-  cmake_parse_arguments(M "ONE_TEST;ONE_THREAD" "DIR;TEST_NAME;ADDRESSED;THREADED" "DEPS;TEST_DEPS" ${ARGN})
+  cmake_parse_arguments(M "ONE_TEST" "DIR;TEST_NAME;ADDRESSED" "DEPS;TEST_DEPS;THREADED" ${ARGN})
   if(NOT M_DIR)
     set(M_DIR src/covis/${name})
   endif()
@@ -16,6 +15,10 @@ function(covis_module name)
   set(tests ${sources})
   list(FILTER sources EXCLUDE REGEX "_test\\.cpp$|/src/covis/io/plugin_[a-z0-9_]+\\.cpp$")
   list(FILTER tests INCLUDE REGEX "_test\\.cpp$")
+  if(COVIS_SANITIZE MATCHES thread)
+    list(JOIN M_THREADED "|" threaded)
+    list(FILTER tests INCLUDE REGEX "/(${threaded})_test\\.cpp$")
+  endif()
   if(NOT sources)
     file(WRITE ${PROJECT_BINARY_DIR}/${name}_empty.cpp "")
     set(sources ${PROJECT_BINARY_DIR}/${name}_empty.cpp)
@@ -30,7 +33,7 @@ function(covis_module name)
   add_library(covis_${name} STATIC ${sources})
   target_link_libraries(covis_${name} PUBLIC covis_flags ${M_DEPS})
   covis_use_headers(covis_${name} covis_library_headers)
-  if(COVIS_TESTS AND tests AND NOT (M_ONE_THREAD AND COVIS_SANITIZE MATCHES thread))
+  if(COVIS_TESTS AND tests)
     set(test ${name}_test)
     if(M_TEST_NAME)
       set(test ${M_TEST_NAME})
@@ -44,9 +47,10 @@ function(covis_module name)
     set_target_properties(${test} PROPERTIES UNITY_BUILD_BATCH_SIZE 16)
     if(M_ONE_TEST)
       set(filter *)
-      if(M_THREADED AND COVIS_SANITIZE MATCHES thread)
-        set(filter ${M_THREADED})
-      elseif(M_ADDRESSED AND COVIS_SANITIZE MATCHES address)
+      if(COVIS_SANITIZE)
+        set(filter *-*Long*)
+      endif()
+      if(M_ADDRESSED AND COVIS_SANITIZE MATCHES address)
         set(filter ${M_ADDRESSED})
       endif()
       covis_one_test(${test} ${test} ${name} ${filter})

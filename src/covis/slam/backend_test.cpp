@@ -150,7 +150,7 @@ TEST_F(BackendTest, DepthIsNotComparedWhileAnotherKeyFrameWaits) {
   }
 }
 
-TEST_F(BackendTest, AMapOnNewGroundStaysWithinItsBound) {
+TEST_F(BackendTest, AMapOnNewGroundStaysWithinItsBoundLong) {
   constexpr size_t kViews = 100;
   const PointScene way = PointScene::wall(2500, 5 * kViews);
   SharedMap map(way.camera);
