@@ -2,6 +2,7 @@
 #include "apps/view/view_state.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <tuple>
@@ -63,10 +64,39 @@ void write_log(const RunLog& log, Sent& sent, BlockWriter& out) {
   sent.loop_versions = log.loop_versions();
 }
 
+template <size_t N>
+bool is_finite(const std::array<float, N>& numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](float number) { return std::isfinite(number); });
+}
+bool is_finite(const PoseRow& pose) { return is_finite(pose.t) && is_finite(pose.q); }
+bool is_finite(const KeyFrameRow& row) { return std::isfinite(row.stamp) && is_finite(row.pose); }
+bool is_finite(const PointRow& row) { return is_finite(row.position); }
+bool is_finite(const EdgeRow&) { return true; }
+bool is_finite(const PathRow& row) { return is_finite(row.pose); }
+bool is_finite(const FrameRow& row) { return std::isfinite(row.stamp) && is_finite(row.pose); }
+
+bool is_finite(const LoopPaths& loop) {
+  const auto all = [](const std::vector<PlaceRow>& places) {
+    return std::all_of(places.begin(), places.end(), [](const PlaceRow& place) { return is_finite(place.position); });
+  };
+  return std::isfinite(loop.correction) && all(loop.before) && all(loop.after);
+}
+
+constexpr const char* kNotFinite = "one of its numbers is not finite";
+
+// One row that is not finite would leave the page without a picture.
+template <class Row>
+Result<std::vector<Row>> finite_rows(const ReadBlock& block) {
+  auto rows = block.rows<Row>();
+  if (rows && !std::all_of(rows->begin(), rows->end(), [](const Row& row) { return is_finite(row); }))
+    return fail(kNotFinite);
+  return rows;
+}
+
 // Puts one block of a file into the state.
 Result<void> read_block(const ReadBlock& block, MapScene& map, std::vector<LoopPaths>& loops, ViewState& state) {
   const auto append = [&](auto& list) -> Result<void> {
-    auto rows = block.rows<typename std::decay_t<decltype(list)>::value_type>();
+    auto rows = finite_rows<typename std::decay_t<decltype(list)>::value_type>(block);
     if (!rows) return tl::unexpected(rows.error());
     list.insert(list.end(), rows->begin(), rows->end());
     return {};
@@ -84,7 +114,7 @@ Result<void> read_block(const ReadBlock& block, MapScene& map, std::vector<LoopP
     case Block::path:
       return append(map.path);
     case Block::frames: {
-      const auto rows = block.rows<FrameRow>();
+      const auto rows = finite_rows<FrameRow>(block);
       if (!rows) return tl::unexpected(rows.error());
       for (const FrameRow& row : *rows) state.log.add_row(row);
       return {};
@@ -101,6 +131,7 @@ Result<void> read_block(const ReadBlock& block, MapScene& map, std::vector<LoopP
     case Block::loop: {
       auto loop = block.loop();
       if (!loop) return tl::unexpected(loop.error());
+      if (!is_finite(*loop)) return fail(kNotFinite);
       loops.push_back(std::move(*loop));
       return {};
     }

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
 #include <map>
 
 #include "apps/view/test_scene.h"
@@ -11,6 +12,7 @@ namespace covis::view {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::UnorderedElementsAre;
 
@@ -114,6 +116,30 @@ TEST(ViewState, DamagedFilesAreErrors) {
   BlockWriter unknown;
   unknown.text(static_cast<Block>(99), "x");
   EXPECT_FALSE(state_of_file("COVISVW1" + unknown.take()));
+}
+
+// The page would show nothing at all.
+TEST(ViewState, AFileWithANumberThatIsNotFiniteIsAnError) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const auto problem = [](auto change) {
+    ViewState state = small_state();
+    MapScene map = *state.map;
+    change(map, state.log);
+    state.map = std::make_shared<const MapScene>(std::move(map));
+    const auto read = state_of_file(file_of(state));
+    return read ? std::string() : read.error().message;
+  };
+  EXPECT_EQ(problem([](MapScene&, RunLog&) {}), "");
+  EXPECT_THAT(problem([](MapScene& map, RunLog&) { map.points.back().position[1] = kNan; }), HasSubstr("not finite"));
+  EXPECT_THAT(problem([](MapScene& map, RunLog&) { map.path.front().pose.q[2] = kNan; }), HasSubstr("not finite"));
+  EXPECT_THAT(problem([](MapScene& map, RunLog&) { map.key_frames.front().pose.t[0] = kNan; }),
+              HasSubstr("not finite"));
+  FrameRow frame;
+  frame.stamp = kNan;
+  EXPECT_THAT(problem([&](MapScene&, RunLog& log) { log.add_row(frame); }), HasSubstr("not finite"));
+  LoopPaths loop;
+  loop.after = {{10, {1, kNan, 3}}};
+  EXPECT_THAT(problem([&](MapScene&, RunLog& log) { log.set_loops({loop}); }), HasSubstr("not finite"));
 }
 
 TEST(ViewState, QuestionsAreAnswered) {
