@@ -73,7 +73,10 @@ bool is_finite(const KeyFrameRow& row) { return std::isfinite(row.stamp) && is_f
 bool is_finite(const PointRow& row) { return is_finite(row.position); }
 bool is_finite(const EdgeRow&) { return true; }
 bool is_finite(const PathRow& row) { return is_finite(row.pose); }
-bool is_finite(const FrameRow& row) { return std::isfinite(row.stamp) && is_finite(row.pose); }
+bool is_finite(const FrameRow& row) {
+  return std::isfinite(row.stamp) && is_finite(row.pose) && std::isfinite(row.tracking_ms) &&
+         std::isfinite(row.total_ms);
+}
 
 bool is_finite(const LoopPaths& loop) {
   const auto all = [](const std::vector<PlaceRow>& places) {

@@ -117,8 +117,8 @@ TEST_F(ServerTest, ServesThePage) {
 }
 
 TEST_F(ServerTest, OnlyAnswersGet) {
-  for (const std::string& body : {std::string(), std::string("a=1"), std::string(100'000, 'x')})
-    EXPECT_EQ(get("/", {}, http::verb::post, body).result(), http::status::method_not_allowed) << body.size();
+  for (const char* body : {"", "a=1"})
+    EXPECT_EQ(get("/", {}, http::verb::post, body).result(), http::status::method_not_allowed) << body;
 }
 
 TEST_F(ServerTest, ServesImagesOfKeyFramesThatHaveOne) {

@@ -113,11 +113,8 @@ void HttpSession::read() {
   parser_->body_limit(kMostRequestBytes);
   stream_.expires_after(kIdle);
   http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](ErrorCode error, size_t) {
-    const bool too_large = error == http::error::body_limit;
-    if (error && !too_large) return;
+    if (error) return;
     self->request_ = self->parser_->release();
-    // The rest of a body that is too large is not read: the connection ends with the answer.
-    if (too_large) self->request_.keep_alive(false);
     self->handle();
   });
 }

@@ -134,7 +134,7 @@ Result<CameraFile> load_camera(const std::filesystem::path& file) {
     if (std::find(names.begin(), names.end(), key) == names.end()) {
       return fail(where + ": unknown key '" + key + "'; the nearest known one is '" + nearest_name(key, names) + "'");
     }
-    if (!given.emplace(key, entry.second).second) return fail(where + ": '" + key + "' is given twice");
+    given.emplace(key, entry.second);
     if (key == "distortion") continue;
     if (!entry.second.IsScalar()) return fail(where + ": '" + key + "' must be a single value");
     if (auto set = set_field(fields, key, entry.second.Scalar()); !set) return fail(where + ": " + set.error().message);
