@@ -12,7 +12,7 @@ import covis
 SCRIPT = pathlib.Path(__file__).parents[2] / 'bench' / 'guises'
 # What becomes of a point's place in the camera.
 WAYS = {'turned': lambda x, y: (-x, -y), 'mirrored': lambda x, y: (-x, y), 'portrait': lambda x, y: (-y, x), 'half': lambda x, y: (x, y),
-        'cut': lambda x, y: (x, y)}
+        'double': lambda x, y: (x, y), 'narrow': lambda x, y: (x, y), 'cut': lambda x, y: (x, y)}
 
 
 @pytest.fixture(scope='module')
