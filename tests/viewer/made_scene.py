@@ -44,10 +44,10 @@ def observations(key_frames, points, every):
     return blocks
 
 
-def made_scene(key_frames, points, every=5, loop=False, submaps=1):
+def made_scene(key_frames, points, every=5, loop=False, submaps=1, lost=()):
     """The bytes of scene.bin (docs/viewer.md) with a map of this size; every n-th frame is a key frame.
     loop: the last key frames close one, before which they lay 8 m lower. Each key frame observes its nearest points.
-    submaps: how many there are, one after the other along the path."""
+    submaps: how many there are, one after the other along the path. lost: numbers of frames without a pose."""
     random = np.random.default_rng(1)
     frames = key_frames * every
     k = np.zeros(key_frames, ROWS[KEY_FRAMES])
@@ -73,6 +73,8 @@ def made_scene(key_frames, points, every=5, loop=False, submaps=1):
     for name in ('frame', 't', 'q', 'submap'):
         f[name] = path[name]
     f['flags'], f['stamp'], f['inliers'], f['tracking_ms'] = 4, f['frame'] / 30, random.integers(200, 400, frames), 10 + 3 * random.random(frames)
+    f['state'][list(lost)], f['flags'][list(lost)] = 1, 0
+    path = np.delete(path, list(lost))
     info = {'title': f'{key_frames} key frames, {points} points', 'mode': 'finished', 'source': 'made by bench/viewer', 'states': ['tracking', 'lost'],
             'sensor': 'rgbd', 'camera': {'width': 640, 'height': 480, 'fx': 525, 'fy': 525, 'cx': 320, 'cy': 240}}
     loops = b''

@@ -29,6 +29,7 @@ from made_scene import made_scene  # noqa: E402
 
 # Colours of the page (web/src/colours.js).
 PATH, SECOND_SUBMAP, BEFORE, LOOP = (255, 176, 46), (79, 195, 247), (154, 164, 178), (255, 77, 210)
+TRACKED, LOST = (74, 222, 128), (248, 113, 113)
 # True when the present image has pixels in the colour of tracked keypoints, more than there are such keypoints, on a grey picture.
 KEYPOINTS_ARE_DRAWN = '''
   const tracked = covis.model.image?.keypoints.filter(k => k.kind === 0).length;
@@ -298,6 +299,26 @@ class ViewerTest(unittest.TestCase):
             browser.choose('covis-covisibility', '15')
             self.assertGreater(strong, 100)
             self.assertGreater((self.pixels('all_edges')[0] != none).any(axis=2).sum(), 1.2 * strong)
+
+    def test_e_a_lost_camera_is_red_where_it_was_last(self):
+        browser = self.browser
+        (self.folder / 'lost').mkdir()
+        (self.folder / 'lost/scene.bin').write_bytes(made_scene(60, 3000, lost=[*range(10), *range(100, 120)]))
+        with Served([self.covis, 'view', self.folder / 'lost', '--port', '0']) as served:
+            browser.open(served.url)
+            self.show('current')
+            for position, last, colour in ((200, 200, TRACKED), (119, 99, LOST), (99, 99, TRACKED)):
+                browser.js('covis.page.player.seek(arguments[0])', position)
+                image, (left, top, _, _) = self.pixels(f'camera_{position}')
+                place = browser.js('return covis.project(covis.model.poseOf(covis.model.frames[arguments[0]]).t)', last)
+                rows, columns = np.nonzero(np.abs(image - colour).max(axis=2) <= 3)
+                near = np.hypot(columns - left - place['x'], rows - top - place['y']) < 60
+                self.assertGreater(near.sum(), 20, position)
+            # Nothing is known of where it was before the first pose.
+            browser.js('covis.page.player.seek(5)')
+            browser.settle()
+            self.assertEqual(browser.js('return covis.page.scene.layers.current.frames.length'), 0)
+            self.assertEqual(browser.problems(), [])
 
 
 if __name__ == '__main__':

@@ -35,6 +35,14 @@ export class Model {
 
   // The pose of a frame: as corrected, else as it was when it was tracked; null without one.
   poseOf(row) { return row && (this.path.get(row.frame) ?? (row.hasPose ? row : null)); }
+  // The newest pose up to a position in the list of frames: a lost camera's last one; null before the first.
+  lastPoseAt(position) {
+    for (let k = position; k >= 0; --k) {
+      const pose = this.poseOf(this.frames[k]);
+      if (pose) return pose;
+    }
+    return null;
+  }
   stateOf(row) { return row ? this.info.states[row.state] ?? '' : ''; }
   reasonOf(row) { return row ? this.texts[row.reason] ?? '' : ''; }
   sortedPath() { return [...this.path.values()].sort((a, b) => a.frame - b.frame); }

@@ -96,9 +96,13 @@ export class Scene {
     this.#limit();
   }
 
-  // The present camera. row: null without one. state: of its frame.
+  // The present camera. pose: its newest one; null: there was none so far. tracked: whether the present frame is.
   showCurrent(pose, tracked) {
-    if (!pose) return;
+    if (!pose) {
+      this.layers.current.set([]);
+      this.stale = true;
+      return;
+    }
     const corners = frustum(pose, this.model.info.camera, 1.6 * this.frustumSize());
     this.layers.current.set(frustumSegments(corners, rgb(tracked ? colours.tracked : colours.lost)));
     const now = new THREE.Vector3(...pose.t);

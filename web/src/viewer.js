@@ -186,8 +186,8 @@ class Page {
   #moveInTime() {
     const {player, parts, model, scene} = this, row = player.row;
     scene.showUpTo(player.limit);
-    const state = model.stateOf(row), pose = model.poseOf(row);
-    scene.showCurrent(pose, state === 'tracking');
+    const state = model.stateOf(row);
+    scene.showCurrent(model.lastPoseAt(player.at), state === 'tracking');
     for (const chart of this.charts) chart.setCursor(row ? player.at : null);
     parts.play.textContent = player.playing ? '❚❚' : '▶';
     parts.slider.max = String(Math.max(0, model.frames.length - 1));
