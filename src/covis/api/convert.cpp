@@ -202,10 +202,10 @@ FrameResult to_result(const FrameReport& report) {
   FrameResult result;
   result.state = track.state;
   result.reason = track.reason;
-  result.inliers = track.inliers;
   result.key_frame = track.key_frame;
   result.retracted_from = report.retracted_from;
   if (!result.tracked()) return result;
+  result.inliers = track.inliers;
   result.pose = to_pose(track.T_cw.inverse());
   result.submap = static_cast<int>(track.submap);
   result.tentative = track.tentative;

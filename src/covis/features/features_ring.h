@@ -10,8 +10,8 @@
 
 namespace covis {
 
-// The tracker holds those of two frames, and of some dozens while the camera is lost; the monitor those of two frames
-// while motion contradicts depth; mapping those of new key frames.
+// The tracker holds those of two frames, and of up to 540 while the camera is lost or its place is in doubt; the
+// monitor those of two frames while motion contradicts depth; mapping those of new key frames.
 class FeaturesRing {
  public:
   explicit FeaturesRing(size_t size = 3) : ring_(size) {}

@@ -21,8 +21,9 @@ Fields fields(LoopOptions& o) {
       {"loop.max_rotation", &o.max_rotation, "greatest correction of orientation, degrees", 0, 180},
       {"loop.max_scale", &o.max_scale, "greatest change of scale, a factor", 1, 100},
       {"loop.weak_link", &o.weak_link,
-       "points across a moment of the path below which it bounds no drift, if two places agree; 0: it always does", 0,
-       10000},
+       "where fewer points are seen both before and after a key frame, the path bounds no drift, if two places agree; "
+       "0: it always does",
+       0, 10000},
       {"loop.merge_min_found", &o.merge_min_found, "loop.min_found to join two submaps", 3, 10000},
       {"loop.merge_min_found_share", &o.merge_min_found_share, "loop.min_found_share to join two submaps", 0, 1},
       {"loop.ba_iterations", &o.ba_iterations, "iterations of the full bundle adjustment after a loop; 0: none", 0,

@@ -17,7 +17,7 @@ struct LoopOptions {
   double max_drift_mono = 0.3;          // greatest correction, as a share of the path travelled since (monocular)
   double max_rotation = 45;             // greatest correction of orientation, degrees
   double max_scale = 3;                 // greatest change of scale, a factor
-  int weak_link = 60;                   // points across a moment of the path below which it bounds no drift
+  int weak_link = 60;                   // points seen before and after a key frame: with fewer the path bounds no drift
   int merge_min_found = 50;             // min_found to join two submaps, of whose relation nothing else is known
   double merge_min_found_share = 0.25;  // min_found_share, likewise
   int ba_iterations = 10;               // iterations of the full bundle adjustment after a loop

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "covis/core/log.h"
+#include "covis/core/quantile.h"
 #include "covis/features/straightening.h"
 #include "covis/geometry/triangulation.h"
 #include "covis/loops/submap_adjustment.h"
@@ -20,14 +21,6 @@ namespace covis {
 namespace {
 
 constexpr int kLeastViews = 3;  // two views fit nearly any point
-
-// 0 for an empty list.
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // All depths of key frames can. Some have none, as where depth contradicted the map.
 bool can_be_looked_up(const Map& map) {
@@ -50,7 +43,7 @@ struct View {
     std::vector<double> depths;
     for (const float z : features->depth)
       if (z > 0) depths.push_back(static_cast<double>(z));
-    depth = median_of(std::move(depths));
+    depth = quantile(std::move(depths), 0.5);
   }
 };
 
@@ -179,7 +172,7 @@ std::optional<BundleProblem> RegistrationRefinement::without_depth(const std::at
     if (o.active)
       factors.push_back((problem.poses[v] * problem.points[p]).z() / (plain.poses[v] * plain.points[p]).z());
   }
-  const double factor = median_of(std::move(factors));
+  const double factor = quantile(std::move(factors), 0.5);
   if (!(factor > 0)) return std::nullopt;
   for (SE3& T_cw : plain.poses) T_cw = SE3(T_cw.R(), Eigen::Vector3d(factor * T_cw.t()));
   return plain;

@@ -28,7 +28,7 @@ struct JoinSettings {
 // Key frames must have words.
 JoinReport join_submaps(SharedMap& map, const JoinSettings& settings);
 
-// Adjusts all of a submap, its root fixed. Nothing when there was nothing to do or no step could be made.
+// Adjusts all of a submap, its root fixed. Nothing when there was nothing to adjust or the adjustment failed.
 std::optional<AdjustedCost> adjust_submap(SharedMap& map, uint32_t submap, int iterations);
 
 }  // namespace covis

@@ -16,13 +16,15 @@ MapperReport Mapper::process(const KeyFrameRequest& request, const std::atomic<b
   MapperReport report;
   report.frame = request.frame;
   Stopwatch watch;
+  const size_t recent = recent_.size();
   const KeyFrameId current = report.key_frame = insert_key_frame(map_, request, recent_);
   report.ms.insert = watch.lap();
   if (!current.valid()) return report;
+  report.counts.points_created = static_cast<int>(recent_.size() - recent);  // by their depth
   add_words(current);
   report.counts.points_culled = recent_.cull(map_, current, sensor_, options_.min_found_ratio);
   report.ms.cull_points = watch.lap();
-  report.counts.points_created = create_points(map_, current, sensor_, options_, recent_);
+  report.counts.points_created += create_points(map_, current, sensor_, options_, recent_);
   report.ms.create = watch.lap();
   report.counts.points_fused = fuse_neighbours(map_, current, sensor_, options_, fuser_);
   report.ms.fuse = watch.lap();

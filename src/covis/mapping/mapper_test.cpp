@@ -44,6 +44,7 @@ TEST_F(MapperTest, TheFirstKeyFramesPointsLieAtTheirDepth) {
   const Features& f = *map->at(report.key_frame).features;
   ASSERT_GT(map->point_count(), 300u);
   EXPECT_EQ(map->point_count(), static_cast<size_t>(f.size())) << "all have depth";
+  EXPECT_EQ(report.counts.points_created, f.size());
   map->for_each_point([&](MapPointId, const MapPoint& p) {
     const uint32_t feature = p.observations[0].feature;
     EXPECT_LT((p.position_w - unproject_depth(map->camera(), f, feature)).norm(), 1e-9);

@@ -52,16 +52,20 @@ MappingReport Backend::process(const KeyFrameRequest& request, const std::atomic
 MappingReport Backend::initialise(const InitialMapRequest& request) { return {mapper_.initialise(request), {}, {}}; }
 
 // A fixed number of key frames after its start, so that the result does not depend on how fast the machine is; in real
-// time as soon as it is there.
+// time with the first key frame after it is there.
 void Backend::apply_adjustment(MappingReport& report) {
   if (!background_.running()) return;
   background_.count_key_frame();
   if (options_.schedule == Schedule::realtime ? !background_.ready() : !background_.due()) return;
+  const BackgroundAdjustment::Outcome outcome = finish_adjustment();
+  if (outcome.kind == AdjustmentKind::full) report.full_adjustment_ms = outcome.ms;
+}
+
+BackgroundAdjustment::Outcome Backend::finish_adjustment() {
   const BackgroundAdjustment::Outcome outcome = background_.apply(map_);
-  if (outcome.kind != AdjustmentKind::full) return;
-  report.full_adjustment_ms = outcome.ms;
-  if (!outcome.solved)
+  if (outcome.kind == AdjustmentKind::full && !outcome.solved)
     log(LogLevel::warning, "the full bundle adjustment after a loop failed; the map stays as it was");
+  return outcome;
 }
 
 // A loop makes the job in the background out of date.
@@ -138,7 +142,7 @@ void Backend::forget_replaced_points(KeyFrameId current) {
 }
 
 void Backend::finish() {
-  if (background_.running()) background_.apply(map_);
+  if (background_.running()) finish_adjustment();
 }
 
 void Backend::discard(uint32_t submap) {

@@ -50,6 +50,7 @@ class Backend {
 
  private:
   void apply_adjustment(MappingReport& report);
+  BackgroundAdjustment::Outcome finish_adjustment();
   void close_loop(MappingReport& report);
   void refine_camera(KeyFrameId current);
   bool adjusts_shutter(const KeyFrameRequest& request);

@@ -5,7 +5,7 @@
 // tracked with less and with more, until the focal length that gives back itself is known (lens_answers.h). At last it
 // is tracked twice close beside that with matches that are aligned, which tell it more closely. What does not show is
 // left out: no distortion, the principal point in the middle of the image. Pixels are square. The same frames give the
-// same camera. Measured: notes/039-a-camera-found.md.
+// same camera. Measured: docs/notes/039-a-camera-found.md.
 #pragma once
 
 #include <atomic>

@@ -9,8 +9,8 @@
 // and the settings alone.
 //
 // One thread, the tracking thread, makes it and calls what changes it: set_map(), process(), locate(), finish(),
-// set_mode(), and what asks about tracking: mode(), tracked_points(), viewed_keypoints(). Any thread may call the other
-// const members and colour_key_frames() at any time.
+// set_mode(), take_warnings(), and what asks about tracking: mode(), tracked_points(), viewed_keypoints(). Any thread
+// may call the other const members and colour_key_frames() at any time.
 #pragma once
 
 #include <memory>

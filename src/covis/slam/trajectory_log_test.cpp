@@ -105,6 +105,16 @@ TEST_F(TrajectoryLogTest, AFrameLocatedAfterwardsHasNoPoseOfWhenItWasTracked) {
   EXPECT_EQ(log.records().size(), 2u) << "a frame that is not known stays so";
 }
 
+TEST_F(TrajectoryLogTest, AFrameLocatedAfterwardsKeepsNothingOfAPoseThatWasTakenBack) {
+  ShutterResponse shutter;
+  shutter.move[3] = 1;
+  log.append({.frame = 1, .stamp = 10, .pose = RelativePose{b, 1, pose_at(0.5)}, .shutter = shutter, .online = {}});
+  log.retract(1);
+  log.locate({1, {a, 1, pose_at(0.25)}});
+  ASSERT_TRUE(record(0).pose);
+  EXPECT_TRUE(record(0).shutter.move.isZero(0));
+}
+
 TEST_F(TrajectoryLogTest, AKeyFrameOfAnEarlierRecordingIsNoFrameOfThisOne) {
   append(2);
   append(4);

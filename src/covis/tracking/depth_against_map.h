@@ -81,7 +81,7 @@ class DepthBelief {
   // A submap begins with the depth of this moment. Where that contradicted the map just before, nobody knows yet which
   // was wrong; not so where the camera was lost for long meanwhile.
   void begin(Timestamp stamp);
-  // The frame is found in another map, which is older: what depth and the map before said of one another is past.
+  // The frame is found in another map: what depth and the map before said of one another is past.
   void change_map(const TrackedFrame& frame);
   // The frame has its pose. Returns FrameDoubts::depth_contradiction. A contradiction lasts until the depth of some
   // frames in a row agrees.
@@ -98,8 +98,8 @@ class DepthBelief {
   void trust_depth() {
     if (!contradicts()) doubted_.reset();
   }
-  // The frame's keypoints are made free of this camera's residual distortion. That of a camera with depth stays, so
-  // that depth is not doubted then.
+  // The frame's keypoints are made free of this camera's residual distortion and of the turn between its rows. The
+  // features that came with depth change with them, unless depth is doubted.
   void straighten_for(const Pinhole& camera, TrackedFrame& frame);
   // The frame is done: nothing is kept of it.
   void release() { measured_.reset(); }

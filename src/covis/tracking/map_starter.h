@@ -4,7 +4,6 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 #include <variant>
 
 #include "covis/map/map_requests.h"
@@ -50,9 +49,9 @@ class MapStarter {
   };
   // `reference`: the last key frame the camera was at; `live`: null while the map may not be read.
   Loss lose(Timestamp stamp, KeyFrameId reference, const SharedMap* live);
-  // A camera that is lost now has been lost since this moment, when no frame came any more, or it came to a place that
-  // proves wrong.
-  void lost_since(Timestamp stamp) {
+  // A camera that is lost now has been lost since this moment, when no frame came any more, or when it came to a place
+  // that proves wrong.
+  void note_loss(Timestamp stamp) {
     if (lost_since_) return;
     lost_since_ = stamp;
     untried_ = true;

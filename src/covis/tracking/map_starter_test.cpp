@@ -197,12 +197,12 @@ TEST_F(LostForLongTest, ATentativePlaceDoesNotStopTheTime) {
 
 TEST_F(LostForLongTest, ALossIsCountedFromWhenNothingWasSeenAnyMore) {
   MapStarter starter(settings_of(Sensor::rgbd));
-  starter.lost_since(from_seconds(8));
+  starter.note_loss(from_seconds(8));
   for (const double seconds : {10.0, 10.1}) EXPECT_EQ(lose_at(starter, seconds), Step::search) << "it is looked for";
   EXPECT_EQ(lose_at(starter, 10.2), Step::begin_submap) << "no frame came for two seconds before";
   starter.begun();
   EXPECT_EQ(lose_at(starter, 20), Step::search);
-  starter.lost_since(from_seconds(18));
+  starter.note_loss(from_seconds(18));
   EXPECT_EQ(lose_at(starter, 21), Step::search) << "it is lost since 20";
 }
 

@@ -63,7 +63,9 @@ std::optional<InitialMapRequest> MonoInitializer::offer(const Pinhole& camera, c
   }
   matches_ = match_reference(*features);
   if (matches_ < o.init_min_matches) {
+    const int matches = matches_;
     reset();
+    matches_ = matches;
     if (features->size() > o.init_min_matches) take_reference(features, frame, stamp);
     reason_ = NoPoseReason::few_matches_with_first_view;
     return std::nullopt;

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "covis/geometry/camera.h"

@@ -36,7 +36,7 @@ class Relocaliser {
     uint32_t submap = 0;
     int inliers = 0;       // map points that agree with the pose
     Matrix6d information;  // of T_cw, given the map
-    RelativePose pose;     // beside the key frame near which it is
+    RelativePose pose;     // relative to the nearest key frame
   };
   std::optional<Located> locate(FeaturesPtr features, int64_t frame, const ImageProbe* probe = nullptr);
 

@@ -44,7 +44,7 @@ class TornImage {
   }
   // A frame shows far less than usual of what it should. True when that is so because it is torn, as one was just
   // before: so long after torn frames too few known points are in view to see them displaced.
-  bool goes_on(Timestamp now) {
+  bool judge_after_torn(Timestamp now) {
     if (!may_go_on(now)) return false;
     torn_at_ = now;
     return true;

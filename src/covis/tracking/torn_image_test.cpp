@@ -151,13 +151,13 @@ TEST_F(TornImageTest, ItGoesOnForAMomentAndEndsWithAWholeFrame) {
 }
 
 TEST_F(TornImageTest, FramesThatShowFarTooLittleAreTornAsThoseBefore) {
-  EXPECT_FALSE(image.goes_on(0)) << "none was torn";
+  EXPECT_FALSE(image.judge_after_torn(0)) << "none was torn";
   EXPECT_TRUE(judge(torn(150, 0)));
   int frames = 0;
-  for (int i = 1; i < 100; ++i) frames += image.goes_on(i * kStep);
+  for (int i = 1; i < 100; ++i) frames += image.judge_after_torn(i * kStep);
   EXPECT_NEAR(static_cast<double>(frames * kStep), 3e9, 2.0 * kStep);
   image.whole();
-  EXPECT_FALSE(image.goes_on(100 * kStep));
+  EXPECT_FALSE(image.judge_after_torn(100 * kStep));
 }
 
 }  // namespace

@@ -77,8 +77,8 @@ struct TrackFigures {
   int local_points = 0;       // points of the local map
   int local_in_view = 0;      // points of it predicted in view
   double local_expected = 0;  // how many of those are expected to match
-  int inliers = 0;            // map points that agree with the pose
-  bool tentative = false;     // the camera came here by a jump or by few matches, less than a second ago; or below
+  int inliers = 0;         // map points that agree with the pose, or, of a lost frame, with the last one that was tried
+  bool tentative = false;  // the camera came here by a jump or by few matches, less than a second ago, or doubts.any()
   FrameDoubts doubts;
   bool key_frame = false;  // a key frame was asked for
   TrackTimes ms;

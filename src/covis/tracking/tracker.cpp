@@ -66,8 +66,10 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
     }
     if (!found) lose(outcome, live);
     outcome.retract_from = search_.place.take_retraction();
+    if (outcome.retract_from) backlog_.lost();
     if (found) {
-      if (search_.local_map.reference.submap < last_.submap) depth_.change_map(current_);
+      if (search_.local_map.reference.submap != last_.submap && result.method != TrackMethod::initialised)
+        depth_.change_map(current_);
       if (result.method != TrackMethod::initialised) {
         const Stopwatch watch;
         if (state_ == TrackingState::tracking && search_.local_map.reference.submap == last_.submap &&
@@ -80,7 +82,6 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       if (health_.leaves_map && depth_.blames_map(stamp) && !result.doubts.torn) begin_submap(outcome);
     }
     if (found && result.method != TrackMethod::initialised) {
-      if (outcome.retract_from) backlog_.lost();
       accept(result);
       if (search_.place.tentative() || starter_.may_give_up(live, last_.pose.key_frame)) {
         backlog_.keep_for_now(current_);
@@ -166,7 +167,7 @@ bool Tracker::track_local_map(TrackResult& result, const SharedMap* live) {
   if (!is_short) search_.torn.whole();
   result.doubts.torn =
       is_short && (search_.torn.judge(search_.local_map, search_.view.points(), current_, search_.camera) ||
-                   (belief_.is_weak(result) && search_.torn.goes_on(current_.stamp)));
+                   (belief_.is_weak(result) && search_.torn.judge_after_torn(current_.stamp)));
   const bool tentative = search_.place.tentative();
   if (tentative && !well_determined(current_.information, current_.mean_depth(), search_.camera)) {
     result.reason = NoPoseReason::pose_uncertain;
@@ -252,15 +253,15 @@ void Tracker::lose(Outcome& outcome, const SharedMap* live) {
   health_.dead_reckoned_frames = 0;
   outcome.result.doubts.map_on_probation = depth_.is_on_probation(current_.stamp);
   // A map on probation proves wrong, or the place since a jump, and in a pause nothing was seen.
-  if (const auto begun = depth_.probation_since(current_.stamp)) starter_.lost_since(*begun);
-  if (const auto jumped = search_.place.tentative_since()) starter_.lost_since(*jumped);
-  if (motion_.is_pause(current_.stamp - last_.frame.stamp)) starter_.lost_since(last_.frame.stamp);
+  if (const auto begun = depth_.probation_since(current_.stamp)) starter_.note_loss(*begun);
+  if (const auto jumped = search_.place.tentative_since()) starter_.note_loss(*jumped);
+  if (motion_.is_pause(current_.stamp - last_.frame.stamp)) starter_.note_loss(last_.frame.stamp);
   motion_.reset();
   search_.place.lose();
   backlog_.lost();
   // In localisation only no submap is begun or given up.
   if (settings_.mode == TrackingMode::localisation) return;
-  if (search_.torn.may_go_on(current_.stamp)) return starter_.lost_since(current_.stamp);
+  if (search_.torn.may_go_on(current_.stamp)) return starter_.note_loss(current_.stamp);
   const MapStarter::Loss loss = starter_.lose(current_.stamp, last_.pose.key_frame, live);
   using Step = MapStarter::Step;
   if (loss.step == Step::begin_submap || loss.step == Step::replace_submap) begin_submap(outcome);

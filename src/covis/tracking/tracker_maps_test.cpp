@@ -2,8 +2,10 @@
 // The tracker where the map moves, has several submaps, or knows too little.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <numbers>
+#include <vector>
 
 #include "covis/tracking/test_tracker.h"
 
@@ -128,6 +130,20 @@ TEST_F(SeveralMapsTest, WhereDepthBlamesTheMapTheCameraComesBackToAnOlderOne) {
     EXPECT_LT(distance(result, frames.T_cw(i)), 0.03) << "frame " << i;
   }
   EXPECT_NEAR(back, 16, 2) << "half a second later";
+  EXPECT_EQ(shared.read()->submaps().size(), 2u);
+}
+
+TEST_F(SeveralMapsTest, TheCameraComesBackToANewerMapAsWell) {
+  std::vector<uint32_t> submaps;  // those it went through
+  for (int i = 0; i < 60; ++i) {
+    const int there = i % (2 * frames.count() - 2), k = std::min(there, 2 * frames.count() - 2 - there);  // to and fro
+    auto features = std::make_shared<Features>(*frames.features(k));
+    for (float& depth : features->depth) depth *= (i >= 4 && i < 12) || i >= 24 ? 1.5f : 1;
+    const TrackResult result = track(features, i);
+    ASSERT_EQ(result.state, TrackingState::tracking) << "frame " << i << ": " << describe(result.reason);
+    if (submaps.empty() || submaps.back() != result.submap) submaps.push_back(result.submap);
+  }
+  EXPECT_EQ(submaps, (std::vector<uint32_t>{0, 1, 0, 1}));
   EXPECT_EQ(shared.read()->submaps().size(), 2u);
 }
 

@@ -16,7 +16,7 @@ struct FirstPoseOptions {
   double motion_window_stereo = 7;  // the same for stereo
   int motion_min_matches = 20;      // with fewer, the search is repeated in windows twice as wide
   int motion_min_inliers = 10;      // inliers to accept the pose of the motion model or the reference key frame
-  int reference_min_matches = 15;   // descriptor matches with the reference key frame
+  int reference_min_matches = 15;   // descriptor matches with the last frame or a key frame
   double reference_ratio = 0.7;     // best against second-best descriptor distance there
 
   double window(Sensor sensor) const { return sensor == Sensor::stereo ? motion_window_stereo : motion_window; }
@@ -37,7 +37,7 @@ struct LocalMapOptions {
 
 // Relocalisation, and the evidence that a place has to show.
 struct RecoveryOptions {
-  int min_inliers_recovered = 40;     // matched map points to accept a pose within one second of a recovery
+  int min_inliers_recovered = 40;     // matched map points to accept a recovered pose, and those of a second after it
   double min_recovered_share = 0.05;  // share of the map points in view to be matched to accept a recovered pose
   // The same of the points seen from about there before, as a share of those expected to match: where there are several
   // things alike, one of them matches, but its surroundings do not.
@@ -63,7 +63,7 @@ struct KeyFrameOptions {
   // RGB-D).
   double key_frame_turn = 0.2;
   int key_frame_min_inliers = 15;   // map points; with fewer no key frame is made
-  double key_frame_interval = 1.0;  // seconds after which one may be made though mapping is busy
+  double key_frame_interval = 1.0;  // seconds after which one may be made though mapping is busy (realtime only)
 };
 
 // The beginning of a submap.
