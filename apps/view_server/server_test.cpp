@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/host_name.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
@@ -14,6 +15,7 @@
 
 #include "apps/view/page.h"
 #include "apps/view/test_scene.h"
+#include "apps/view_server/session.h"
 
 namespace covis::view {
 namespace {
@@ -135,10 +137,38 @@ TEST_F(ServerTest, RefusesPagesOfOtherSitesAndForeignNames) {
   for (const char* name :
        {"127.evil.example", "127.0.0.1.nip.io", "[::1].evil.example", "[::1", "0.0.0.0", "192.168.0.9"})
     EXPECT_EQ(get("/", {{http::field::host, name}}).result(), http::status::forbidden) << name;
-  for (const char* name : {"localhost:80", "127.0.0.1", "127.1.2.3:8642", "[::1]:80"})
+  for (const char* name : {"localhost:80", "LocalHost", "127.0.0.1", "127.1.2.3:8642", "[::1]:80"})
     EXPECT_EQ(get("/", {{http::field::host, name}}).result(), http::status::ok) << name;
   EXPECT_THROW(connect("http://evil.example"), beast::system_error);
   EXPECT_NO_THROW(connect("http://127.0.0.1:" + std::to_string(server->port())));
+}
+
+TEST(ServerNames, TheMachineIsAskedByItsNameInAnyCaseOrAsLocal) {
+  for (const char* name : {"Robot", "robot", "ROBOT", "robot.local", "Robot.Local"})
+    EXPECT_TRUE(is_name_of("Robot", name)) << name;
+  for (const char* name :
+       {"", "rob", "robot.evil.example", "local", ".local", "robot.local.evil.example", "x.robot.local"})
+    EXPECT_FALSE(is_name_of("Robot", name)) << name;
+  EXPECT_TRUE(is_name_of("robot.site.example", "robot.local"));
+  EXPECT_TRUE(is_name_of("robot.site.example", "Robot.Site.Example"));
+  EXPECT_FALSE(is_name_of("robot.site.example", "robot.evil.example"));
+  EXPECT_FALSE(is_name_of("", ".local"));
+}
+
+TEST(ServerNames, AServerOfTheNetworkAnswersToItsNameAndAddressesAlone) {
+  const auto refused = [](const std::string& host, bool local_only) {
+    Request request{http::verb::get, "/", 11};
+    request.set(http::field::host, host);
+    request.set(http::field::origin, "http://" + host);
+    return !refusal(request, local_only).empty();
+  };
+  const std::string machine = boost::asio::ip::host_name();
+  for (const std::string& host : {machine + ":8642", machine.substr(0, machine.find('.')) + ".local:8642"}) {
+    EXPECT_FALSE(refused(host, false)) << host;
+  }
+  EXPECT_TRUE(refused("robot.local:8642", true));
+  EXPECT_FALSE(refused("192.168.0.9:8642", false));
+  EXPECT_TRUE(refused("evil.example:8642", false));
 }
 
 TEST_F(ServerTest, AClientGetsEverythingThenWhatChanges) {

@@ -31,6 +31,13 @@ constexpr auto kIdle = std::chrono::seconds(60);  // a connection without a requ
 
 std::string text_of(beast::string_view text) { return {text.data(), text.size()}; }
 
+// Names of hosts are the same in capitals, which browsers never send.
+std::string lowered(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
 // A host without its port: "localhost:80" is localhost, "[::1]:80" is ::1.
 std::string without_port(std::string host) {
   if (host.starts_with('[')) {
@@ -49,7 +56,7 @@ bool is_this_machine(const std::string& host, bool local_only) {
   ErrorCode not_an_address, unnamed;
   const auto address = boost::asio::ip::make_address(name, not_an_address);
   if (!not_an_address) return !local_only || address.is_loopback();
-  return !local_only && name == boost::asio::ip::host_name(unnamed);
+  return !local_only && is_name_of(boost::asio::ip::host_name(unnamed), name);
 }
 
 Response make(const Request& request, http::status status, const char* type, std::string body) {
@@ -81,13 +88,18 @@ Response key_frame_image(const Request& request, const std::string& number, Shar
 
 }  // namespace
 
+bool is_name_of(const std::string& machine, const std::string& asked) {
+  const std::string whole = lowered(machine), name = lowered(asked);
+  return !whole.empty() && (name == whole || name == whole.substr(0, whole.find('.')) + ".local");
+}
+
 std::string refusal(const Request& request, bool local_only) {
-  const std::string host = text_of(request[http::field::host]);
+  const std::string host = lowered(text_of(request[http::field::host]));
   if (!is_this_machine(host, local_only)) {
     return local_only ? "this server is for this machine only: ask it as localhost\n"
                       : "ask this server by an address of its machine, or by the machine's name\n";
   }
-  const std::string origin = text_of(request[http::field::origin]);
+  const std::string origin = lowered(text_of(request[http::field::origin]));
   if (!origin.empty() && origin != "http://" + host) return "a page of another site must not ask this server\n";
   return {};
 }

@@ -38,6 +38,8 @@ Response respond(const Request& request, Shared& shared);
 // Empty when the request may be answered, else why not. The Host must be an address or name of the loopback when the
 // server is for this machine only, and a page that asks must be this server's.
 std::string refusal(const Request& request, bool local_only);
+// The name of a machine, or that by which its own network finds it (NAME.local, RFC 6762), in any case of letters.
+bool is_name_of(const std::string& machine, const std::string& asked);
 
 // Lives as long as an operation of it is pending.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
