@@ -11,6 +11,7 @@
 namespace covis::view {
 
 struct MapScene {
+  std::vector<CameraRow> cameras;       // that the key frames refer to
   std::vector<KeyFrameRow> key_frames;  // by rising id
   std::vector<PointRow> points;         // by rising id
   std::vector<EdgeRow> edges;           // by rising (a, b)

@@ -6,6 +6,7 @@
 #include "apps/view/test_scene.h"
 #include "covis/core/atomic_file.h"
 #include "covis/core/test_folder.h"
+#include "covis/map/camera_change.h"
 #include "covis/storage/test_maps.h"
 
 namespace covis::view {
@@ -22,6 +23,22 @@ TEST(OpenView, ASavedMapIsShownWithItsCamera) {
   EXPECT_EQ(state->map->key_frames.size(), map.key_frame_count());
   EXPECT_EQ(state->map->points.size(), map.point_count());
   EXPECT_THAT(state->info, HasSubstr("\"width\":640"));
+}
+
+// A map of one camera that another one goes on with: its observations stay in the pixels of the first.
+TEST(OpenView, KeyFramesOfAnotherCameraAreShownByIt) {
+  const TemporaryFolder folder;
+  storage::MapHeader header = storage::test_header();
+  MapState map = storage::random_map(1, 60).state();
+  const Camera first = header.camera, wide{1280, 720, {900, 901, 640, 360, 72}};
+  ASSERT_TRUE(express_in(map, first, {wide, wide.pinhole}));
+  header.camera = wide;
+  ASSERT_TRUE(storage::save_map(folder / "wide.m", map, header));
+  const auto state = open_view(folder / "wide.m");
+  ASSERT_TRUE(state) << state.error().message;
+  EXPECT_THAT(state->info, HasSubstr("\"width\":1280"));
+  EXPECT_THAT(state->map->cameras, testing::ElementsAre(CameraRow{500, 501, 320.5f, 240.25f, 640, 480}));
+  for (const KeyFrameRow& row : state->map->key_frames) EXPECT_EQ(row.camera, 1u);
 }
 
 TEST(OpenView, AResultIsItsSceneFile) {

@@ -31,6 +31,7 @@ enum class Block : uint32_t {
   image,                   // frame, width, height, count of keypoints, bytes of the picture; KeypointRow; a JPEG
   key_frame_observations,  // id of the key frame; ObservationRow
   point_observations,      // id of the point; ObservationRow
+  cameras,                 // CameraRow: all of them, in place of those before
 };
 
 class BlockWriter {

@@ -33,10 +33,18 @@ struct KeyFrameRow {
   uint32_t parent = kNone;  // id of the key frame above it in the spanning tree; kNone: a root
   double stamp = 0;         // seconds
   PoseRow pose;
-  uint32_t padding = 0;
+  uint32_t camera = 0;  // that made it: 0: the one in the info; else one more than its index in the list of cameras
   friend bool operator==(const KeyFrameRow&, const KeyFrameRow&) = default;
 };
 static_assert(sizeof(KeyFrameRow) == 56);
+
+// A camera other than the one in the info, which made key frames of the same map.
+struct CameraRow {
+  float fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
+  uint32_t width = 0, height = 0;        // pixels
+  friend bool operator==(const CameraRow&, const CameraRow&) = default;
+};
+static_assert(sizeof(CameraRow) == 24);
 
 struct PointRow {
   uint32_t id = 0;

@@ -40,6 +40,7 @@ void write_changes(const std::vector<Row>& before, const std::vector<Row>& now, 
 
 void write_map(const MapScene& before, const MapScene& now, BlockWriter& out) {
   const auto id = [](const auto& row) { return row.id; };
+  if (now.cameras != before.cameras) out.rows(Block::cameras, std::span(now.cameras));
   write_changes(before.key_frames, now.key_frames, id, Block::key_frames, Block::key_frames_removed, out);
   write_changes(before.points, now.points, id, Block::points, Block::points_removed, out);
   const auto ends = [](const EdgeRow& row) { return std::array<uint32_t, 2>{row.a, row.b}; };
@@ -69,6 +70,7 @@ bool is_finite(const std::array<float, N>& numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](float number) { return std::isfinite(number); });
 }
 bool is_finite(const PoseRow& pose) { return is_finite(pose.t) && is_finite(pose.q); }
+bool is_finite(const CameraRow& row) { return is_finite(std::array{row.fx, row.fy, row.cx, row.cy}); }
 bool is_finite(const KeyFrameRow& row) { return std::isfinite(row.stamp) && is_finite(row.pose); }
 bool is_finite(const PointRow& row) { return is_finite(row.position); }
 bool is_finite(const EdgeRow&) { return true; }
@@ -108,6 +110,8 @@ Result<void> read_block(const ReadBlock& block, MapScene& map, std::vector<LoopP
     case Block::info:
       state.info = block.body;
       return {};
+    case Block::cameras:
+      return append(map.cameras);
     case Block::key_frames:
       return append(map.key_frames);
     case Block::points:
@@ -151,6 +155,17 @@ Result<void> read_block(const ReadBlock& block, MapScene& map, std::vector<LoopP
     default:
       return fail("it has a block of an unknown kind, " + std::to_string(static_cast<uint32_t>(block.kind)));
   }
+}
+
+Result<void> check_cameras(const MapScene& map) {
+  for (const CameraRow& row : map.cameras)
+    if (row.fx == 0 || row.fy == 0 || row.width == 0 || row.height == 0)
+      return fail("one of its cameras has no focal length or no size");
+  for (const KeyFrameRow& row : map.key_frames)
+    if (row.camera > map.cameras.size())
+      return fail("key frame " + std::to_string(row.id) + " is of camera " + std::to_string(row.camera) + ", it has " +
+                  std::to_string(map.cameras.size()) + " beside its own");
+  return {};
 }
 
 }  // namespace
@@ -222,6 +237,7 @@ Result<ViewState> state_of_file(std::string_view bytes) {
     if (const auto read = read_block(block, map, loops, state); !read) return tl::unexpected(read.error());
   }
   if (!nlohmann::json::accept(state.info)) return fail("it does not say what it shows: it is cut short");
+  if (auto known = check_cameras(map); !known) return tl::unexpected(known.error());
   map.first_observation.resize(map.key_frames.size() + 1, static_cast<uint32_t>(map.observations.size()));
   state.log.set_loops(loops);
   state.map = std::make_shared<const MapScene>(std::move(map));

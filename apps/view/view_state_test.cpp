@@ -118,6 +118,45 @@ TEST(ViewState, DamagedFilesAreErrors) {
   EXPECT_FALSE(state_of_file("COVISVW1" + unknown.take()));
 }
 
+ViewState state_of_two_cameras() {
+  ViewState state = small_state();
+  MapScene map = *state.map;
+  map.cameras = {{900, 901, 640, 360, 1280, 720}};
+  map.key_frames[1].camera = 1;
+  state.map = std::make_shared<const MapScene>(std::move(map));
+  return state;
+}
+
+TEST(ViewState, TheListOfCamerasIsSentWhenItChanges) {
+  ViewState state = small_state();
+  Sent sent;
+  message_since(state, sent);
+  state.map = state_of_two_cameras().map;
+  const std::string message = message_since(state, sent);
+  EXPECT_EQ(blocks_of(message).at(Block::cameras).size(), sizeof(CameraRow));
+  EXPECT_EQ(blocks_of(message).at(Block::key_frames).size(), sizeof(KeyFrameRow));
+  state.log.add(FrameRow(), "");
+  EXPECT_EQ(blocks_of(message_since(state, sent)).count(Block::cameras), 0u);
+}
+
+TEST(ViewState, AFileHasTheCamerasThatItsKeyFramesName) {
+  const ViewState state = state_of_two_cameras();
+  const auto read = state_of_file(file_of(state));
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->map->cameras, state.map->cameras);
+  EXPECT_EQ(read->map->key_frames, state.map->key_frames);
+  const auto problem = [&](auto change) {
+    ViewState changed = state;
+    MapScene map = *state.map;
+    change(map);
+    changed.map = std::make_shared<const MapScene>(std::move(map));
+    const auto damaged = state_of_file(file_of(changed));
+    return damaged ? std::string() : damaged.error().message;
+  };
+  EXPECT_THAT(problem([](MapScene& map) { map.key_frames[1].camera = 2; }), HasSubstr("key frame 15 is of camera 2"));
+  EXPECT_THAT(problem([](MapScene& map) { map.cameras[0].width = 0; }), HasSubstr("no focal length or no size"));
+}
+
 // The page would show nothing at all.
 TEST(ViewState, AFileWithANumberThatIsNotFiniteIsAnError) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();

@@ -21,6 +21,7 @@ class FinishedView : public ViewSource {
  private:
   const ViewState state_;
   std::optional<exchange::KeptImages> images_;
+  bool problem_logged_ = false;  // that an image can't be shown
 };
 
 }  // namespace covis::view

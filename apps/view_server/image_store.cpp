@@ -8,6 +8,18 @@
 #include "covis/io/codecs.h"
 
 namespace covis::view {
+namespace {
+
+Result<std::string> small_jpeg(const cv::Mat& full, int width) {
+  cv::Mat small = full;
+  if (full.cols > width) {
+    const int height = std::max(1, full.rows * width / full.cols);
+    cv::resize(full, small, {width, height}, 0, 0, cv::INTER_AREA);
+  }
+  return io::encode_image(".jpg", small, {cv::IMWRITE_JPEG_QUALITY, 80});
+}
+
+}  // namespace
 
 RawImage::RawImage(int32_t frame_index, ImageView<const uint8_t> image)
     : frame(frame_index), grey(image.width, image.height) {
@@ -16,14 +28,17 @@ RawImage::RawImage(int32_t frame_index, ImageView<const uint8_t> image)
 
 Result<std::string> jpeg_of(ImageView<const uint8_t> image, int width) {
   if (image.empty()) return std::string();
-  const cv::Mat full(image.height, image.width, CV_8U, const_cast<uint8_t*>(image.data),
-                     static_cast<size_t>(image.stride));
-  cv::Mat small = full;
-  if (image.width > width) {
-    const int height = std::max(1, image.height * width / image.width);
-    cv::resize(full, small, {width, height}, 0, 0, cv::INTER_AREA);
-  }
-  return io::encode_image(".jpg", small, {cv::IMWRITE_JPEG_QUALITY, 80});
+  return small_jpeg(
+      {image.height, image.width, CV_8U, const_cast<uint8_t*>(image.data), static_cast<size_t>(image.stride)}, width);
+}
+
+Result<std::string> jpeg_of(const io::Picture& picture, int width) {
+  if (picture.channels == 0) return std::string();
+  cv::Mat image(picture.height, picture.width, picture.coloured() ? CV_8UC3 : CV_8UC1,
+                const_cast<uint8_t*>(picture.bytes.data()));
+  cv::Mat blue_first = image;
+  if (picture.coloured()) cv::cvtColor(image, blue_first, cv::COLOR_RGB2BGR);
+  return small_jpeg(blue_first, width);
 }
 
 void ImageStore::put(int32_t frame, std::string jpeg) {

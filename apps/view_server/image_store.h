@@ -11,6 +11,7 @@
 #include "apps/view/rows.h"
 #include "covis/core/error.h"
 #include "covis/core/image.h"
+#include "covis/io/images.h"
 
 namespace covis::view {
 
@@ -25,6 +26,7 @@ struct RawImage {
 // Returns a JPEG that is at most `width` pixels wide; nothing for an empty image. The error says why there is none: the
 // plug-in that encodes is missing, say.
 Result<std::string> jpeg_of(ImageView<const uint8_t> image, int width);
+Result<std::string> jpeg_of(const io::Picture& picture, int width);
 
 // By frame. Beyond its limit the oldest go.
 class ImageStore {

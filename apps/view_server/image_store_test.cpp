@@ -21,7 +21,7 @@ TEST(ImageStore, ImagesAreMadeSmall) {
   EXPECT_EQ(read.cols, 320);
   EXPECT_EQ(read.rows, 240);
   EXPECT_NEAR(read.at<uint8_t>(100, 100), 90, 2);
-  EXPECT_EQ(jpeg_of({}, 320), "");
+  EXPECT_EQ(jpeg_of(ImageView<const uint8_t>(), 320), "");
 }
 
 TEST(ImageStore, ACopyIsTheImage) {

@@ -5,16 +5,17 @@ import struct
 
 import numpy as np
 
-INFO, KEY_FRAMES, POINTS, EDGES, PATH, FRAMES, TEXTS, LOOP, OBSERVATIONS = 1, 2, 4, 6, 8, 10, 11, 12, 14
+INFO, KEY_FRAMES, POINTS, EDGES, PATH, FRAMES, TEXTS, LOOP, OBSERVATIONS, CAMERAS = 1, 2, 4, 6, 8, 10, 11, 12, 14, 16
 POSE = [('t', '<f4', 3), ('q', '<f4', 4)]
 ROWS = {
-    KEY_FRAMES: np.dtype([('id', '<u4'), ('submap', '<u4'), ('frame', '<i4'), ('parent', '<u4'), ('stamp', '<f8'), *POSE, ('padding', '<u4')]),
+    KEY_FRAMES: np.dtype([('id', '<u4'), ('submap', '<u4'), ('frame', '<i4'), ('parent', '<u4'), ('stamp', '<f8'), *POSE, ('camera', '<u4')]),
     POINTS: np.dtype([('id', '<u4'), ('t', '<f4', 3), ('colour', 'u1', 3), ('has_colour', 'u1'), ('submap', '<u4'), ('frame', '<i4')]),
     EDGES: np.dtype([('a', '<u4'), ('b', '<u4'), ('shared', '<u2'), ('loop', '<u2')]),
     PATH: np.dtype([('frame', '<i4'), ('submap', '<u4'), *POSE]),
     FRAMES: np.dtype([('frame', '<i4'), ('state', 'u1'), ('flags', 'u1'), ('reason', '<u2'), ('stamp', '<f8'), *POSE, ('submap', '<u4'),
                       ('inliers', '<i4'), ('features', '<i4'), ('tracking_ms', '<f4'), ('total_ms', '<f4')]),
 }
+CAMERA = np.dtype([('fx', '<f4'), ('fy', '<f4'), ('cx', '<f4'), ('cy', '<f4'), ('width', '<u4'), ('height', '<u4')])
 PLACE = np.dtype([('id', '<u4'), ('t', '<f4', 3), ('submap', '<u4')])
 OBSERVATION = np.dtype([('other', '<u4'), ('u', '<u2'), ('v', '<u2')])
 
@@ -44,10 +45,11 @@ def observations(key_frames, points, every):
     return blocks
 
 
-def made_scene(key_frames, points, every=5, loop=False, submaps=1, lost=()):
+def made_scene(key_frames, points, every=5, loop=False, submaps=1, lost=(), second_camera=None):
     """The bytes of scene.bin (docs/viewer.md) with a map of this size; every n-th frame is a key frame.
     loop: the last key frames close one, before which they lay 8 m lower. Each key frame observes its nearest points.
-    submaps: how many there are, one after the other along the path. lost: numbers of frames without a pose."""
+    submaps: how many there are, one after the other along the path. lost: numbers of frames without a pose.
+    second_camera: (fx, fy, cx, cy, width, height) of the one that made the second half of the key frames."""
     random = np.random.default_rng(1)
     frames = key_frames * every
     k = np.zeros(key_frames, ROWS[KEY_FRAMES])
@@ -86,6 +88,10 @@ def made_scene(key_frames, points, every=5, loop=False, submaps=1, lost=()):
         before['t'][:, 1] += 8 * np.linspace(0, 1, key_frames)
         head = struct.pack('<IiIfII', 0, frames - every, 0, 8, key_frames, key_frames)
         loops = block(LOOP, head + before.tobytes() + after.tobytes())
+    cameras = b''
+    if second_camera:
+        k['camera'][key_frames // 2:] = 1
+        cameras = block(CAMERAS, np.array([second_camera], CAMERA).tobytes())
     lists = [(KEY_FRAMES, k), (POINTS, p), (EDGES, e), (PATH, path), (FRAMES, f)]
-    return b'COVISVW1' + block(INFO, json.dumps(info).encode()) + block(TEXTS, b'[""]') + b''.join(
+    return b'COVISVW1' + block(INFO, json.dumps(info).encode()) + block(TEXTS, b'[""]') + cameras + b''.join(
         block(kind, rows.tobytes()) for kind, rows in lists) + loops + observations(k, p, every)

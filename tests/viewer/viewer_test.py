@@ -196,7 +196,14 @@ class ViewerTest(unittest.TestCase):
             browser.click(f'covis-show-{layer}')
         image, (left, top, right, bottom) = self.pixels('hidden')
         self.assertFalse((np.abs(image - PATH).max(axis=2) <= 3)[top:bottom, left:right].any())
-        for layer in ('path', 'keyFrames', 'points', 'current'):
+        # What is hidden is not picked: first of nothing, then of the points alone.
+        pick = 'const [k] = covis.model.keyFrames.values(), {x, y} = covis.project(k.t); return covis.page.scene.pick(x, y)?.keyFrame'
+        self.assertIsNone(browser.js(pick))
+        browser.click('covis-show-points')
+        self.assertIsNone(browser.js(pick))
+        browser.click('covis-show-keyFrames')
+        self.assertIsNotNone(browser.js(pick))
+        for layer in ('path', 'current'):
             browser.click(f'covis-show-{layer}')
         self.assertEqual(browser.problems(), [])
 
@@ -319,6 +326,49 @@ class ViewerTest(unittest.TestCase):
             browser.settle()
             self.assertEqual(browser.js('return covis.page.scene.layers.current.frames.length'), 0)
             self.assertEqual(browser.problems(), [])
+
+    def pick(self, key_frame):
+        """Picks it; whether it has an image, and the size of its picture."""
+        self.browser.driver.execute_async_script('covis.page.selection.choose({keyFrame: arguments[0]}).then(arguments[1])', key_frame)
+        self.browser.until('return document.getElementById("covis-picked").dataset.picture === "yes" || '
+                           'document.getElementById("covis-picked-text").textContent.includes("No image")')
+        return self.browser.js('const c = document.getElementById("covis-picked"); return [c.dataset.picture === "yes", c.width, c.height]')
+
+    def test_f_images_of_any_format_are_shown(self):
+        browser = self.browser
+        kept = self.folder / 'kept.m.images'
+        kept.mkdir()
+        shutil.copy(self.folder / 'desk.m', self.folder / 'kept.m')
+        grey = Image.open(sorted((self.folder / 'desk/rgb').iterdir())[0]).convert('L')
+        for name in ('000000.pgm', '000001.tif'):
+            grey.save(kept / name)
+        (kept / '000002.jpg').write_bytes(b'\xff\xd8 no image')
+        with Served([self.covis, 'view', self.folder / 'kept.m', '--port', '0']) as served:
+            browser.open(served.url)
+            browser.problems()  # drops those of the page before, whose command has ended
+            self.assertEqual(browser.js('return [0, 1, 2].map(id => covis.model.keyFrames.has(id))'), [True] * 3)
+            for key_frame, there in ((0, True), (1, True), (2, False)):
+                self.assertEqual(self.pick(key_frame)[0], there, key_frame)
+            self.assertEqual(browser.problems(), [])
+
+    def test_g_key_frames_are_shown_by_the_camera_that_made_them(self):
+        browser = self.browser
+        (self.folder / 'cameras').mkdir()
+        scene = made_scene(60, 3000, second_camera=(1758, 1758, 640, 360, 1280, 720))
+        (self.folder / 'cameras/scene.bin').write_bytes(scene)
+        with Served([self.covis, 'view', self.folder / 'cameras', '--port', '0']) as served:
+            browser.open(served.url)
+            for key_frame, shape in ((3, 640 / 480), (50, 1280 / 720)):
+                _, width, height = self.pick(key_frame)
+                self.assertAlmostEqual(width / height, shape, delta=0.02)
+                # Of a frustum the fifth and sixth segment are the upper and the right side of the image.
+                sides = browser.js('''
+                  const {array} = covis.page.scene.layers.keyFrames.object.geometry.attributes.position;
+                  return [4, 5].map(segment => {
+                    const from = 48 * arguments[0] + 6 * segment, [x, y, z, u, v, w] = array.slice(from, from + 6);
+                    return Math.hypot(u - x, v - y, w - z);
+                  })''', key_frame)
+                self.assertAlmostEqual(sides[0] / sides[1], shape, delta=0.01)
 
 
 if __name__ == '__main__':

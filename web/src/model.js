@@ -10,6 +10,7 @@ export class Model {
   // Forgets everything, for a new connection.
   reset() {
     this.info = {title: '', mode: '', states: [], camera: {width: 640, height: 480, fx: 525, fy: 525, cx: 320, cy: 240}};
+    this.cameras = [];
     this.keyFrames = new Map();
     this.points = new Map();
     this.edges = new Map();
@@ -43,6 +44,8 @@ export class Model {
     }
     return null;
   }
+  // The camera that made a key frame.
+  cameraOf(keyFrame) { return this.cameras[keyFrame.camera - 1] ?? this.info.camera; }
   stateOf(row) { return row ? this.info.states[row.state] ?? '' : ''; }
   reasonOf(row) { return row ? this.texts[row.reason] ?? '' : ''; }
   sortedPath() { return [...this.path.values()].sort((a, b) => a.frame - b.frame); }
@@ -66,6 +69,10 @@ export class Model {
       this.#beginLog();
       this.changed.add('frames').add('loops');
       return 'info';
+    },
+    cameras: list => {
+      this.cameras = list;
+      return 'keyFrames';
     },
     keyFrames: list => {
       for (const row of list) this.keyFrames.set(row.id, row);

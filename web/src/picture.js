@@ -44,9 +44,12 @@ export class Picture {
     this.canvas.dataset.picture = 'no';
     const response = url ? await fetch(url).catch(() => null) : null;
     if (!response?.ok) return false;
-    const picture = await createImageBitmap(await response.blob());
-    if (turn === this.asked) this.draw(size, picture, keypoints);
-    this.canvas.dataset.picture = 'yes';
+    const picture = await response.blob().then(blob => createImageBitmap(blob)).catch(() => null);
+    if (!picture) return false;
+    if (turn === this.asked) {
+      this.draw(size, picture, keypoints);
+      this.canvas.dataset.picture = 'yes';
+    }
     return true;
   }
 }

@@ -4,6 +4,7 @@
 const names = [
   '', 'info', 'keyFrames', 'keyFramesRemoved', 'points', 'pointsRemoved', 'edges', 'edgesRemoved', 'path', 'pathRemoved',
   'frames', 'texts', 'loop', 'image', 'keyFrameObservations', 'pointObservations',
+  'cameras',
 ];
 
 export const NONE = 0xffffffff;
@@ -37,11 +38,10 @@ function rows(reader, read) {
   return list;
 }
 
-const keyFrame = r => {
-  const row = {id: r.u32(), submap: r.u32(), frame: r.i32(), parent: r.u32(), stamp: r.f64(), ...r.pose()};
-  r.u32();
-  return row;
-};
+const camera = r => ({fx: r.f32(), fy: r.f32(), cx: r.f32(), cy: r.f32(), width: r.u32(), height: r.u32()});
+const keyFrame = r => ({
+  id: r.u32(), submap: r.u32(), frame: r.i32(), parent: r.u32(), stamp: r.f64(), ...r.pose(), camera: r.u32(),
+});
 const edge = r => ({a: r.u32(), b: r.u32(), shared: r.u16(), loop: r.u16() === 1});
 const pathRow = r => ({frame: r.i32(), submap: r.u32(), ...r.pose()});
 const observation = r => ({other: r.u32(), u: r.u16() / PIXEL_UNITS, v: r.u16() / PIXEL_UNITS});
@@ -77,6 +77,7 @@ function image(r, buffer, offset) {
 const readers = {
   info: (r, text) => JSON.parse(text),
   texts: (r, text) => JSON.parse(text),
+  cameras: r => rows(r, camera),
   keyFrames: r => rows(r, keyFrame),
   keyFramesRemoved: r => rows(r, x => x.u32()),
   points: r => rows(r, point),

@@ -159,11 +159,11 @@ export class Scene {
   // selection: {keyFrame: ID, points: [ids]}, {point: ID, keyFrames: [ids]}, or null.
   select(selection) {
     this.selection = selection;
-    const {keyFrames, points, info} = this.model;
+    const {keyFrames, points} = this.model;
     const colour = rgb(colours.selected);
     let segments = [], rows = [];
     if (selection?.keyFrame !== undefined && keyFrames.has(selection.keyFrame)) {
-      segments = frustumSegments(frustum(keyFrames.get(selection.keyFrame), info.camera, this.frustumSize()), colour);
+      segments = frustumSegments(this.#frustumOf(keyFrames.get(selection.keyFrame)), colour);
       rows = (selection.points ?? []).map(id => points.get(id)).filter(Boolean);
     } else if (selection?.point !== undefined && points.has(selection.point)) {
       rows = [points.get(selection.point)];
@@ -183,11 +183,12 @@ export class Scene {
     return {x: (p.x + 1) / 2 * this.canvas.clientWidth, y: (1 - p.y) / 2 * this.canvas.clientHeight};
   }
 
-  // What is at a place of the canvas: {keyFrame: id}, {point: id} or null. Key frames come first.
+  // What is shown at a place of the canvas: {keyFrame: id}, {point: id} or null. Key frames come first.
   pick(x, y) {
-    const keyFrame = this.#nearest([...this.model.keyFrames.values()].filter(k => k.frame <= this.frame), x, y, PICK_PIXELS);
+    const {points, keyFrames} = this.layers;
+    const shown = keyFrames.object.visible ? [...this.model.keyFrames.values()].filter(k => k.frame <= this.frame) : [];
+    const keyFrame = this.#nearest(shown, x, y, PICK_PIXELS);
     if (keyFrame) return {keyFrame: keyFrame.id};
-    const {points} = this.layers;
     if (!points.object.visible) return null;
     const point = this.#nearest(points.rows.slice(0, points.drawn), x, y, PICK_PIXELS / 2);
     return point ? {point: point.id} : null;
@@ -204,6 +205,8 @@ export class Scene {
     this.rendered = now;
     this.renderer.render(this.world, this.camera);
   }
+
+  #frustumOf(keyFrame) { return frustum(keyFrame, this.model.cameraOf(keyFrame), this.frustumSize()); }
 
   frustumSize() { return Math.max(1e-6, this.spacing); }
 
@@ -272,7 +275,7 @@ export class Scene {
 
   #drawKeyFrames() {
     this.layers.keyFrames.set(this.model.sortedKeyFrames().map(k => ({
-      frame: k.frame, lines: frustumLines(frustum(k, this.model.info.camera, this.frustumSize())),
+      frame: k.frame, lines: frustumLines(this.#frustumOf(k)),
       colour: rgb(submapColour(this.model.submapIndex(k.submap))).map(c => 0.8 * c),
     })));
   }

@@ -51,9 +51,9 @@ export class Selection {
     this.parts.picked.style.display = observations ? 'block' : 'none';
     if (!observations) return;
     const keypoints = observations.map(o => ({...o, kind: 0}));
-    const there = await this.picture.drawUrl(this.model.info.camera, url, keypoints);
+    const there = await this.picture.drawUrl(this.model.cameraOf(row), url, keypoints);
     if (url && !there && this.chosen?.keyFrame === row.id)
-      this.parts.pickedText.append(h('p', {class: 'note'}, 'No image was kept; its observations are drawn alone.'));
+      this.parts.pickedText.append(h('p', {class: 'note'}, 'No image was kept, or it can’t be decoded; its observations are drawn alone.'));
   }
 
   async #point(id) {
@@ -73,7 +73,7 @@ export class Selection {
     if (!list?.length) return;
     // Its place in the image of the first key frame that observes it.
     this.parts.picked.style.display = 'block';
-    const {other, u, v} = list[0];
-    await this.picture.drawUrl(this.model.info.camera, this.source.imageOf(other), [{u, v, kind: 0, radius: 6}]);
+    const {other, u, v} = list[0], camera = this.model.cameraOf(this.model.keyFrames.get(other) ?? {});
+    await this.picture.drawUrl(camera, this.source.imageOf(other), [{u, v, kind: 0, radius: 6}]);
   }
 }

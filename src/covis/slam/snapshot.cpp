@@ -27,6 +27,7 @@ void add_key_frames(const Map& map, Snapshot& snapshot) {
     key_frame.id = id;
     key_frame.parent = from.parent;
     key_frame.serial = from.serial;
+    key_frame.made_by = from.features->made_by;
   }
 }
 

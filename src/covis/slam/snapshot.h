@@ -32,8 +32,9 @@ struct SubmapSummary {
 struct Snapshot {
   struct KeyFrame : PoseOfFrame {
     KeyFrameId id;
-    KeyFrameId parent;    // in its submap's spanning tree; invalid: the root
-    uint32_t serial = 0;  // KeyFrame::serial
+    KeyFrameId parent;                             // in its submap's spanning tree; invalid: the root
+    uint32_t serial = 0;                           // KeyFrame::serial
+    std::shared_ptr<const RefinedCamera> made_by;  // Features::made_by
   };
   struct Point {
     MapPointId id;
