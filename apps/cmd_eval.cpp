@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "commands.h"
 #include "common.h"
@@ -37,9 +38,17 @@ const std::map<std::string, io::TrajectoryFormat> kReadFormats{
     {"kitti", io::TrajectoryFormat::kitti},         {"euroc", io::TrajectoryFormat::euroc},
     {"tartanair", io::TrajectoryFormat::tartanair}, {"icl-nuim", io::TrajectoryFormat::icl_nuim}};
 
-// Rows without stamps are counted from 0 on, which fits nothing but other rows without stamps.
-Result<void> check_stamps(const EvalArguments& a) {
-  bool stamped[2];
+// The name of the file with the stamps of a trajectory's rows, which covis writes beside one of KITTI.
+std::string times_of(const std::string& trajectory) {
+  const std::filesystem::path times = io::times_file(trajectory);
+  std::error_code none;
+  return std::filesystem::exists(times, none) ? times.string() : "times.txt";
+}
+
+// Rows of KITTI without stamps fit nothing but other rows without stamps; those of TartanAir are at 10 Hz where the
+// other file has stamps, as covis run has them. Returns whether any stamps are known.
+Result<bool> check_stamps(const EvalArguments& a) {
+  bool stamped[2], timeless[2];
   const std::string files[] = {a.trajectory, a.truth}, stamps[] = {a.stamps, a.truth_stamps},
                     formats[] = {a.format, a.truth_format}, options[] = {"--stamps", "--truth-stamps"};
   for (size_t k = 0; k < 2; ++k) {
@@ -49,11 +58,24 @@ Result<void> check_stamps(const EvalArguments& a) {
     if (stamped[k] && !stamps[k].empty())
       return fail(options[k] + " " + stamps[k] + ": " + files[k] + " has stamps of its own");
     stamped[k] |= !stamps[k].empty();
+    timeless[k] = !stamped[k] && *format == io::TrajectoryFormat::kitti;
   }
-  if (stamped[0] == stamped[1]) return {};
+  if (stamped[0] == stamped[1]) return stamped[0];
   const size_t without = stamped[0] ? 1 : 0;
+  if (!timeless[without]) return true;
   return fail(files[without] + ": it has no stamps, and " + files[1 - without] + " has; give those of its rows with " +
-              options[without] + " times.txt");
+              options[without] + " " + times_of(files[without]));
+}
+
+// Rows without stamps belong together by their number, which holds only where no row is missing.
+Result<void> pair_rows(const EvalArguments& a, const Trajectory& estimate, Trajectory& truth) {
+  if (estimate.size() != truth.size())
+    return fail(a.trajectory + " has " + std::to_string(estimate.size()) + " rows and " + a.truth + " has " +
+                std::to_string(truth.size()) + ", none with a stamp, so that it is not known which belong together; " +
+                "give the stamps of both with --stamps " + times_of(a.trajectory) + " and --truth-stamps " +
+                times_of(a.truth));
+  for (size_t k = 0; k < truth.size(); ++k) truth[k].stamp = estimate[k].stamp;
+  return {};
 }
 
 int run(const EvalArguments& a) {
@@ -66,11 +88,15 @@ int run(const EvalArguments& a) {
   }
   if (a.delta_unit == "frames" && a.delta != std::floor(a.delta))
     return fail_with("--delta " + std::to_string(a.delta) + ": a number of frames is whole");
-  if (const auto fits = check_stamps(a); !fits) return fail_with(fits.error());
+  const auto stamped = check_stamps(a);
+  if (!stamped) return fail_with(stamped.error());
   const auto estimate = io::read_trajectory(a.trajectory, kReadFormats.at(a.format), a.stamps);
   if (!estimate) return fail_with(estimate.error());
-  const auto truth = io::read_trajectory(a.truth, kReadFormats.at(a.truth_format), a.truth_stamps);
+  auto truth = io::read_trajectory(a.truth, kReadFormats.at(a.truth_format), a.truth_stamps);
   if (!truth) return fail_with(truth.error());
+  if (!*stamped) {
+    if (const auto paired = pair_rows(a, *estimate, *truth); !paired) return fail_with(paired.error());
+  }
   EvaluationOptions options;
   options.align = kAligns.at(a.align);
   options.max_difference = a.max_difference;
@@ -128,8 +154,9 @@ void add_eval_command(CLI::App& app, int& exit_code) {
   command->add_option("--truth-format", a->truth_format, "of the truth")
       ->capture_default_str()
       ->check(CLI::IsMember(keys(kReadFormats)));
-  command->add_option("--stamps", a->stamps, "times.txt of a KITTI or TartanAir trajectory");
-  command->add_option("--truth-stamps", a->truth_stamps, "times.txt of a KITTI or TartanAir truth");
+  command->add_option("--stamps", a->stamps, "times.txt of a KITTI or TartanAir trajectory, a stamp for each row");
+  command->add_option("--truth-stamps", a->truth_stamps,
+                      "times.txt of a KITTI or TartanAir truth, a stamp for each row");
   command->footer(
       "Examples:\n"
       "  covis eval out/trajectory.txt groundtruth.txt --plot errors.png\n"

@@ -10,6 +10,7 @@
 #include "apps/run/run_json.h"
 #include "commands.h"
 #include "common.h"
+#include "covis/core/sensor.h"
 #include "covis/io/output_check.h"
 #include "covis/storage/map_file.h"
 #include "map_export.h"
@@ -33,6 +34,9 @@ nlohmann::json to_json(const std::vector<storage::OtherCamera>& cameras) {
   return list;
 }
 
+// A map of one camera has a unit of its own.
+bool in_metres(const storage::MapInfo& info) { return info.header.sensor != Sensor::monocular; }
+
 nlohmann::json to_json(const std::string& file, const storage::MapInfo& info) {
   return {{"file", file},
           {"version", std::to_string(info.major) + "." + std::to_string(info.minor)},
@@ -48,7 +52,7 @@ nlohmann::json to_json(const std::string& file, const storage::MapInfo& info) {
           {"points", info.points},
           {"observations", info.observations},
           {"features", info.features},
-          {"extent_m", {info.extent.x(), info.extent.y(), info.extent.z()}},
+          {in_metres(info) ? "extent_m" : "extent_units", {info.extent.x(), info.extent.y(), info.extent.z()}},
           {"seconds", info.seconds}};
 }
 
@@ -72,7 +76,8 @@ void print(const std::string& file, const storage::MapInfo& info, const nlohmann
   std::printf("key frames      %llu, over %.2f s\n", static_cast<unsigned long long>(info.key_frames), info.seconds);
   std::printf("points          %llu, seen %llu times\n", static_cast<unsigned long long>(info.points),
               static_cast<unsigned long long>(info.observations));
-  std::printf("extent          %.2f x %.2f x %.2f m\n", info.extent.x(), info.extent.y(), info.extent.z());
+  std::printf("extent          %.2f x %.2f x %.2f %s\n", info.extent.x(), info.extent.y(), info.extent.z(),
+              in_metres(info) ? "m" : "units of the map (of one camera: no metres)");
 }
 
 int run_info(const MapArguments& a) {

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -16,6 +17,7 @@
 
 #include "common.h"
 #include "covis/core/log.h"
+#include "covis/core/sensor.h"
 #include "covis/exchange/bundler.h"
 #include "covis/exchange/colmap.h"
 #include "covis/exchange/geojson.h"
@@ -44,7 +46,8 @@ const std::map<std::string, Format> kFormats{
 struct ExportArguments {
   std::string file, to, out, images;
   std::vector<double> origin;
-  double heading = 0, scale = 1;
+  double heading = 0;
+  std::optional<double> scale;
 };
 
 // The name for the k-th submap: FILE, then FILE_map1 and so on, as trajectories are called.
@@ -107,8 +110,13 @@ Result<void> check_target(Format format, const ExportArguments& a, size_t submap
     case Format::ply:
       return check_files(a, io::OutputKind::point_cloud, submaps);
     case Format::tum:
-    case Format::kitti:
       return check_files(a, io::OutputKind::trajectory, submaps);
+    case Format::kitti: {
+      auto fits = check_files(a, io::OutputKind::trajectory, submaps);
+      for (size_t k = 0; k < submaps && fits; ++k)
+        fits = io::check_output(io::times_file(of_submap(a.out, k)), io::OutputKind::times, {a.file});
+      return fits;
+    }
     case Format::geojson:
       return check_files(a, io::OutputKind::geojson, 1);
     case Format::colmap:
@@ -192,7 +200,7 @@ Result<void> make_tracks(const std::string& out, const fs::path& images, std::ve
   return {};
 }
 
-Result<void> fill_folder(Format format, const ExportArguments& a, std::vector<Scene>& scenes) {
+Result<void> fill_folder(Format format, const ExportArguments& a, io::CloudUnit unit, std::vector<Scene>& scenes) {
   if (format == Format::bundler) {
     for (Scene& scene : scenes) scene = exchange::centred(scene);
   }
@@ -207,7 +215,7 @@ Result<void> fill_folder(Format format, const ExportArguments& a, std::vector<Sc
     if (format == Format::colmap) {
       written = write_colmap(out / model_files(format, k).front().parent_path(), scenes[k]);
     } else if (format == Format::nerfstudio) {
-      written = write_nerfstudio(out, of_submap("transforms", k), scenes[k], images_of(format));
+      written = write_nerfstudio(out, of_submap("transforms", k), scenes[k], images_of(format), unit);
     } else {
       const fs::path folder = model_files(format, k).front().parent_path();
       written = write_bundler(out / folder, scenes[k], (k == 0 ? "" : "../") + std::string(images_of(format)));
@@ -219,21 +227,26 @@ Result<void> fill_folder(Format format, const ExportArguments& a, std::vector<Sc
 }
 
 // A folder that this export made goes again when the export fails: the half of a model would look like a whole one.
-Result<void> write_folder(Format format, const ExportArguments& a, std::vector<Scene>& scenes) {
+Result<void> write_folder(Format format, const ExportArguments& a, io::CloudUnit unit, std::vector<Scene>& scenes) {
   std::error_code error;
   const bool ours = fs::symlink_status(a.out, error).type() == fs::file_type::not_found;
-  auto written = fill_folder(format, a, scenes);
+  auto written = fill_folder(format, a, unit, scenes);
   if (!written && ours) fs::remove_all(a.out, error);
   return written;
 }
 
-Result<exchange::GeoReference> reference_of(const ExportArguments& a) {
+Result<exchange::GeoReference> reference_of(const ExportArguments& a, io::CloudUnit unit) {
   if (a.origin.size() < 2)
     return fail("--origin LATITUDE LONGITUDE [ALTITUDE] is missing: a map does not know where on the earth it is");
   exchange::GeoReference reference{.latitude = a.origin[0], .longitude = a.origin[1]};
+  if (!a.scale && unit == io::CloudUnit::of_map)
+    return fail(
+        "--scale METRES is missing: " + a.file +
+        " is a map of one camera, which does not know how many metres a unit of it is (docs/exports.md says how "
+        "to find that)");
   if (a.origin.size() > 2) reference.altitude = a.origin[2];
   reference.heading = a.heading;
-  reference.scale = a.scale;
+  reference.scale = a.scale.value_or(1);
   if (!(std::abs(reference.latitude) <= 89.9) || !(std::abs(reference.longitude) <= 180) ||
       !(std::abs(reference.altitude) <= 1e6))
     return fail("--origin: degrees are wanted, the latitude from -89.9 to 89.9 and the longitude from -180 to 180");
@@ -242,17 +255,17 @@ Result<exchange::GeoReference> reference_of(const ExportArguments& a) {
   return reference;
 }
 
-Result<void> write(Format format, const ExportArguments& a, std::vector<Scene>& scenes) {
+Result<void> write(Format format, const ExportArguments& a, io::CloudUnit unit, std::vector<Scene>& scenes) {
   switch (format) {
     case Format::ply:
       return each(scenes, a.out,
-                  [](const Scene& s, const fs::path& f) { return io::write_ply(f, exchange::cloud_of(s)); });
+                  [&](const Scene& s, const fs::path& f) { return io::write_ply(f, exchange::cloud_of(s), unit); });
     case Format::tum:
       return write_poses(scenes, a.out, io::TrajectoryFormat::tum);
     case Format::kitti:
       return write_poses(scenes, a.out, io::TrajectoryFormat::kitti);
     case Format::geojson: {
-      const auto reference = reference_of(a);
+      const auto reference = reference_of(a, unit);
       if (!reference) return tl::unexpected(reference.error());
       if (scenes.size() > 1)
         log(LogLevel::warning, a.file + ": its maps are not joined; the path of the first alone is written");
@@ -261,7 +274,7 @@ Result<void> write(Format format, const ExportArguments& a, std::vector<Scene>& 
     case Format::colmap:
     case Format::nerfstudio:
     case Format::bundler:
-      return write_folder(format, a, scenes);
+      return write_folder(format, a, unit, scenes);
   }
   return {};
 }
@@ -271,7 +284,7 @@ std::string idle_option(const ExportArguments& a, Format format) {
   const bool folder = format == Format::colmap || format == Format::nerfstudio || format == Format::bundler;
   if (!folder && !a.images.empty()) return "--images";
   if (format == Format::geojson) return "";
-  return !a.origin.empty() ? "--origin" : a.heading != 0 ? "--heading" : a.scale != 1 ? "--scale" : "";
+  return !a.origin.empty() ? "--origin" : a.heading != 0 ? "--heading" : a.scale ? "--scale" : "";
 }
 
 int run_export(const ExportArguments& a) {
@@ -283,7 +296,8 @@ int run_export(const ExportArguments& a) {
   std::vector<Scene> scenes = exchange::scenes_of(loaded->map, loaded->header.camera);
   if (scenes.empty()) return fail_with(a.file + ": the map is empty, there is nothing to export");
   if (const auto fits = check_target(format, a, scenes.size()); !fits) return fail_with(fits.error());
-  if (const auto written = write(format, a, scenes); !written) return fail_with(written.error());
+  const io::CloudUnit unit = loaded->header.sensor == Sensor::monocular ? io::CloudUnit::of_map : io::CloudUnit::metres;
+  if (const auto written = write(format, a, unit, scenes); !written) return fail_with(written.error());
   if (format == Format::geojson) scenes.resize(1);
   size_t views = 0, points = 0;
   for (const Scene& scene : scenes) {
@@ -315,7 +329,9 @@ void add_map_export(CLI::App& map_command, int& exit_code) {
       ->expected(2, 3);
   command->add_option("--heading", a->heading, "geojson: where it looks, degrees from north to east")
       ->check(CLI::Range(-360., 360.));
-  command->add_option("--scale", a->scale, "geojson: metres a unit of the map, for maps of one camera")
+  command
+      ->add_option("--scale", a->scale,
+                   "geojson: metres a unit of the map; wanted for maps of one camera, which have no metres")
       ->check(CLI::Range(1e-6, 1e6));
   command->callback([a, &exit_code] { exit_code = run_export(*a); });
 }

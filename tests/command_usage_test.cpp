@@ -13,28 +13,6 @@ namespace {
 
 using testing::HasSubstr;
 
-using CommandEval = CommandTest;
-
-TEST_F(CommandEval, ComparesARunWithItsTruth) {
-  const fs::path recording = render("rgbd", 20), out = folder / "out";
-  ASSERT_EQ(covis({"run", recording, "--quiet", "--out", out}).code, 0);
-  const Outcome eval = covis({"eval", out / "trajectory.txt", recording / "groundtruth.txt", "--json"});
-  ASSERT_EQ(eval.code, 0) << eval.error;
-  const json found = json::parse(eval.out, nullptr, false);
-  EXPECT_NEAR(found["ate_m"]["rmse"].get<double>(), parsed(out / "summary.json")["ate_m"].get<double>(), 1e-6);
-  const Outcome text = covis({"eval", out / "trajectory.txt", recording / "groundtruth.txt", "--align", "sim3"});
-  EXPECT_EQ(text.code, 0);
-  EXPECT_THAT(text.out, HasSubstr("ATE"));
-  for (const char* name : {"errors.png", "errors.html"}) {
-    EXPECT_EQ(covis({"eval", out / "trajectory.txt", recording / "groundtruth.txt", "--plot", folder / name}).code, 0);
-    EXPECT_GT(fs::file_size(folder / name), 10'000u);
-  }
-  const Outcome other =
-      covis({"eval", out / "trajectory.txt", recording / "groundtruth.txt", "--plot", folder / "errors.gif"});
-  EXPECT_EQ(other.code, 1);
-  EXPECT_THAT(other.error, HasSubstr(".png or .html"));
-}
-
 using CommandCheck = CommandTest;
 
 TEST_F(CommandCheck, SaysWhatARecordingIs) {
@@ -146,7 +124,7 @@ TEST_F(CommandUsage, WrongArgumentsAreNamedWithCode2) {
 TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
   std::ofstream(folder / "file.txt") << "not a trajectory\n";
   const std::string file = folder / "file.txt", gone = folder / "gone", tum = folder / "tum.txt",
-                    kitti = folder / "kitti.txt";
+                    kitti = folder / "kitti.txt", part = folder / "part.txt", part_times = folder / "part_times.txt";
   std::ofstream(tum) << "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n";
   std::ofstream(kitti) << "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n";
   const struct {
@@ -173,6 +151,8 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
       {{"run", gone, "--set", "orb.levels=\x1b[2J"}, "orb.levels: '\\x1b[2J' is not right"},
       {{"run", "go\x1b[31mne"}, "go\\x1b[31mne: it does not exist"},
       {{"calibrate", gone, "--board", "9x6", "--square", "0.03"}, gone + ": there is no such video"},
+  std::ofstream(part) << "1 0 0 1 0 1 0 0 0 0 1 0\n";
+  std::ofstream(part_times) << "1\n";
       {{"calibrate", gone, "--board", "9by6", "--square", "0.03"}, "COLUMNSxROWS is wanted"},
       {{"calibrate", gone, "--board", "9x6", "--square", "0.03", "--marker", "0.02"}, "--charuco"},
       {{"eval", gone, gone}, gone},
@@ -205,6 +185,10 @@ TEST_F(CommandUsage, LeadingZerosAreDecimal) {
 
 // The pictures that Covis leaves beside the images are none of them.
 TEST_F(CommandUsage, ItsOwnPicturesAreNoImagesOfTheRecording) {
+      {{"eval", part, kitti}, part + " has 1 rows and " + kitti + " has 2, none with a stamp, so that"},
+      {{"eval", part, tum}, "give those of its rows with --stamps " + part_times},
+      {{"eval", kitti, tum, "--stamps", part_times},
+       kitti + ": it has 2 rows, and " + part_times + " has 1 stamps; a file with one stamp for each"},
   const fs::path recording = render("mono", 5);
   for (const fs::path& picture : {recording / "check.png", recording / "images" / "check.png"}) {
     for (int twice = 0; twice < 2; ++twice) {

@@ -13,6 +13,7 @@
 #include "apps/view/page.h"
 #include "covis/core/atomic_file.h"
 #include "covis/core/log.h"
+#include "covis/core/sensor.h"
 #include "covis/eval/report.h"
 #include "covis/io/files.h"
 #include "covis/io/output_check.h"
@@ -59,7 +60,8 @@ constexpr std::pair<const char*, io::OutputKind> kFiles[] = {
     {"keyframes.txt", io::OutputKind::trajectory},  {"map.ply", io::OutputKind::point_cloud},
     {"stats.jsonl", io::OutputKind::json},          {"summary.json", io::OutputKind::json},
     {"scene.bin", io::OutputKind::scene},           {"report.html", io::OutputKind::page},
-    {"trajectory.png", io::OutputKind::png}};
+    {"trajectory.png", io::OutputKind::png},        {"trajectory_online_times.txt", io::OutputKind::times},
+    {"keyframes_times.txt", io::OutputKind::times}};
 
 bool has_results(const std::filesystem::path& folder) {
   return std::any_of(std::begin(kFiles), std::end(kFiles), [&](const auto& file) {
@@ -77,10 +79,12 @@ Result<void> open_output_folder(const std::filesystem::path& folder, const std::
   for (const auto& [name, kind] : kFiles) {
     if (auto fits = io::check_output(folder / name, kind, given); !fits) return fits;
   }
-  if (auto fits = io::check_trajectories(folder / "trajectory.txt", given); !fits) return fits;
+  // Files of stamps are checked whether this run writes some or not, as those of an earlier run go.
+  const auto fits = io::check_trajectories(folder / "trajectory.txt", given, io::TrajectoryFormat::kitti);
+  if (!fits) return fits;
   // Permissions alone do not tell of a read-only disk or a sandbox.
-  if (const auto fits = check_writable(folder / "trajectory.txt"); !fits)
-    return fail("the output folder can't be written to: " + fits.error().message);
+  if (const auto writable = check_writable(folder / "trajectory.txt"); !writable)
+    return fail("the output folder can't be written to: " + writable.error().message);
   return {};
 }
 
@@ -121,13 +125,16 @@ Result<void> write_outputs(const RunRecord& run, const Snapshot& snapshot, const
   };
   using File = std::filesystem::path;
   const auto keep_trajectory = [&](const char* name, const Trajectory& trajectory) {
-    keep_first(name, [&](const File& file) { return io::write_trajectory(file, trajectory, options.format); });
+    keep_first(name, [&](const File& file) { return io::write_with_times(file, trajectory, options.format); });
   };
   keep_first("trajectory.txt",
              [&](const File& file) { return io::write_trajectories(file, by_submap(snapshot), options.format); });
   keep_trajectory("trajectory_online.txt", results.online_trajectory);
   keep_trajectory("keyframes.txt", results.key_frames);
-  keep_first("map.ply", [&](const File& file) { return io::write_ply(file, results.points); });
+  keep_first("map.ply", [&](const File& file) {
+    return io::write_ply(file, results.points,
+                         run.sensor == Sensor::monocular ? io::CloudUnit::of_map : io::CloudUnit::metres);
+  });
   keep_first("stats.jsonl", [&](const File& file) {
     return write_atomically(file, [&](FileSink& sink) {
       append_stats(run, snapshot, sink);

@@ -34,8 +34,9 @@ std::optional<std::string> why_nothing_is_written(const RunRecord& run, const Sn
 std::optional<Trajectory> read_truth(const io::Sequence& sequence);
 
 // Writes trajectory.txt, trajectory_online.txt, keyframes.txt and map.ply of the main map, trajectory_map1.txt and so
-// on of maps not joined to it, stats.jsonl, summary.json, scene.bin, report.html and trajectory.png. Each file is
-// written whole or not at all; the first that fails is the error, the others are written all the same.
+// on of maps not joined to it, the stamps of each trajectory beside it where its format has none, stats.jsonl,
+// summary.json, scene.bin, report.html and trajectory.png. Each file is written whole or not at all; the first that
+// fails is the error, the others are written all the same.
 Result<void> write_outputs(const RunRecord& run, const Snapshot& snapshot, const RunSummary& summary,
                            const OutputOptions& options);
 

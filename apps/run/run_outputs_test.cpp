@@ -13,8 +13,9 @@ namespace fs = std::filesystem;
 
 class RunOutputs : public testing::Test {
  protected:
-  Result<void> write() const {
+  Result<void> write(io::TrajectoryFormat format = io::TrajectoryFormat::tum) const {
     OutputOptions options;
+    options.format = format;
     options.directory = folder.path();
     const RunSummary summary = summarise(made_record(), made_snapshot(), nullptr, 0);
     return write_outputs(made_record(), made_snapshot(), summary, options);
@@ -30,6 +31,16 @@ TEST_F(RunOutputs, LeavesAllFiles) {
     EXPECT_GT(fs::file_size(folder / file), 0u) << file;
   }
   EXPECT_THAT(read_file(folder / "report.html"), testing::HasSubstr("reason 5"));
+}
+
+TEST_F(RunOutputs, StampsAreBesideTrajectoriesOfKitti) {
+  ASSERT_TRUE(write(io::TrajectoryFormat::kitti));
+  for (const char* name : {"trajectory", "trajectory_map1", "trajectory_online", "keyframes"}) {
+    const fs::path file = folder / (std::string(name) + ".txt"), times = io::times_file(file);
+    EXPECT_TRUE(io::read_trajectory(file, io::TrajectoryFormat::kitti, times)) << name;
+  }
+  write_file(folder / "keyframes_times.txt", "notes");
+  EXPECT_THAT(open_output_folder(folder.path(), {}).error().message, testing::HasSubstr("keyframes_times.txt: it is"));
 }
 
 TEST_F(RunOutputs, AFailureWithoutATrackedFrameIsWrittenWhereNoOlderResultsAre) {

@@ -247,6 +247,22 @@ class OtherFormats(unittest.TestCase):
         for to, first, second in (('colmap', 'sparse/0', 'sparse/1'), ('nerfstudio', 'transforms.json', 'transforms_map1.json'),
                                   ('bundler', 'bundle.out', 'bundle_map1/bundle.out')):
             out = export(to, f'left_{to}')
+    def test_a_map_of_one_camera_has_no_metres(self):
+        mono, path, cloud = WORK / 'mono.m', WORK / 'mono.geojson', WORK / 'mono.ply'
+        run(COVIS, 'run', RECORDING, '--sensor', 'mono', '--out', WORK / 'mono', '--save-map', mono, '--quiet')
+        geojson = [COVIS, 'map', 'export', mono, '--to', 'geojson', '--origin', '48', '16', '--out', path]
+        said = run(*geojson, code=1)
+        self.assertIn('--scale METRES is missing', said)
+        self.assertIn('mono.m', said)
+        self.assertFalse(path.exists())
+        run(*geojson, '--scale', '1')
+        self.assertIn('units of the map', run(COVIS, 'map', 'info', mono))
+        self.assertIn('extent_units', json.loads(run(COVIS, 'map', 'info', mono, '--json')))
+        run(COVIS, 'map', 'export', mono, '--to', 'ply', '--out', cloud)
+        for file in (cloud, WORK / 'mono/map.ply'):
+            self.assertIn(b'comment map points, units of the map\n', file.read_bytes())
+        self.assertIn('extent_m', info())
+
             if to == 'colmap':
                 shutil.copytree(out / first, out / second)
                 (out / 'sparse/2').mkdir()
@@ -314,9 +330,11 @@ class FullDisk(unittest.TestCase):
                 for there in (whole, {}):
                     code, messages = self.limited(len(whole[largest]) - 1, *command)
                     self.assertEqual((code, contents(beside)), (1, there))
+                made = set(beside.iterdir())
                     self.check_message(messages, beside / largest)
-                    self.assertEqual(list(beside.iterdir()), [out] if there else [])
-                    shutil.rmtree(out) if out.is_dir() else out.unlink(missing_ok=True)
+                    self.assertEqual(set(beside.iterdir()), made if there else set())
+                    for path in beside.iterdir():
+                        shutil.rmtree(path) if path.is_dir() else path.unlink()
 
     def check_message(self, messages, file):
         self.assertEqual(messages, [f"error: {file}: it can't be written: File too large"])

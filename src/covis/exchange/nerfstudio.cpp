@@ -49,13 +49,13 @@ nlohmann::json transforms(const Scene& scene, const SE3& T_nw, const std::string
 }  // namespace
 
 Result<void> write_nerfstudio(const std::filesystem::path& folder, const std::string& name, const Scene& scene,
-                              const std::string& images) {
+                              const std::string& images, io::CloudUnit unit) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail(folder.string() + ": the folder can't be made: " + error.message());
   const Eigen::Matrix3d R = seen_from_above(scene);
   const SE3 T_nw(R, Eigen::Vector3d::Zero());
-  if (auto written = io::write_ply(folder / (name + ".ply"), cloud_of(scene, R)); !written) return written;
+  if (auto written = io::write_ply(folder / (name + ".ply"), cloud_of(scene, R), unit); !written) return written;
   return write_atomically(
       folder / (name + ".json"),
       transforms(scene, T_nw, images, name + ".ply").dump(1, ' ', false, nlohmann::json::error_handler_t::replace) +

@@ -9,11 +9,13 @@
 
 #include "covis/core/error.h"
 #include "covis/exchange/scene.h"
+#include "covis/io/outputs.h"
 
 namespace covis::exchange {
 
-// Writes `name`.json and `name`.ply into a folder, which is made. `images`: the folder of the images, relative to it.
+// Writes `name`.json and `name`.ply into a folder, which is made. `images`: the folder of the images, relative to it;
+// `unit`: that of the map.
 Result<void> write_nerfstudio(const std::filesystem::path& folder, const std::string& name, const Scene& scene,
-                              const std::string& images);
+                              const std::string& images, io::CloudUnit unit = io::CloudUnit::metres);
 
 }  // namespace covis::exchange

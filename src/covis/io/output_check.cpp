@@ -59,6 +59,8 @@ bool is_of(OutputKind kind, std::string_view bytes) {
       return bytes.starts_with("ply\n");
     case OutputKind::trajectory:
       return is_trajectory(bytes);
+    case OutputKind::times:
+      return bytes.starts_with("# seconds of each row of ");
     case OutputKind::camera:
       return is_camera(bytes);
     case OutputKind::vocabulary:
@@ -85,6 +87,7 @@ const char* name(OutputKind kind) {
                                            "an HTML page of Covis",
                                            "a PLY point cloud",
                                            "a trajectory that Covis wrote",
+                                           "a file of stamps that Covis wrote",
                                            "a camera file",
                                            "a vocabulary",
                                            "a path in GeoJSON that Covis wrote",

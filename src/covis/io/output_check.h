@@ -21,6 +21,7 @@ enum class OutputKind {
   page,
   point_cloud,
   trajectory,
+  times,  // the stamps of a trajectory's rows
   camera,
   vocabulary,
   geojson,

@@ -46,7 +46,7 @@ TEST_F(OutputCheck, EachKindReplacesItsOwnAlone) {
   EXPECT_EQ(replaced_by("# a\n# b\n" + camera_text({})), Kinds{OutputKind::camera});
   EXPECT_EQ(replaced_by("COVISVOC"), Kinds{OutputKind::vocabulary});
   EXPECT_EQ(replaced_by("10 5 0 0\n0 1 2"), Kinds{OutputKind::vocabulary});
-  EXPECT_EQ(replaced_by("").size(), 13u) << "nothing is lost";
+  EXPECT_EQ(replaced_by("").size(), 14u) << "nothing is lost";
 }
 
 TEST_F(OutputCheck, FilesOfOthersAreNotReplaced) {
@@ -108,7 +108,10 @@ TEST_F(OutputCheck, TrajectoriesOfMapsThatAreNoMoreGoButNoFileOfOthers) {
   EXPECT_THAT(check_trajectories(folder / "t.txt", {}).error().message,
               HasSubstr("t_map2.txt: it is there and is not"));
   fs::remove(folder / "t_map2.txt");
+  write_file(folder / "t_map1_times.txt", "notes");
   EXPECT_TRUE(check_trajectories(folder / "t.txt", {}));
+  EXPECT_THAT(check_trajectories(folder / "t.txt", {}, TrajectoryFormat::kitti).error().message,
+              HasSubstr("t_map1_times.txt: it is there and is not a file of stamps"));
   EXPECT_THAT(check_trajectories(folder / "t.txt", {folder / "t_map1.txt"}).error().message,
               HasSubstr("t_map1.txt: it is also "));
 }

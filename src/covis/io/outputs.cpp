@@ -19,12 +19,13 @@ void append(std::string& text, const Eigen::Vector3d& vector) {
 
 }  // namespace
 
-Result<void> write_ply(const std::filesystem::path& file, const std::vector<CloudPoint>& points) {
+Result<void> write_ply(const std::filesystem::path& file, const std::vector<CloudPoint>& points, CloudUnit unit) {
   const bool normals =
       std::any_of(points.begin(), points.end(), [](const CloudPoint& p) { return !p.normal.isZero(); });
   const bool colours =
       normals || std::any_of(points.begin(), points.end(), [](const CloudPoint& p) { return p.colour != kNoColour; });
-  std::string text = "ply\nformat binary_little_endian 1.0\ncomment map points, metres\nelement vertex " +
+  std::string text = "ply\nformat binary_little_endian 1.0\ncomment map points, " +
+                     std::string(unit == CloudUnit::metres ? "metres" : "units of the map") + "\nelement vertex " +
                      std::to_string(points.size()) + "\nproperty float x\nproperty float y\nproperty float z\n";
   if (normals) text += "property float nx\nproperty float ny\nproperty float nz\n";
   if (colours) text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";

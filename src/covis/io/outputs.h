@@ -12,13 +12,17 @@
 namespace covis::io {
 
 struct CloudPoint {
-  Eigen::Vector3d position;  // metres
+  Eigen::Vector3d position;  // in CloudUnit
   Colour colour = kNoColour;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit length, or zero: not known
 };
 
+// of_map: that of a map of one camera alone, of which nobody knows how long it is.
+enum class CloudUnit { metres, of_map };
+
 // Writes a binary little-endian PLY file, completely or not at all: float x, y, z; float nx, ny, nz where any point has
 // a normal; uchar red, green, blue where any has a colour or a normal.
-Result<void> write_ply(const std::filesystem::path& file, const std::vector<CloudPoint>& points);
+Result<void> write_ply(const std::filesystem::path& file, const std::vector<CloudPoint>& points,
+                       CloudUnit unit = CloudUnit::metres);
 
 }  // namespace covis::io

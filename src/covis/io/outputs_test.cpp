@@ -19,6 +19,7 @@ TEST_F(Outputs, PointCloudsHoldEveryPoint) {
   ASSERT_TRUE(write_ply(folder / "map.ply", points));
   const std::string text = *read_text(folder / "map.ply");
   EXPECT_THAT(text, AllOf(testing::StartsWith("ply\nformat binary_little_endian 1.0\n"),
+                          HasSubstr("comment map points, metres\n"),
                           HasSubstr("element vertex 2\nproperty float x\nproperty float y\nproperty float z\n")));
   const size_t body = text.find("end_header\n") + 11;
   ASSERT_EQ(text.size(), body + 2 * 3 * sizeof(float));
@@ -27,6 +28,11 @@ TEST_F(Outputs, PointCloudsHoldEveryPoint) {
     std::memcpy(&value, text.data() + body + i * sizeof value, sizeof value);
     EXPECT_EQ(value, static_cast<float>(points[i / 3].position[static_cast<Eigen::Index>(i % 3)]));
   }
+}
+
+TEST_F(Outputs, PointCloudsSayTheirUnit) {
+  ASSERT_TRUE(write_ply(folder / "map.ply", {}, CloudUnit::of_map));
+  EXPECT_THAT(*read_text(folder / "map.ply"), HasSubstr("comment map points, units of the map\n"));
 }
 
 TEST_F(Outputs, PointCloudsHoldNormalsAndColoursWhereThereAreAny) {

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <cstdio>
+#include <system_error>
 
 #include "covis/core/atomic_file.h"
 #include "covis/io/files.h"
@@ -94,6 +95,13 @@ bool is_of_map(const std::filesystem::path& one, const std::filesystem::path& fi
          name.find_first_not_of("0123456789", stem.size()) == name.npos;
 }
 
+// Returns true where such a file was there and is gone now.
+bool remove_ours(const std::filesystem::path& file, OutputKind kind) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(file, error) && may_replace(file, kind).value_or(false) &&
+         std::filesystem::remove(file, error);
+}
+
 }  // namespace
 
 bool has_stamps(TrajectoryFormat format) {
@@ -142,12 +150,7 @@ Result<Trajectory> read_trajectory(const std::filesystem::path& file, Trajectory
     } else {
       const size_t index = trajectory.size();
       const Timestamp step = row == TrajectoryFormat::kitti ? 1'000'000'000 : kTartanAirStep;
-      if (stamps_file.empty()) stamp = static_cast<Timestamp>(index) * step;
-      if (index < stamps.size()) stamp = stamps[index];
-      if (!stamp) {
-        problem = place(file, number) + ": " + stamps_file.string() + " has no stamp for this row";
-        return false;
-      }
+      stamp = index < stamps.size() ? stamps[index] : static_cast<Timestamp>(index) * step;
     }
     const std::optional<SE3> pose = v ? pose_of(row, *v) : std::nullopt;
     if (!v) {
@@ -166,6 +169,10 @@ Result<Trajectory> read_trajectory(const std::filesystem::path& file, Trajectory
   });
   if (!problem.empty()) return fail(problem);
   if (trajectory.empty()) return fail(file.string() + ": there is no pose in it");
+  if (!stamps_file.empty() && !has_stamps(row) && stamps.size() != trajectory.size())
+    return fail(file.string() + ": it has " + std::to_string(trajectory.size()) + " rows, and " + stamps_file.string() +
+                " has " + std::to_string(stamps.size()) +
+                " stamps; a file with one stamp for each of these rows is wanted");
   return trajectory;
 }
 
@@ -197,6 +204,24 @@ Result<void> write_trajectory(const std::filesystem::path& file, const Trajector
   return write_atomically(file, text);
 }
 
+std::filesystem::path times_file(const std::filesystem::path& file) {
+  return file.parent_path() / (file.stem().string() + "_times" + file.extension().string());
+}
+
+Result<void> write_with_times(const std::filesystem::path& file, const Trajectory& trajectory,
+                              TrajectoryFormat format) {
+  const std::filesystem::path times = times_file(file);
+  if (has_stamps(format)) {
+    remove_ours(times, OutputKind::times);
+    return write_trajectory(file, trajectory, format);
+  }
+  if (auto fits = check_output(times, OutputKind::times); !fits) return fits;
+  std::string text = "# seconds of each row of " + file.filename().string() + "\n";
+  for (const StampedPose& pose : trajectory) text += stamp_text(pose.stamp) + "\n";
+  auto written = write_trajectory(file, trajectory, format);
+  return written ? write_atomically(times, text) : written;
+}
+
 Result<void> write_trajectories(const std::filesystem::path& file, const std::vector<Trajectory>& of_map,
                                 TrajectoryFormat format) {
   Result<void> problem;
@@ -205,25 +230,28 @@ Result<void> write_trajectories(const std::filesystem::path& file, const std::ve
     const std::filesystem::path one = file.parent_path() / (name + file.extension().string());
     if (m < of_map.size()) {
       auto written = check_output(one, OutputKind::trajectory);
-      if (written) written = write_trajectory(one, of_map[m], format);
+      if (written) written = write_with_times(one, of_map[m], format);
       if (!written && problem) problem = written;
       continue;
     }
-    std::error_code error;
-    const bool earlier =
-        std::filesystem::is_regular_file(one, error) && may_replace(one, OutputKind::trajectory).value_or(false);
-    if (!earlier || !std::filesystem::remove(one, error)) return problem;
+    if (!remove_ours(one, OutputKind::trajectory)) return problem;
+    remove_ours(times_file(one), OutputKind::times);
   }
 }
 
-Result<void> check_trajectories(const std::filesystem::path& file, const std::vector<std::filesystem::path>& inputs) {
-  if (auto fits = check_output(file, OutputKind::trajectory, inputs); !fits) return fits;
+Result<void> check_trajectories(const std::filesystem::path& file, const std::vector<std::filesystem::path>& inputs,
+                                TrajectoryFormat format) {
+  const auto check = [&](const std::filesystem::path& one) {
+    auto fits = check_output(one, OutputKind::trajectory, inputs);
+    return fits && !has_stamps(format) ? check_output(times_file(one), OutputKind::times, inputs) : fits;
+  };
+  if (auto fits = check(file); !fits) return fits;
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   std::error_code error;
   for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::filesystem::path one = file.parent_path() / entry->path().filename();
     if (!is_of_map(one, file)) continue;
-    if (auto fits = check_output(one, OutputKind::trajectory, inputs); !fits) return fits;
+    if (auto fits = check(one); !fits) return fits;
   }
   return {};
 }

@@ -34,8 +34,8 @@ inline constexpr Timestamp kIclNuimRate = 30;             // Hz
 // commas behind them), and by the name's ending .gt.freiburg (ICL-NUIM).
 // Stamps are in seconds; they are in nanoseconds when they have 16 digits or more before the point, and in EuRoC rows
 // when they are integers. KITTI and TartanAir rows have no stamps: these come from `stamps` (a times.txt) or, without
-// it, from the row's number, in seconds or by kTartanAirStep. Blank lines and lines starting with '#' are skipped; any
-// other malformed line is an error with file and line.
+// it, from the row's number, in seconds or by kTartanAirStep. It is an error when there are more or fewer stamps than
+// rows. Blank lines and lines starting with '#' are skipped; any other malformed line is an error with file and line.
 Result<Trajectory> read_trajectory(const std::filesystem::path& file,
                                    TrajectoryFormat format = TrajectoryFormat::automatic,
                                    const std::filesystem::path& stamps = {});
@@ -45,15 +45,21 @@ Result<TrajectoryFormat> trajectory_format(const std::filesystem::path& file, Tr
 bool has_stamps(TrajectoryFormat format);
 // Writes to a temporary name and renames, so that a full disk leaves no partial file. format: tum, kitti or euroc.
 Result<void> write_trajectory(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFormat format);
+// The file with the stamps of a trajectory whose rows have none: trajectory_times.txt beside trajectory.txt.
+std::filesystem::path times_file(const std::filesystem::path& file);
+// Writes a trajectory, and times_file() where the format has no stamps; where it has, one of an earlier run goes.
+Result<void> write_with_times(const std::filesystem::path& file, const Trajectory& trajectory, TrajectoryFormat format);
 // Maps that are not joined have a world each, and so a file each: FILE, FILE_map1, … Files of that name with higher
 // numbers from an earlier run are removed, because they would be mistaken for this run's. What is there and is no
-// trajectory that Covis wrote stays. The first failure is returned; the other files are written all the same.
+// trajectory that Covis wrote stays. The first failure is returned; the other files are written all the same. Each has
+// its times_file() as write_with_times() says.
 Result<void> write_trajectories(const std::filesystem::path& file, const std::vector<Trajectory>& of_map,
                                 TrajectoryFormat format);
 
 // Refuses a name whose trajectory, or one that maps which are not joined may need, would replace a file given or one
-// that is no trajectory of Covis. Inputs may be empty names.
-Result<void> check_trajectories(const std::filesystem::path& file, const std::vector<std::filesystem::path>& inputs);
+// that is no trajectory of Covis; so with their times_file() where the format needs it. Inputs may be empty names.
+Result<void> check_trajectories(const std::filesystem::path& file, const std::vector<std::filesystem::path>& inputs,
+                                TrajectoryFormat format = TrajectoryFormat::tum);
 
 }  // namespace io
 }  // namespace covis

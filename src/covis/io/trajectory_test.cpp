@@ -28,7 +28,7 @@ TEST_F(Trajectories, AreReadAsTartanAirAndIclNuimHaveThem) {
   write("times.txt", "0\n");
   EXPECT_THAT(
       read_trajectory(folder / "pose_left.txt", TrajectoryFormat::automatic, folder / "times.txt").error().message,
-      AllOf(HasSubstr("pose_left.txt:2"), HasSubstr("times.txt has no stamp")));
+      AllOf(HasSubstr("pose_left.txt: it has 2 rows"), HasSubstr("times.txt has 1 stamps")));
   write("pose_left.txt", "1 2 3 0 0 0 2\n");
   EXPECT_THAT(read_trajectory(folder / "pose_left.txt").error().message, HasSubstr("the rotation is not valid"));
   write("traj0.gt.freiburg", "30 1 2 3 0 0 0 1\n");
@@ -36,6 +36,35 @@ TEST_F(Trajectories, AreReadAsTartanAirAndIclNuimHaveThem) {
   ASSERT_TRUE(numbered) << numbered.error().message;
   EXPECT_EQ(numbered->front().stamp, 1'000'000'000);
   EXPECT_TRUE(numbered->front().T_wc.t().isApprox(Eigen::Vector3d(1, 2, 3)));
+}
+
+// Rows of KITTI's format do not say which frames they are of: with stamps of more frames, each would get that of
+// another.
+TEST_F(Trajectories, MoreStampsThanRowsAreRefused) {
+  write("part.txt", "1 0 0 5 0 1 0 0 0 0 1 0\n1 0 0 6 0 1 0 0 0 0 1 0\n");
+  write("times.txt", "0\n1\n2\n");
+  EXPECT_THAT(
+      read_trajectory(folder / "part.txt", TrajectoryFormat::automatic, folder / "times.txt").error().message,
+      AllOf(HasSubstr("part.txt: it has 2 rows"), HasSubstr("times.txt has 3 stamps; a file with one stamp for each")));
+}
+
+TEST_F(Trajectories, StampsAreWrittenBesideRowsThatHaveNone) {
+  const Trajectory poses{{1'500'000'001, SE3()}, {7'000'000'000, SE3()}};
+  ASSERT_TRUE(write_trajectories(folder / "t.txt", {poses, {poses.back()}}, TrajectoryFormat::kitti));
+  const auto read = read_trajectory(folder / "t.txt", TrajectoryFormat::automatic, times_file(folder / "t.txt"));
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->front().stamp, 1'500'000'001);
+  EXPECT_EQ(read->back().stamp, 7'000'000'000);
+  EXPECT_EQ(*read_text(folder / "t_map1_times.txt"), "# seconds of each row of t_map1.txt\n7.000000000\n");
+  ASSERT_TRUE(write_trajectories(folder / "t.txt", {poses}, TrajectoryFormat::kitti));
+  EXPECT_FALSE(fs::exists(folder / "t_map1_times.txt"));
+  ASSERT_TRUE(write_trajectories(folder / "t.txt", {poses}, TrajectoryFormat::tum));
+  EXPECT_FALSE(fs::exists(folder / "t_times.txt")) << "it would be taken for that of these rows";
+  write("t_times.txt", "notes");
+  ASSERT_TRUE(write_trajectories(folder / "t.txt", {poses}, TrajectoryFormat::tum));
+  EXPECT_EQ(*read_text(folder / "t_times.txt"), "notes");
+  EXPECT_THAT(write_trajectories(folder / "t.txt", {poses}, TrajectoryFormat::kitti).error().message,
+              HasSubstr("t_times.txt: it is there and is not a file of stamps that Covis wrote"));
 }
 
 // EuRoC's quaternions begin with w.
