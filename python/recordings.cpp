@@ -4,10 +4,12 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 
@@ -15,6 +17,7 @@
 #include "covis/api/convert.h"
 #include "covis/eval/evaluation.h"
 #include "covis/io/sequence.h"
+#include "next_frame.h"
 
 namespace covis::python {
 namespace {
@@ -48,6 +51,7 @@ io::TrajectoryFormat format_of(const std::string& text) {
 // Flat copies of a trajectory, for NumPy.
 struct PyTrajectory {
   std::vector<TrajectoryPose> poses;
+  bool stamped = true;  // false: the stamps are numbers of rows, of a file that has none
 
   static PyTrajectory of(const Trajectory& trajectory) {
     PyTrajectory made;
@@ -93,6 +97,16 @@ PyTrajectory from_arrays(const std::vector<int64_t>& stamps,
   return made;
 }
 
+PyTrajectory load_trajectory(const std::filesystem::path& file, io::TrajectoryFormat format,
+                             const std::filesystem::path& stamps) {
+  format = value(io::trajectory_format(file, format));
+  if (io::has_stamps(format) && !stamps.empty())
+    throw CovisError(stamps.string() + ": " + file.string() + " has stamps of its own");
+  PyTrajectory made = PyTrajectory::of(value(io::read_trajectory(file, format, stamps)));
+  made.stamped = format != io::TrajectoryFormat::kitti || !stamps.empty();
+  return made;
+}
+
 void bind_trajectory(py::module_& m) {
   const auto column = [](size_t columns, auto member) {
     return [=](const py::object& self) {
@@ -106,10 +120,11 @@ void bind_trajectory(py::module_& m) {
       .def_static(
           "load",
           [](const std::filesystem::path& file, const std::string& format, const std::filesystem::path& stamps) {
-            return PyTrajectory::of(value(io::read_trajectory(file.string(), format_of(format), stamps.string())));
+            return load_trajectory(file.string(), format_of(format), stamps.string());
           },
           py::arg("file"), py::arg("format") = "automatic", py::arg("stamps") = "",
-          "Reads a file of the format tum, kitti or euroc; stamps: the file of stamps (seconds) beside one of kitti.")
+          "Reads a file of the format tum, kitti or euroc; stamps: the file of stamps (seconds, one for each "
+          "row) beside one of kitti.")
       .def(
           "save",
           [](const PyTrajectory& t, const std::filesystem::path& file, const std::string& format) {
@@ -117,7 +132,8 @@ void bind_trajectory(py::module_& m) {
           },
           py::arg("file"), py::arg("format") = "tum",
           "Writes a file of the format tum, kitti or euroc. Submaps have worlds of their own and so files of their "
-          "own: that of the most poses is FILE, the others FILE_map1 and so on, as covis run names them.")
+          "own: that of the most poses is FILE, the others FILE_map1 and so on, as covis run names them. The "
+          "stamps of kitti's rows, which have none, go to FILE_times.")
       .def("__len__", [](const PyTrajectory& t) { return t.poses.size(); })
       .def("__getitem__",
            [](const PyTrajectory& t, py::ssize_t i) {
@@ -155,6 +171,11 @@ PyEvaluation evaluate_both(const PyTrajectory& estimate, const PyTrajectory& tru
   if (!(max_difference > 0) || !std::isfinite(max_difference))
     throw py::value_error("max_difference: a positive number of seconds is wanted");
   options.max_difference = max_difference;
+  if (estimate.stamped != truth.stamped || (!estimate.stamped && estimate.poses.size() != truth.poses.size()))
+    throw CovisError("the rows of " + std::string(estimate.stamped ? "the truth have" : "the estimate have") +
+                     " no stamps, so that it is not known which poses belong together (" +
+                     std::to_string(estimate.poses.size()) + " and " + std::to_string(truth.poses.size()) +
+                     "); Trajectory.load(file, stamps=...) reads those of each row from a file");
   PyEvaluation made;
   {
     const py::gil_scoped_release released;
@@ -211,12 +232,16 @@ void bind_evaluation(py::module_& m) {
 // ---- Recordings ----
 
 struct PyRecording {
-  std::shared_ptr<io::Sequence> sequence;
-  std::shared_ptr<std::mutex> picture_mutex = std::make_shared<std::mutex>();  // held while a picture is read
+  std::atomic<int> stop = 0;  // of a wait for a camera
+  std::atomic<int64_t> frames = 0, unreadable = 0;
+  std::mutex picture_mutex;  // held while a picture is read
+  std::unique_ptr<io::Sequence> sequence;
 };
 
-PyRecording open(const std::filesystem::path& path, const std::string& kind, const std::string& sensor,
-                 const std::filesystem::path& camera_file, int64_t first, int64_t count, int stride) {
+std::unique_ptr<PyRecording> open(const std::filesystem::path& path, const std::string& kind, const std::string& sensor,
+                                  const std::filesystem::path& camera_file, int64_t first, int64_t count, int stride,
+                                  const io::TopicNames& topics, bool skip_bad) {
+  auto recording = std::make_unique<PyRecording>();
   io::SequenceOptions options;
   using K = io::SequenceKind;
   options.kind = choose<K>("kind", kind,
@@ -238,8 +263,34 @@ PyRecording open(const std::filesystem::path& path, const std::string& kind, con
   options.first = first;
   options.count = count;
   options.stride = stride;
+  options.topics = topics;
+  options.skip_bad = skip_bad;
+  options.stop = &recording->stop;
   const py::gil_scoped_release released;
-  return {value(io::open_sequence(path.string(), options))};
+  recording->sequence = value(io::open_sequence(path.string(), options));
+  return recording;
+}
+
+// A handler of signals, as that of Ctrl-C, runs while a camera is waited for, and what it raises ends the wait.
+io::Frame next_frame(PyRecording& recording) {
+  bool raised = false;
+  auto next = [&] {
+    const py::gil_scoped_release released;
+    return next_readable(*recording.sequence, recording.stop, recording.unreadable, [&] {
+      const py::gil_scoped_acquire acquired;
+      raised = raised || PyErr_CheckSignals() != 0;
+      return raised;
+    });
+  }();
+  if (raised) throw py::error_already_set();
+  std::optional<io::Frame> frame = value(std::move(next));
+  if (frame) {
+    ++recording.frames;
+    return std::move(*frame);
+  }
+  if (recording.frames == 0 && recording.unreadable > 0)
+    throw CovisError("no frame could be read of " + std::to_string(recording.unreadable) + "; the log says why");
+  throw py::stop_iteration();
 }
 
 SensorType public_sensor(Sensor sensor) {
@@ -257,10 +308,10 @@ py::object array_of(const Image& image, const py::object& self) {
                     static_cast<size_t>(image.stride()) * sizeof(T), self);
 }
 
-py::object picture_array(const PyRecording& recording, int64_t frame) {
+py::object picture_array(PyRecording& recording, int64_t frame) {
   auto* picture = new io::Picture([&] {
     const py::gil_scoped_release released;
-    const std::lock_guard lock(*recording.picture_mutex);
+    const std::lock_guard lock(recording.picture_mutex);
     return value(recording.sequence->picture(frame));
   }());
   const py::capsule owner(picture, [](void* p) { delete static_cast<io::Picture*>(p); });
@@ -290,9 +341,19 @@ void bind_recordings(py::module_& m) {
       m, "Recording",
       "A recording, a video or a camera as a stream of frames: iterate over it. kind (tum, kitti, euroc, "
       "…) and sensor (mono, stereo, rgbd) are found unless given; camera_file: its figures where "
-      "the recording has none; first, count, stride: the frames wanted.")
-      .def(py::init(&open), py::arg("path"), py::kw_only(), py::arg("kind") = "automatic", py::arg("sensor") = "",
-           py::arg("camera_file") = "", py::arg("first") = 0, py::arg("count") = -1, py::arg("stride") = 1)
+      "the recording has none; first, count, stride: the frames wanted; topic, right_topic, depth_topic: those of a "
+      "bag, where it has several; skip_bad: files of images that are no images, however many, are left out. Iterating "
+      "leaves out a frame that can't be read, with a warning in the log, and waits for a camera that went away.")
+      .def(py::init([](const std::filesystem::path& path, const std::string& kind, const std::string& sensor,
+                       const std::filesystem::path& camera_file, int64_t first, int64_t count, int stride,
+                       const std::string& topic, const std::string& right_topic, const std::string& depth_topic,
+                       bool skip_bad) {
+             return open(path, kind, sensor, camera_file, first, count, stride, {topic, right_topic, depth_topic},
+                         skip_bad);
+           }),
+           py::arg("path"), py::kw_only(), py::arg("kind") = "automatic", py::arg("sensor") = "",
+           py::arg("camera_file") = "", py::arg("first") = 0, py::arg("count") = -1, py::arg("stride") = 1,
+           py::arg("topic") = "", py::arg("right_topic") = "", py::arg("depth_topic") = "", py::arg("skip_bad") = false)
       .def("picture", &picture_array, py::arg("frame"),
            "The image of the frame with this index as recorded, uint8: (height, width, 3), red, green, blue, or "
            "(height, width).")
@@ -322,14 +383,10 @@ void bind_recordings(py::module_& m) {
           },
           "The true trajectory; None where there is none.")
       .def("__iter__", [](const py::object& self) { return self; })
-      .def("__next__", [](PyRecording& r) {
-        auto frame = [&] {
-          const py::gil_scoped_release released;
-          return value(r.sequence->next());
-        }();
-        if (!frame) throw py::stop_iteration();
-        return std::move(*frame);
-      });
+      .def("__next__", &next_frame)
+      .def_property_readonly(
+          "unreadable", [](const PyRecording& r) { return r.unreadable.load(); },
+          "Number of frames that could not be read so far.");
 }
 
 }  // namespace covis::python

@@ -9,6 +9,7 @@
 #include "apps/run/run_summary.h"
 #include "covis/io/live_camera.h"
 #include "covis/io/test_camera.h"
+#include "python/next_frame.h"
 #include "rendered.h"
 
 namespace covis {
@@ -97,6 +98,29 @@ TEST(Live, ACameraThatGoesAndComesBackIsLocatedInItsMap) {
   EXPECT_EQ(summary.frames.all, 39u);
   EXPECT_EQ(summary.frames.dropped, 1);
   EXPECT_EQ(summary.frames.camera_gone, 2u);
+}
+
+TEST(Live, APythonProgramsWaitForACameraEndsByASignal) {
+  Recording& recording = shared_recording(Sensor::monocular, 30, 15, "desk");
+  std::atomic<int> stop = 0;
+  std::atomic<int64_t> unreadable = 0;
+  io::TestCamera device;
+  io::LiveCamera camera(
+      device.device(),
+      {.name = "0", .camera = recording.synth.camera(), .rate = 15, .options = {.stop = &stop}, .retry = {}});
+  int asked = 0;
+  const auto third_time = [&asked] { return ++asked >= 3; };
+  const auto next = [&] { return python::next_readable(camera, stop, unreadable, third_time); };
+  device.show(66'000'000, recording.frame(0).image);
+  const auto first = next();
+  ASSERT_TRUE(first && *first);
+  device.go_away(-1);
+  const auto none = next();
+  EXPECT_TRUE(none && !*none) << "it waits for the camera until it is interrupted";
+  EXPECT_GE(asked, 3);
+  EXPECT_EQ(unreadable, 0) << "a camera that is gone is no frame";
+  EXPECT_EQ(stop, 0) << "it may be waited for again";
+  device.unplug_for_good();
 }
 
 }  // namespace
