@@ -43,7 +43,8 @@ int run_import(const ImportArguments& a) {
 void add_map_import(CLI::App& map_command, int& exit_code) {
   auto a = std::make_shared<ImportArguments>();
   CLI::App* command = map_command.add_subcommand("import", "Make a map of a COLMAP model, to localise in");
-  command->add_option("MODEL", a->model, "folder with cameras.txt and images.txt")->required();
+  command->add_option("MODEL", a->model, "folder with cameras.bin and images.bin, or cameras.txt and images.txt")
+      ->required();
   command->add_option("--images", a->images, "folder of the model's images")->required();
   command->add_option("--out", a->out, "file for the map")->required();
   command->add_option("--features", a->features, "keypoints per image")

@@ -79,24 +79,42 @@ std::vector<std::string> trajectory_seeds() {
           "#timestamp\n1403636579763555584,4.6,-1.7,0.8,0.5,-0.1,-0.8,-0.1,0,0,0\n"};
 }
 
-// Both files of a model, with a line of "%%" between them.
+// Both files of a model, with a line of "%%" between them; those of a binary one after a line "binary".
 void run_colmap(std::string_view bytes) {
-  constexpr std::string_view kBetween = "\n%%\n";
+  constexpr std::string_view kBetween = "\n%%\n", kBinary = "binary\n";
+  const bool binary = bytes.starts_with(kBinary);
+  if (binary) bytes.remove_prefix(kBinary.size());
   const std::filesystem::path folder = scratch_folder() / "colmap";
   std::filesystem::create_directories(folder);
   const size_t at = std::min(bytes.find(kBetween), bytes.size());
-  write_file(folder / "cameras.txt", bytes.substr(0, at));
-  write_file(folder / "images.txt", at == bytes.size() ? "" : bytes.substr(at + kBetween.size()));
+  const std::string ending = binary ? ".bin" : ".txt";
+  std::filesystem::remove(folder / "cameras.txt");
+  write_file(folder / ("cameras" + ending), bytes.substr(0, at));
+  write_file(folder / ("images" + ending), at == bytes.size() ? "" : bytes.substr(at + kBetween.size()));
   const auto read = exchange::read_colmap(folder);
   if (!read) return;
   require(read->images.size() >= 2, "a model has two images or more");
   for (const auto& image : read->images) require(image.T_cw.all_finite(), "poses are finite");
 }
 
+template <class... Numbers>
+std::string bytes_of(const Numbers&... numbers) {
+  std::string bytes;
+  (bytes.append(reinterpret_cast<const char*>(&numbers), sizeof numbers), ...);
+  return bytes;
+}
+
 std::vector<std::string> colmap_seeds() {
   const std::string images = "\n%%\n1 1 0 0 0 0 0 0 1 a.png\n10 10 7 11 12 -1\n2 1 0 0 0 1 0 0 1 b/c d.png\n\n";
+  const auto image = [](uint32_t id, const std::string& name) {
+    return bytes_of(id, 1., 0., 0., 0., 0.5, 0., 0., uint32_t{1}) + name + '\0' +
+           bytes_of(uint64_t{2}, 10., 10., uint64_t{7}, 11., 12., ~uint64_t{0});
+  };
+  const std::string camera =
+      bytes_of(uint64_t{1}, uint32_t{1}, int32_t{1}, uint64_t{640}, uint64_t{480}, 500., 500., 320., 240.);
   return {"1 PINHOLE 640 480 500 500 320 240" + images,
-          "# c\n1 OPENCV_FISHEYE 640 480 300 300 320 240 0.1 0 0 0" + images};
+          "# c\n1 OPENCV_FISHEYE 640 480 300 300 320 240 0.1 0 0 0" + images,
+          "binary\n" + camera + "\n%%\n" + bytes_of(uint64_t{2}) + image(1, "a.png") + image(2, "b/c d.png")};
 }
 
 void run_camera_import(std::string_view bytes) {

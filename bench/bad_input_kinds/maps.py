@@ -242,7 +242,7 @@ def colmap():
             ('images.txt is empty', empty(images), 'images.txt', 'two images'), ('cameras.txt is binary', write(cameras, bytes(range(256))),
                                                                                  'cameras.txt:1', 'PINHOLE'),
             ('images.txt is binary', write(images, bytes(range(256)) * 9), 'images.txt:1', 'quaternion'),
-            ('the model is binary', both(rename(cameras, 'colmap/sparse/0/cameras.bin')), 'binary', 'model_converter'),
+            ('the images of a binary model are gone', rename(cameras, 'colmap/sparse/0/cameras.bin'), 'images.bin', 'no such file'),
             ('an unknown lens', replace(cameras, 'PINHOLE', 'FOV'), 'cameras.txt:2', 'FOV', 'PINHOLE'),
             ('a width of 10', replace(cameras, '320 240', '10 240'), 'cameras.txt:2', '64'),
             ('a width of 1e6', replace(cameras, '320 240', '1000000 240'), 'cameras.txt:2', '32768'),

@@ -174,6 +174,10 @@ class Import(unittest.TestCase):
         imported = json.loads(run(COVIS, 'map', 'info', WORK / 'imported.m', '--json'))
         self.assertEqual(imported['key_frames'], info()['key_frames'])
         self.assertGreater(imported['points'], 200)
+        (out / 'binary').mkdir()
+        run('colmap', 'model_converter', '--input_path', out / 'sparse/0', '--output_path', out / 'binary', '--output_type', 'BIN')
+        run(COVIS, 'map', 'import', out / 'binary', '--images', out / 'images', '--out', WORK / 'binary.m')
+        self.assertEqual((WORK / 'binary.m').read_bytes(), (WORK / 'imported.m').read_bytes(), 'the binary model is the same')
         # All frames, by the lens with distortion; the model has the undistorted images of a few.
         text = run(COVIS, 'localize', RECORDING, '--sensor', 'mono', '--map', WORK / 'imported.m', '--out', WORK / 'found.txt')
         found, path = np.loadtxt(WORK / 'found.txt', ndmin=2), np.loadtxt(WORK / 'out/trajectory.txt')
@@ -243,10 +247,6 @@ class OtherFormats(unittest.TestCase):
         self.assertEqual(len(line), info()['key_frames'])
         np.testing.assert_allclose(line[0], [16.4, 48.2, 0], atol=1e-6)
 
-    def test_models_of_an_earlier_export_are_not_left(self):
-        for to, first, second in (('colmap', 'sparse/0', 'sparse/1'), ('nerfstudio', 'transforms.json', 'transforms_map1.json'),
-                                  ('bundler', 'bundle.out', 'bundle_map1/bundle.out')):
-            out = export(to, f'left_{to}')
     def test_a_map_of_one_camera_has_no_metres(self):
         mono, path, cloud = WORK / 'mono.m', WORK / 'mono.geojson', WORK / 'mono.ply'
         run(COVIS, 'run', RECORDING, '--sensor', 'mono', '--out', WORK / 'mono', '--save-map', mono, '--quiet')
@@ -263,6 +263,10 @@ class OtherFormats(unittest.TestCase):
             self.assertIn(b'comment map points, units of the map\n', file.read_bytes())
         self.assertIn('extent_m', info())
 
+    def test_models_of_an_earlier_export_are_not_left(self):
+        for to, first, second in (('colmap', 'sparse/0', 'sparse/1'), ('nerfstudio', 'transforms.json', 'transforms_map1.json'),
+                                  ('bundler', 'bundle.out', 'bundle_map1/bundle.out')):
+            out = export(to, f'left_{to}')
             if to == 'colmap':
                 shutil.copytree(out / first, out / second)
                 (out / 'sparse/2').mkdir()
@@ -326,11 +330,11 @@ class FullDisk(unittest.TestCase):
                 command = [COVIS, 'map', 'export', MAP, '--to', to, '--out', out, *more]
                 run(*command)
                 whole = contents(beside)
+                made = set(beside.iterdir())
                 largest = max(whole, key=lambda name: len(whole[name]))
                 for there in (whole, {}):
                     code, messages = self.limited(len(whole[largest]) - 1, *command)
                     self.assertEqual((code, contents(beside)), (1, there))
-                made = set(beside.iterdir())
                     self.check_message(messages, beside / largest)
                     self.assertEqual(set(beside.iterdir()), made if there else set())
                     for path in beside.iterdir():

@@ -37,7 +37,7 @@ TEST_F(CameraImports, OfAnUnknownModelOrKindAreOneMessage) {
               HasSubstr("second camera"));
   EXPECT_THAT(imported("cameras.txt", "1 PINHOLE 640 480 0.5 0.5 320 240\n").error().message,
               HasSubstr("positive focal lengths"));
-  EXPECT_THAT(imported("cameras.bin", "x").error().message, HasSubstr("model_converter"));
+  EXPECT_THAT(imported("cameras.bin", "x").error().message, HasSubstr("cameras.bin: at the number of cameras"));
   for (const char* name : {"notes.txt", "camera.xml", "a.yaml"}) {
     EXPECT_THAT(
         imported(name, "<camera>: 5 %\n").error().message,

@@ -39,7 +39,7 @@ Result<std::vector<std::vector<Partner>>> partners_of(const ColmapModel& model) 
     }
   }
   if (meetings > kMaxImagesOfPoint * sights) {
-    return fail("images.txt: its points are seen by " + std::to_string(meetings / sights) +
+    return fail("the model: its points are seen by " + std::to_string(meetings / sights) +
                 " images on average, more than " + std::to_string(kMaxImagesOfPoint));
   }
   std::vector<std::vector<Partner>> partners(model.images.size());

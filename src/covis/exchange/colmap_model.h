@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A model of COLMAP as it is read, in its text format (colmap.h).
+// A model of COLMAP as it is read, in its text or its binary format.
 #pragma once
 
 #include <cstdint>
@@ -23,12 +23,13 @@ struct ColmapModel {
   std::vector<Image> images;  // by rising id
 };
 
-// Errors name file and line: a binary model (which `colmap model_converter --output_type TXT` makes a text), several
-// cameras (a map has one), a camera model that no lens of Covis is (known are SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL,
-// RADIAL, OPENCV, OPENCV_FISHEYE), an image of another camera, numbers that are none.
+// Reads cameras.txt and images.txt, or without the first cameras.bin and images.bin. Errors name the file, and line or
+// image: several cameras (a map has one), a camera model that no lens of Covis is (known are SIMPLE_PINHOLE, PINHOLE,
+// SIMPLE_RADIAL, RADIAL, OPENCV, OPENCV_FISHEYE), an image of another camera, numbers that are none, counts that the
+// file is too short for.
 Result<ColmapModel> read_colmap(const std::filesystem::path& folder);
 
-// Reads cameras.txt alone.
+// Reads cameras.txt or cameras.bin alone.
 Result<Camera> read_colmap_camera(const std::filesystem::path& file);
 
 }  // namespace covis::exchange
