@@ -94,6 +94,8 @@ struct Event {
 // Returns the kind's name as it is spelled above.
 COVIS_API const char* name(Event::Kind kind);
 
+// Failures are errors of an `expected`. The only exceptions are std::bad_alloc, from tracked_points(), on_event(),
+// snapshot(), trajectory(), settings() and default_settings(), and those of the handler of events.
 class COVIS_API Slam {
  public:
   // Errors: an impossible camera, an unknown setting, a value out of range, a file that can't be read, a map that does
