@@ -126,6 +126,8 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
   const std::string file = folder / "file.txt", gone = folder / "gone", tum = folder / "tum.txt",
                     kitti = folder / "kitti.txt", part = folder / "part.txt", part_times = folder / "part_times.txt";
   std::ofstream(tum) << "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n";
+  std::ofstream(part) << "1 0 0 1 0 1 0 0 0 0 1 0\n";
+  std::ofstream(part_times) << "1\n";
   std::ofstream(kitti) << "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n";
   const struct {
     std::vector<std::string> words;
@@ -151,8 +153,6 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
       {{"run", gone, "--set", "orb.levels=\x1b[2J"}, "orb.levels: '\\x1b[2J' is not right"},
       {{"run", "go\x1b[31mne"}, "go\\x1b[31mne: it does not exist"},
       {{"calibrate", gone, "--board", "9x6", "--square", "0.03"}, gone + ": there is no such video"},
-  std::ofstream(part) << "1 0 0 1 0 1 0 0 0 0 1 0\n";
-  std::ofstream(part_times) << "1\n";
       {{"calibrate", gone, "--board", "9by6", "--square", "0.03"}, "COLUMNSxROWS is wanted"},
       {{"calibrate", gone, "--board", "9x6", "--square", "0.03", "--marker", "0.02"}, "--charuco"},
       {{"eval", gone, gone}, gone},
@@ -160,6 +160,10 @@ TEST_F(CommandUsage, WrongInputIsNamedWithCode1) {
       {{"eval", tum, kitti},
        "kitti.txt: it has no stamps, and " + tum + " has; give those of its rows with --truth-stamps"},
       {{"eval", kitti, tum}, "kitti.txt: it has no stamps, and " + tum + " has; give those of its rows with --stamps"},
+      {{"eval", part, kitti}, part + " has 1 rows and " + kitti + " has 2, none with a stamp, so that"},
+      {{"eval", part, tum}, "give those of its rows with --stamps " + part_times},
+      {{"eval", kitti, tum, "--stamps", part_times},
+       kitti + ": it has 2 rows, and " + part_times + " has 1 stamps; a file with one stamp for each"},
       {{"eval", tum, tum, "--stamps", file}, "--stamps " + file + ": " + tum + " has stamps of its own"},
       {{"eval", tum, tum, "--delta", "2.5"}, "a number of frames is whole"},
       {{"eval", tum, tum, "--plot", gone + "/plot.png"}, "gone/plot.png: it can't be written"},
@@ -185,10 +189,6 @@ TEST_F(CommandUsage, LeadingZerosAreDecimal) {
 
 // The pictures that Covis leaves beside the images are none of them.
 TEST_F(CommandUsage, ItsOwnPicturesAreNoImagesOfTheRecording) {
-      {{"eval", part, kitti}, part + " has 1 rows and " + kitti + " has 2, none with a stamp, so that"},
-      {{"eval", part, tum}, "give those of its rows with --stamps " + part_times},
-      {{"eval", kitti, tum, "--stamps", part_times},
-       kitti + ": it has 2 rows, and " + part_times + " has 1 stamps; a file with one stamp for each"},
   const fs::path recording = render("mono", 5);
   for (const fs::path& picture : {recording / "check.png", recording / "images" / "check.png"}) {
     for (int twice = 0; twice < 2; ++twice) {
