@@ -73,14 +73,6 @@ void look_for_gaps(const std::vector<Timestamp>& stamps, std::vector<Problem>& p
   }
 }
 
-// Stamps in milliseconds or microseconds that are read as seconds or nanoseconds.
-void look_at_rate(double rate, std::vector<Problem>& problems) {
-  constexpr double kSlowest = 0.2, kFastest = 1000;  // Hz
-  if (rate > 0 && (rate < kSlowest || rate > kFastest))
-    problems.push_back({std::nullopt, "the frames come at " + std::to_string(rate) +
-                                          " Hz: are the stamps in seconds, or whole nanoseconds?"});
-}
-
 void print(const nlohmann::json& found) {
   std::cout << shown(found["recording"].get<std::string>()) << "\n";
   std::printf("frames read     %lld, %lld unreadable\n", found["frames_read"].get<long long>(),
@@ -118,6 +110,7 @@ Findings read_all(io::Sequence& sequence, const Reading& reading, CheckPicture& 
   constexpr double kFewMatches = 0.08;
   Findings f;
   for (const std::string& doubt : doubts_about(sequence.camera())) f.problems.push_back({std::nullopt, doubt});
+  for (const std::string& loss : sequence.losses()) f.problems.push_back({std::nullopt, loss});
   int64_t expected = reading.first;
   const int64_t size = sequence.size() > 0 ? sequence.size() : 300;
   SensorSample sensor(sequence.camera(), sequence.sensor(), sequence.size());
@@ -148,13 +141,18 @@ Findings read_all(io::Sequence& sequence, const Reading& reading, CheckPicture& 
     }
   }
   look_for_gaps(f.stamps, f.problems, f.frames);
-  look_at_rate(sequence.frame_rate(), f.problems);
+  if (const auto doubt = io::doubt_about_rate(sequence.frame_rate() * reading.stride))
+    f.problems.push_back({std::nullopt, *doubt});
   for (const SensorWarning& w : sensor.warnings()) f.problems.push_back({w.frame, describe(w, sequence.sensor())});
   f.depths = sensor.depths();
   return f;
 }
 
 nlohmann::json to_json(const io::Sequence& sequence, const Findings& f) {
+  const std::vector<std::string> losses = sequence.losses();  // they are among the problems
+  std::vector<std::string> notes = sequence.notes();
+  std::erase_if(notes,
+                [&](const std::string& note) { return std::find(losses.begin(), losses.end(), note) != losses.end(); });
   nlohmann::json found{{"recording", sequence.description()},
                        {"kind", name_of(kKinds, sequence.kind())},
                        {"sensor", name(sequence.sensor())},
@@ -165,7 +163,7 @@ nlohmann::json to_json(const io::Sequence& sequence, const Findings& f) {
                        {"seconds", f.stamps.empty() ? 0 : to_seconds(f.stamps.back() - f.stamps.front())},
                        {"camera", camera_json(sequence.camera())},
                        {"truth", nullptr},
-                       {"notes", sequence.notes()}};
+                       {"notes", notes}};
   if (const auto truth = sequence.truth()) found["truth"] = truth->file.string();
   if (f.depths)
     found["depth_m"] = {

@@ -84,10 +84,12 @@ Result<void> open_results(const RunArguments& a, const io::Sequence& sequence) {
       a.out, {a.path, a.reading.camera, a.config, a.vocabulary, a.map, a.save_map, truth ? truth->file : ""});
 }
 
-// Says what is played, and why its camera can hardly be right.
+// Says what is played, and why its camera or its stamps can hardly be right.
 void announce(const RunArguments& arguments, const io::Sequence& sequence) {
   if (!arguments.quiet) log(LogLevel::info, sequence.description());
   for (const std::string& doubt : doubts_about(sequence.camera())) log(LogLevel::warning, doubt);
+  if (const auto doubt = io::doubt_about_rate(sequence.frame_rate() * arguments.reading.stride))
+    log(LogLevel::warning, *doubt);
 }
 
 std::string title_of(const RunArguments& arguments) {

@@ -69,6 +69,31 @@ TEST_F(CommandCheck, MakesACameraFileOfAnotherProgramsCamera) {
   EXPECT_EQ(covis({"check", "--import-camera", chain, "--stride", "2"}).code, 2) << "that is of recordings";
 }
 
+TEST_F(CommandCheck, AListThatWasCutShortIsAProblem) {
+  const fs::path recording = render("rgbd", 5), list = recording / "depth.txt";
+  const std::string whole = text_of(list);
+  std::ofstream(list) << whole.substr(0, whole.rfind('\n', whole.size() - 2) + 1);
+  fs::remove(recording / "associations.txt");
+  const Outcome check = covis({"check", recording, "--json", "--out", folder / "c.png"});
+  EXPECT_EQ(check.code, 1) << check.out;
+  const json found = json::parse(check.out, nullptr, false);
+  ASSERT_EQ(found["problems"].size(), 1u) << check.out;
+  EXPECT_THAT(found["problems"][0]["problem"], HasSubstr("1 of 5 images have no depth image"));
+  EXPECT_FALSE(found["problems"][0].contains("frame"));
+  EXPECT_EQ(found["notes"], json::array()) << "it is said once";
+}
+
+TEST_F(CommandCheck, ARateThatNoCameraHasIsSaidByRunToo) {
+  const fs::path recording = render("mono", 3), images = folder / "slow";
+  fs::create_directories(images);
+  for (const auto& entry : fs::directory_iterator(recording / "images"))
+    fs::copy(entry.path(), images / entry.path().filename());
+  std::ofstream(images / "times.txt") << "0\n33\n66\n";  // milliseconds
+  const std::string camera = recording / "camera.yaml", doubt = "are the stamps in seconds";
+  EXPECT_THAT(covis({"check", images, "--camera", camera, "--out", folder / "c.png"}).out, HasSubstr(doubt));
+  EXPECT_THAT(covis({"run", images, "--camera", camera, "--out", folder / "out"}).error, HasSubstr(doubt));
+}
+
 TEST_F(CommandCheck, LeftAndRightSwapped) {
   const fs::path recording = render("stereo", 24);
   fs::rename(recording / "image_0", recording / "left");

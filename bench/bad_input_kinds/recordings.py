@@ -83,7 +83,7 @@ def wrong_lists(group, recording, name, first, stamp_column=1, file_column=2):
 def wrong_stamps(group, recording, damage_of, **more):
     """Stamps that are numbers, but not those of a recording. damage_of(row, stamp): row counts from 0."""
     for what, row, stamp, *says in (('one that repeats', 4, 3, 'later than', '--skip-bad'), ('one that goes back', 6, 1, 'later than', '--skip-bad'),
-                                    ('one far away', 11, 1e12, 'stamp', 'far|seconds|in 64')):
+                                    ('one far away', 11, 1e13, 'stamp', 'far|seconds|in 64')):
         yield kind(group, recording, f'stamps: {what}', damage_of(row, stamp), *says, **more)
     yield kind(group, recording, 'stamps: one that goes back, --skip-bad', damage_of(6, 1), '1 of 12', 'left out',
                words=(*more.get('words', ()), '--skip-bad'), passed_over=True, unreadable=0)

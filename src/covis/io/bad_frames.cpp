@@ -39,8 +39,7 @@ Result<void> leave_out_missing(Recording& recording, BadFrames bad_frames) {
   }
   if (there.size() == frames.size()) return {};
   const size_t all = frames.size(), bad = all - there.size();
-  if (auto passed = pass_over(bad, all, "frames lack a file", first, bad_frames, recording.notes); !passed)
-    return passed;
+  if (auto passed = pass_over(bad, all, "frames lack a file", first, bad_frames, recording); !passed) return passed;
   keep(frames, there);
   return {};
 }
@@ -53,21 +52,22 @@ Result<void> leave_out_unstamped(Recording& recording, BadFrames bad_frames) {
       return fail(frame.image + ": its stamp " + stamp_text(frame.stamp) + " s is too far from the epoch");
     stamps.push_back(frame.stamp);
   }
-  const std::vector<size_t> rising = longest_rise(stamps);
-  if (rising.size() == frames.size()) return {};
-  std::string first;
-  for (size_t i = 1; i < frames.size() && first.empty(); ++i) {
-    if (stamps[i] > stamps[i - 1]) continue;
-    first = frames[i].image + ": its stamp " + stamp_text(stamps[i]) + " s is not later than " +
-            stamp_text(stamps[i - 1]) + " s of the frame before it; stamps must rise";
-  }
-  const size_t all = frames.size(), bad = all - rising.size();
-  if (auto passed = pass_over(bad, all, "frames have stamps that do not rise", first, bad_frames, recording.notes);
-      !passed) {
-    return passed;
-  }
-  keep(frames, rising);
+  const auto name = [&](size_t i) { return frames[i].image; };
+  const auto rising = pass_over_fallen(stamps, "frames", name, bad_frames, recording);
+  if (!rising) return tl::unexpected(rising.error());
+  if (rising->size() < frames.size()) keep(frames, *rising);
   return {};
+}
+
+bool are_few(size_t bad, size_t all) { return static_cast<double>(bad) <= kFewBadFrames * static_cast<double>(all); }
+
+std::string count_text(size_t bad, size_t all, const std::string& what) {
+  return std::to_string(bad) + " of " + std::to_string(all) + " " + what;
+}
+
+void note_loss(size_t bad, size_t all, const std::string& text, Recording& recording) {
+  recording.notes.push_back(text);
+  if (!are_few(bad, all)) recording.losses.push_back(text);
 }
 
 }  // namespace
@@ -91,15 +91,32 @@ std::vector<size_t> longest_rise(const std::vector<Timestamp>& stamps) {
   return rise;
 }
 
+void note_left_out(size_t bad, size_t all, const std::string& what, Recording& recording) {
+  note_loss(bad, all, count_text(bad, all, what) + " and are left out", recording);
+}
+
 Result<void> pass_over(size_t bad, size_t all, const std::string& what, const std::string& first, BadFrames bad_frames,
-                       std::vector<std::string>& notes) {
-  const std::string count = std::to_string(bad) + " of " + std::to_string(all) + " " + what;
-  if (bad_frames == BadFrames::passed_over_where_few &&
-      static_cast<double>(bad) > kFewBadFrames * static_cast<double>(all)) {
+                       Recording& recording) {
+  const std::string count = count_text(bad, all, what);
+  if (bad_frames == BadFrames::passed_over_where_few && !are_few(bad, all))
     return fail(first + " (" + count + "; --skip-bad leaves them out)");
-  }
-  notes.push_back(count + " and are left out; the first: " + first);
+  note_loss(bad, all, count + " and are left out; the first: " + first, recording);
   return {};
+}
+
+Result<std::vector<size_t>> pass_over_fallen(const std::vector<Timestamp>& stamps, const std::string& what,
+                                             const std::function<std::string(size_t)>& name, BadFrames bad_frames,
+                                             Recording& recording) {
+  std::vector<size_t> rising = longest_rise(stamps);
+  const size_t all = stamps.size(), bad = all - rising.size();
+  if (bad == 0) return rising;
+  size_t fallen = 1;
+  while (stamps[fallen] > stamps[fallen - 1]) ++fallen;
+  const std::string first = name(fallen) + ": its stamp " + stamp_text(stamps[fallen]) + " s is not later than " +
+                            stamp_text(stamps[fallen - 1]) + " s of the one before it; stamps must rise";
+  if (auto passed = pass_over(bad, all, what + " have stamps that do not rise", first, bad_frames, recording); !passed)
+    return tl::unexpected(passed.error());
+  return rising;
 }
 
 Result<void> leave_out_bad_frames(Recording& recording, BadFrames bad_frames) {

@@ -29,7 +29,7 @@ const char* model_name(Distortion distortion) {
 
 // The scalar values of the file; model and distortion are read separately.
 struct Values {
-  int width = 0, height = 0;
+  int width = 0, height = 0, bits = 16;
   double fx = 0, fy = 0, cx = 0, cy = 0, baseline = 0, bf = 0, fps = 0, depth_scale = 0, depth_sigma_a = 0,
          depth_sigma_b = 0, readout = 0;
   double depth_fx = 0, depth_cx = 0, depth_cy = 0, depth_x = 0, depth_y = 0;
@@ -49,6 +49,7 @@ struct Values {
             {"readout", &readout, "rolling shutter: seconds from the first row to the last", -B::kLongestReadout,
              B::kLongestReadout},
             {"depth_scale", &depth_scale, "units of a depth image per metre", 1e-3, 1e6},
+            {"bits", &bits, "of images of 16 bits: how many their camera fills, the lowest ones", 8, 16},
             {"depth_sigma_a", &depth_sigma_a, "noise of a depth z: sigma = a + b z^2; a in metres", 0, 1},
             {"depth_sigma_b", &depth_sigma_b, "the same; b in 1 / metres", 0, 1},
             {"depth_fx", &depth_fx, "focal length of depth images that are not registered, pixels", B::kLeastFocal,
@@ -161,6 +162,7 @@ Result<CameraFile> load_camera(const std::filesystem::path& file) {
   result.baseline = given.contains("bf") ? values.bf / values.fx : values.baseline;
   result.fps = values.fps;
   result.depth_scale = values.depth_scale;
+  result.bits = values.bits;
   result.camera.width = values.width;
   result.camera.height = values.height;
   result.camera.pinhole = {values.fx, values.fy, values.cx, values.cy, values.fx * result.baseline};
@@ -198,6 +200,7 @@ std::string camera_text(const CameraFile& file) {
   if (file.fps > 0) text << "fps: " << file.fps << "\n";
   if (c.pinhole.row_time != 0) text << "readout: " << c.pinhole.row_time * c.height << "\n";
   if (file.depth_scale > 0) text << "depth_scale: " << file.depth_scale << "\n";
+  if (file.bits < 16) text << "bits: " << file.bits << "\n";
   if (const DepthNoise& noise = c.pinhole.depth_noise; noise.known())
     text << "depth_sigma_a: " << noise.a << "\ndepth_sigma_b: " << noise.b << "\n";
   if (const DepthRegistration& r = c.pinhole.registration; r.any()) {

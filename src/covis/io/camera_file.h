@@ -16,6 +16,7 @@ struct CameraFile {
   double baseline = 0;         // metres; 0: not given
   double fps = 0;              // Hz; 0: not given
   double depth_scale = 0;      // units of a depth image per metre; 0: not given
+  int bits = 16;               // number of the 16 of an image that the camera fills, from the lowest on
 };
 
 // Errors name the file, the line, the key and the accepted values; an unknown key gets the nearest known one.

@@ -23,6 +23,7 @@ TEST_F(CameraFiles, CamerasRoundTrip) {
   file.camera.pinhole.row_time = -0.02 / 480;
   file.baseline = 0.11;
   file.fps = 30;
+  file.bits = 12;
   write("c.yaml", camera_text(file));
   const auto loaded = load_camera(folder / "c.yaml");
   ASSERT_TRUE(loaded) << loaded.error().message;
@@ -33,6 +34,7 @@ TEST_F(CameraFiles, CamerasRoundTrip) {
   const DepthRegistration &now = loaded->camera.pinhole.registration, &before = file.camera.pinhole.registration;
   EXPECT_LT((now.pixel(pixel, centre, 0.7) - before.pixel(pixel, centre, 0.7)).norm(), 1e-9);
   EXPECT_NEAR(loaded->camera.pinhole.baseline(), 0.11, 1e-12);
+  EXPECT_EQ(loaded->bits, 12);
   EXPECT_NEAR(loaded->camera.pinhole.row_time, -0.02 / 480, 1e-12);
   for (const auto& entry : fs::directory_iterator(fs::path(COVIS_SOURCE_DIR) / "cameras")) {
     EXPECT_TRUE(load_camera(entry.path())) << entry.path();
@@ -60,6 +62,7 @@ TEST_F(CameraFiles, CameraFilesThatContradictThemselves) {
   EXPECT_THAT(error("depth_x: 0.02\n"), AllOf(HasSubstr("camera.yaml:7"), HasSubstr("depth_fx only")));
   EXPECT_THAT(error("depth_fx: 60000\n"), AllOf(HasSubstr("camera.yaml:7"), HasSubstr("from 0.1 to 10 times")));
   EXPECT_THAT(error("readout: 0.5\n"), AllOf(HasSubstr("camera.yaml:7"), HasSubstr("readout"), HasSubstr("0.2")));
+  EXPECT_THAT(error("bits: 24\n"), AllOf(HasSubstr("camera.yaml:7"), HasSubstr("bits"), HasSubstr("8")));
   EXPECT_EQ(error("depth_noise: exact\n"), "");
   EXPECT_EQ(load_camera(folder / "camera.yaml")->camera.pinhole.depth_noise, DepthNoise::exact());
   EXPECT_EQ(error("bf: 5\n"), "");

@@ -5,10 +5,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -196,8 +198,9 @@ std::optional<Timestamp> parse_stamp(std::string_view text, WholeStamp whole) {
   auto decimal = parse_decimal(text);
   if (!decimal) return std::nullopt;
   const bool plain = text.find_first_of(".eE") == std::string_view::npos;
-  const bool nanoseconds = decimal->point >= 16 || (plain && whole == WholeStamp::nanoseconds);
-  const int64_t wanted = decimal->point + (nanoseconds ? 0 : 9);  // number of digits of the integer nanoseconds
+  const bool nanoseconds = decimal->point >= 17 || (plain && whole == WholeStamp::nanoseconds);
+  const int64_t decimals = nanoseconds ? 0 : decimal->point == 16 ? 3 : decimal->point == 13 ? 6 : 9;
+  const int64_t wanted = decimal->point + decimals;  // number of digits of the integer nanoseconds
   if (decimal->digits.empty() || wanted < 0) return 0;
   if (wanted > 19) return std::nullopt;  // does not fit 64 bits
   std::string& digits = decimal->digits;
@@ -212,14 +215,32 @@ std::optional<Timestamp> parse_stamp(std::string_view text, WholeStamp whole) {
   return decimal->negative ? -stamp : stamp;
 }
 
+namespace {
+
+bool are_row_numbers(const std::vector<Timestamp>& stamps) {
+  constexpr Timestamp kSecond = 1'000'000'000;
+  if (stamps.size() < 2 || (stamps[0] != 0 && stamps[0] != kSecond)) return false;
+  for (size_t i = 1; i < stamps.size(); ++i) {
+    if (stamps[i] != stamps[i - 1] + kSecond) return false;
+  }
+  return true;
+}
+
+bool rises(const std::vector<Timestamp>& stamps) {
+  return std::adjacent_find(stamps.begin(), stamps.end(), std::greater_equal<>()) == stamps.end();
+}
+
+}  // namespace
+
 Result<std::vector<Timestamp>> read_stamps(const std::filesystem::path& file) {
   const auto text = read_text(file);
   if (!text) return tl::unexpected(text.error());
-  std::vector<Timestamp> stamps;
+  std::vector<Timestamp> stamps, second;
   std::string problem;
   for_each_line(*text, [&](std::string_view line, int number) {
     const auto parts = split(line);
     const auto stamp = parts.empty() ? std::nullopt : parse_stamp(parts.front());
+    if (const auto behind = parts.size() > 1 ? parse_stamp(parts[1]) : std::nullopt) second.push_back(*behind);
     if (!stamp) {
       problem = place(file, number) + ": '" + std::string(line) + "' is not a stamp in seconds";
       return false;
@@ -228,7 +249,7 @@ Result<std::vector<Timestamp>> read_stamps(const std::filesystem::path& file) {
     return true;
   });
   if (!problem.empty()) return fail(problem);
-  return stamps;
+  return are_row_numbers(stamps) && second.size() == stamps.size() && rises(second) ? second : stamps;
 }
 
 std::string stamp_text(Timestamp stamp) {

@@ -64,11 +64,12 @@ std::vector<std::string_view> split(std::string_view line);
 // Parses a finite number; nullopt when the text holds anything else.
 std::optional<double> parse_double(std::string_view text);
 // Parses a stamp to the nanosecond, in any notation: "1305031102.175304", "1.036e-01", "1403715273262142976". The unit
-// is seconds, unless there are 16 digits or more before the point: so many seconds would be no plausible time, so those
-// are nanoseconds. `whole` gives the unit of integers with fewer digits.
+// is seconds, unless there are more digits before the point than plausible times have: 13 are milliseconds and 16
+// microseconds, as times since 1970 have them now, and 17 or more nanoseconds. `whole` gives the unit of integers.
 enum class WholeStamp { seconds, nanoseconds };
 std::optional<Timestamp> parse_stamp(std::string_view text, WholeStamp whole = WholeStamp::seconds);
-// Reads a list of stamps in seconds: one per row, in the first column.
+// Reads a list of stamps, one per row: in the first column or, where that numbers the rows from 0 or 1 on and stamps
+// that rise are behind it, in the second.
 Result<std::vector<Timestamp>> read_stamps(const std::filesystem::path& file);
 // Formats seconds with 9 decimals.
 std::string stamp_text(Timestamp stamp);

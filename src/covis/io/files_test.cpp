@@ -73,12 +73,31 @@ TEST(Stamps, AreReadHoweverTheyAreWritten) {
   EXPECT_EQ(parse_stamp("000000.5"), 500'000'000);
   EXPECT_EQ(parse_stamp("0"), 0);
   EXPECT_EQ(parse_stamp("+.5"), 500'000'000);
+  EXPECT_EQ(parse_stamp("1400076021614"), 1400076021614'000'000) << "milliseconds";
+  EXPECT_EQ(parse_stamp("1400076021614572"), 1400076021614572'000) << "microseconds";
+  EXPECT_EQ(parse_stamp("1400076021614572.25"), 1400076021614572'250);
+  EXPECT_EQ(parse_stamp("14000760216145720"), 14000760216145720) << "nanoseconds";
+  EXPECT_EQ(parse_stamp("1400076021614572", WholeStamp::nanoseconds), 1400076021614572);
   EXPECT_EQ(parse_stamp("12", WholeStamp::nanoseconds), 12);
   EXPECT_EQ(parse_stamp("12.0", WholeStamp::nanoseconds), 12'000'000'000);
   for (const char* text : {"", "-", "+", ".", "e5", "1e", "1.2.3", "0x10", "12s", "inf", "1e300",
                            "99999999999999999999", "100000000000", "9223372036854775807", "-5000000000000000000"}) {
     EXPECT_FALSE(parse_stamp(text)) << text;
   }
+}
+
+TEST_F(Files, ListStampsInTheFirstColumnOrBehindNumbersOfFrames) {
+  const auto stamps = [&](const std::string& text) {
+    write("times.txt", text);
+    return *read_stamps(folder / "times.txt");
+  };
+  using testing::ElementsAre;
+  EXPECT_THAT(stamps("00000 1441204213.936500 1.5\n00001 1441204213.986500 1.5\n"),
+              ElementsAre(1441204213936500000, 1441204213986500000));
+  EXPECT_THAT(stamps("1 0.5\n2 0.7\n3 0.9\n"), ElementsAre(500'000'000, 700'000'000, 900'000'000));
+  EXPECT_THAT(stamps("0 0.7\n1 0.5\n"), ElementsAre(0, 1'000'000'000)) << "what is behind does not rise";
+  EXPECT_THAT(stamps("0 a.png\n1 b.png\n"), ElementsAre(0, 1'000'000'000));
+  EXPECT_THAT(stamps("0 0.5\n2 0.7\n"), ElementsAre(0, 2'000'000'000)) << "the first are not the rows' numbers";
 }
 
 TEST(Stamps, GoThroughTextUnchanged) {

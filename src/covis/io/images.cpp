@@ -97,13 +97,14 @@ Result<cv::Mat> decode_image(const std::string& name, std::string_view bytes, in
 }
 
 void depth_in_metres(const cv::Mat& stored, double scale, ImageF& depth) {
+  constexpr uint16_t kNoDepth = 0xffff;  // the greatest value is none in 7-Scenes, or too far in other data sets
   depth.resize(stored.cols, stored.rows);
   const auto inverse = static_cast<float>(1 / scale);
   for (int y = 0; y < stored.rows; ++y) {
     float* out = depth.row(y);
     if (stored.type() == CV_16UC1) {
       const auto* in = stored.ptr<uint16_t>(y);
-      for (int x = 0; x < stored.cols; ++x) out[x] = static_cast<float>(in[x]) * inverse;
+      for (int x = 0; x < stored.cols; ++x) out[x] = in[x] < kNoDepth ? static_cast<float>(in[x]) * inverse : 0.0f;
     } else {
       const auto* in = stored.ptr<float>(y);
       for (int x = 0; x < stored.cols; ++x) out[x] = in[x] > 0 && std::isfinite(in[x]) ? in[x] : 0.0f;
@@ -112,11 +113,12 @@ void depth_in_metres(const cv::Mat& stored, double scale, ImageF& depth) {
 }
 
 Result<void> ImageReader::grey(const std::filesystem::path& file, ImageU8& image) {
-  const auto decoded = decode_file(file, bytes_, cv::IMREAD_GRAYSCALE, as_mat(image, CV_8UC1), expected_);
+  const auto decoded =
+      decode_file(file, bytes_, with_depth(cv::IMREAD_GRAYSCALE, bits_), as_mat(image, CV_8UC1), expected_);
   if (!decoded) return tl::unexpected(decoded.error());
   if (!image.empty() && decoded->data == image.row(0)) return {};
   image.resize(decoded->cols, decoded->rows);
-  decoded->copyTo(as_mat(image, CV_8UC1));
+  in_eight_bits(*decoded, bits_).copyTo(as_mat(image, CV_8UC1));
   return {};
 }
 
@@ -162,7 +164,12 @@ Result<void> ImageReader::depth(const std::filesystem::path& file, double scale,
   return {};
 }
 
-Result<Picture> ImageReader::picture(const std::filesystem::path& file) { return read_picture(file, expected_); }
+Result<Picture> ImageReader::picture(const std::filesystem::path& file) {
+  if (bits_ == 16) return read_picture(file, expected_);
+  const auto decoded = decode_file(file, bytes_, with_depth(cv::IMREAD_ANYCOLOR, bits_), {}, expected_);
+  if (!decoded) return tl::unexpected(decoded.error());
+  return picture_of(in_eight_bits(*decoded, bits_));
+}
 
 bool ImageReader::may_have_colours(const std::filesystem::path& file) { return io::may_have_colours(file); }
 

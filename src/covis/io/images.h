@@ -64,10 +64,12 @@ class ImageSource {
   virtual ~ImageSource() = default;
   // From now on images of another size are refused before they are decoded.
   virtual void expect(const ExpectedSize& size) = 0;
-  // Reads grey values. Of 16 bits the upper 8 are kept.
+  // From now on images of 16 bits are those of a camera that fills so many of them, the lowest ones.
+  virtual void use_bits(int bits) = 0;
+  // Reads grey values. Of 16 bits the upper 8 of those that are used are kept.
   virtual Result<void> grey(const std::filesystem::path& name, ImageU8& image) = 0;
   // Reads depth in metres: 16-bit images are divided by `scale` (units per metre), 32-bit float images are used as they
-  // are. Negative and non-finite depths are stored as 0 (no measurement).
+  // are. Negative and non-finite depths, and 65535 of 16 bits, are stored as 0 (no measurement).
   virtual Result<void> depth(const std::filesystem::path& name, double scale, ImageF& depth) = 0;
   virtual Result<Picture> picture(const std::filesystem::path& name) = 0;
   // False when picture() would give a grey image.
@@ -78,6 +80,7 @@ class ImageSource {
 class ImageReader : public ImageSource {
  public:
   void expect(const ExpectedSize& size) override { expected_ = size; }
+  void use_bits(int bits) override { bits_ = bits; }
   // Colour is converted on decoding (JPEG: the stored luma). Fails for a file that is missing, truncated or no image.
   Result<void> grey(const std::filesystem::path& file, ImageU8& image) override;
   // 32-bit float files are TIFF.
@@ -90,6 +93,7 @@ class ImageReader : public ImageSource {
 
  private:
   ExpectedSize expected_;
+  int bits_ = 16;
   std::string bytes_;    // contents of the file
   Image<uint16_t> raw_;  // depth as stored in the file
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/io/listed_images.h"
 
+#include "covis/io/bad_frames.h"
 #include "covis/io/files.h"
 #include "covis/io/stamp_pairs.h"
 
@@ -44,8 +45,7 @@ Result<std::vector<ListedRow>> read_listed_images(const std::filesystem::path& l
 }
 
 Result<std::vector<FrameFiles>> pair_with_depth(const std::filesystem::path& images_file,
-                                                const std::filesystem::path& depths_file,
-                                                std::vector<std::string>& notes) {
+                                                const std::filesystem::path& depths_file, Recording& recording) {
   const auto images = read_listed_images(images_file, 1);
   if (!images) return tl::unexpected(images.error());
   const auto depths = read_listed_images(depths_file, 1);
@@ -59,8 +59,7 @@ Result<std::vector<FrameFiles>> pair_with_depth(const std::filesystem::path& ima
                 " within 20 ms; are the stamps in seconds?");
   }
   if (frames.size() < images->size()) {
-    notes.push_back(std::to_string(images->size() - frames.size()) + " of " + std::to_string(images->size()) +
-                    " images have no depth image within 20 ms and are left out");
+    note_left_out(images->size() - frames.size(), images->size(), "images have no depth image within 20 ms", recording);
   }
   return frames;
 }

@@ -24,6 +24,6 @@ Result<std::vector<ListedRow>> read_listed_images(const std::filesystem::path& l
 
 // Lists the frames of two lists with one image a row, paired by stamps. Notes how many images have no depth.
 Result<std::vector<FrameFiles>> pair_with_depth(const std::filesystem::path& images,
-                                                const std::filesystem::path& depths, std::vector<std::string>& notes);
+                                                const std::filesystem::path& depths, Recording& recording);
 
 }  // namespace covis::io

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstring>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <string_view>
@@ -24,8 +25,20 @@ Result<cv::Mat> decode_image(const std::string& name, std::string_view bytes, in
                              const ExpectedSize& expected = {});
 
 // Converts a depth image of 16 bits, divided by `scale` (units per metre), or of 32-bit float, in metres. Negative and
-// non-finite depths become 0 (no measurement). Bytes in `stored` must be aligned for its type.
+// non-finite depths, and 65535 of 16 bits, become 0 (no measurement). Bytes in `stored` must be aligned for its type.
 void depth_in_metres(const cv::Mat& stored, double scale, ImageF& depth);
+
+// OpenCV's flags to decode an image that in_eight_bits() is to be made of: those for 8 bits, unless `bits` asks for
+// all 16.
+inline int with_depth(int flags, int bits) { return bits < 16 ? flags | cv::IMREAD_ANYDEPTH : flags; }
+
+// Returns an image of 8 bits: itself, or one of 16 bits of which `bits` are used.
+inline cv::Mat in_eight_bits(const cv::Mat& image, int bits) {
+  if (image.depth() == CV_8U) return image;
+  cv::Mat eight;
+  image.convertTo(eight, CV_8U, 1.0 / (1 << (bits - 8)));
+  return eight;
+}
 
 // Blue is first in OpenCV's.
 inline Picture picture_of(const cv::Mat& image) {

@@ -29,10 +29,12 @@ struct Recording {
   Camera camera;            // width and height 0: not known yet, taken from the first image
   std::string calibration;  // source of the camera's calibration, for messages: a file name
   double depth_scale = 1;   // units per metre
+  int bits = 16;            // see CameraFile
   std::optional<StereoRectification> rectification;
   std::optional<Truth> truth;
-  std::string name;                // "TUM RGB-D folder"
-  std::vector<std::string> notes;  // items that were skipped: see Sequence::notes()
+  std::string name;                      // "TUM RGB-D folder"
+  std::vector<std::string> notes;        // items that were skipped: see Sequence::notes()
+  std::vector<std::string> losses = {};  // those of notes that are of more than a few frames (bad_frames.h)
   // Makes what reads the frames' images. Empty: an ImageReader does. What it makes may be used in several threads, one
   // each.
   std::function<std::unique_ptr<ImageSource>()> images;
@@ -57,6 +59,7 @@ Result<Recording> read_euroc(const Request& request);
 Result<Recording> read_tartanair(const Request& request);
 Result<Recording> read_openloris(const Request& request);
 Result<Recording> read_open3d(const Request& request);
+Result<Recording> read_pairs(const Request& request);  // what read_open3d() calls where has_pairs() is true
 Result<Recording> read_images(const Request& request);
 Result<Recording> read_bag(const Request& request);
 
@@ -65,6 +68,8 @@ bool is_tartanair(const std::filesystem::path& folder);
 // True for a folder with images in color/, rgb/ or image/ and depth images in depth/ that are those of the images, by
 // the layout of Open3D or by their names.
 bool is_open3d(const std::filesystem::path& folder);
+// True where at least half of a folder's images have depth images beside them, by their names.
+bool has_pairs(const std::filesystem::path& folder);
 
 // Lists the image files of a folder in natural order (2 before 10).
 std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <map>
 
+#include "covis/io/bad_frames.h"
 #include "covis/io/bag.h"
 #include "covis/io/bag_topics.h"
 #include "covis/io/recording.h"
@@ -34,6 +35,7 @@ class BagImages : public ImageSource {
   explicit BagImages(std::shared_ptr<const OpenBag> bag) : bag_(std::move(bag)) {}
 
   void expect(const ExpectedSize& size) override { decoder_.expect(size); }
+  void use_bits(int bits) override { decoder_.use_bits(bits); }
   Result<void> grey(const fs::path& name, ImageU8& image) override {
     return with_message<Result<void>>(name, [&](const auto& message) { return decoder_.grey(message, image); });
   }
@@ -80,77 +82,111 @@ class BagImages : public ImageSource {
 
 // An image of a topic, before it is known whether it belongs to a frame.
 struct StampedMessage {
-  Timestamp stamp;
+  Timestamp stamp;  // the header's; 0 or less: it has none
+  Timestamp time;   // the bag's
   fs::path name;
 };
 
-// Lists the images of a topic by their headers' stamps, without those that do not rise.
-Result<std::vector<StampedMessage>> stamped_messages(const OpenBag& bag, const BagTopic& topic,
-                                                     std::vector<std::string>& notes) {
+// Lists the messages of a topic that can be read.
+Result<std::vector<StampedMessage>> list_messages(const OpenBag& bag, const BagTopic& topic, Recording& recording) {
   std::vector<StampedMessage> found;
-  std::string bytes;
-  std::string problem;
-  size_t unreadable = 0, not_rising = 0;
+  std::string bytes, problem;
   for (size_t i = 0; i < topic.messages.size(); ++i) {
     const fs::path name = fs::path(bag.folder_of(topic)) / std::to_string(i);
     if (auto read = bag.bag->read(topic.messages[i], bytes, kRosStampBytes); !read) return tl::unexpected(read.error());
     const auto stamp = parse_ros_stamp(bytes, bag.bag->wire());
-    if (!stamp) {
+    if (stamp) {
+      found.push_back({*stamp, topic.messages[i].time, name});
+    } else if (problem.empty()) {
       problem = name.string() + ": " + stamp.error().message;
-      ++unreadable;
-      continue;
-    }
-    const Timestamp known = *stamp > 0 ? *stamp : topic.messages[i].time;
-    if (!found.empty() && known <= found.back().stamp) {
-      ++not_rising;
-    } else {
-      found.push_back({known, name});
     }
   }
-  const std::string of_all = " of " + std::to_string(topic.messages.size()) + " messages of " + topic.name;
   if (found.empty()) return fail(problem);
-  if (unreadable > 0)
-    notes.push_back(std::to_string(unreadable) + of_all + " can't be read and are left out: " + problem);
-  if (not_rising > 0) {
-    notes.push_back(std::to_string(not_rising) + of_all +
-                    " have stamps that are not later than the one before, and are left out");
+  const size_t all = topic.messages.size();
+  if (found.size() < all)
+    note_left_out(all - found.size(), all, "messages of " + topic.name + " can't be read (" + problem + ")", recording);
+  return found;
+}
+
+bool are_stamped(const std::vector<StampedMessage>& messages) {
+  const auto stamped = std::count_if(messages.begin(), messages.end(), [](const auto& m) { return m.stamp > 0; });
+  return 2 * static_cast<size_t>(stamped) >= messages.size();
+}
+
+// Leaves out messages that have no stamp, where others have one, and those whose stamps do not rise.
+Result<void> leave_out_unstamped(const BagTopic& topic, BadFrames bad_frames, std::vector<StampedMessage>& messages,
+                                 Recording& recording) {
+  const size_t all = messages.size();
+  std::erase_if(messages, [](const StampedMessage& m) { return m.stamp <= 0; });
+  if (const size_t bad = all - messages.size(); bad > 0)
+    note_left_out(bad, all, "messages of " + topic.name + " have no stamp, as the others have,", recording);
+  std::vector<Timestamp> stamps;
+  for (const StampedMessage& message : messages) stamps.push_back(message.stamp);
+  const auto rising = pass_over_fallen(
+      stamps, "messages of " + topic.name, [&](size_t i) { return messages[i].name.string(); }, bad_frames, recording);
+  if (!rising) return tl::unexpected(rising.error());
+  std::vector<StampedMessage> kept;
+  for (const size_t i : *rising) kept.push_back(std::move(messages[i]));
+  messages = std::move(kept);
+  return {};
+}
+
+// The usable messages of both topics by one clock: that of the headers where both have it, else the bag's.
+Result<std::vector<std::vector<StampedMessage>>> stamped_messages(const OpenBag& bag,
+                                                                  const std::vector<const BagTopic*>& topics,
+                                                                  BadFrames bad_frames, Recording& recording) {
+  std::vector<std::vector<StampedMessage>> found;
+  for (const BagTopic* topic : topics) {
+    auto messages = list_messages(bag, *topic, recording);
+    if (!messages) return tl::unexpected(messages.error());
+    found.push_back(std::move(*messages));
+  }
+  if (!std::all_of(found.begin(), found.end(), are_stamped)) {
+    for (auto& messages : found) {
+      for (StampedMessage& message : messages) message.stamp = message.time;
+    }
+  }
+  for (size_t k = 0; k < topics.size(); ++k) {
+    if (auto left = leave_out_unstamped(*topics[k], bad_frames, found[k], recording); !left)
+      return tl::unexpected(left.error());
   }
   return found;
 }
 
-// Pairs the images with those of the right camera or of depth, if there are any.
-Result<std::vector<FrameFiles>> paired_frames(const OpenBag& bag, const ChosenTopics& topics,
-                                              std::vector<std::string>& notes) {
+// Lists the frames: the images, paired with those of the right camera or of depth if there are any.
+Result<void> list_bag_frames(const OpenBag& bag, const ChosenTopics& topics, BadFrames bad_frames,
+                             Recording& recording) {
   const BagTopic* other = topics.right ? topics.right : topics.depth;
-  const auto images = stamped_messages(bag, *topics.image, notes);
-  if (!images) return tl::unexpected(images.error());
-  std::vector<FrameFiles> frames;
+  std::vector<const BagTopic*> both{topics.image};
+  if (other) both.push_back(other);
+  const auto messages = stamped_messages(bag, both, bad_frames, recording);
+  if (!messages) return tl::unexpected(messages.error());
+  const std::vector<StampedMessage>& images = messages->front();
+  std::vector<FrameFiles>& frames = recording.frames;
   if (!other) {
-    for (const StampedMessage& image : *images) frames.push_back({image.stamp, image.name, {}, {}});
-    return frames;
+    for (const StampedMessage& image : images) frames.push_back({image.stamp, image.name, {}, {}});
+    return {};
   }
-  const auto others = stamped_messages(bag, *other, notes);
-  if (!others) return tl::unexpected(others.error());
-  const auto stamps = [](const std::vector<StampedMessage>& messages) {
+  const std::vector<StampedMessage>& others = messages->back();
+  const auto stamps = [](const std::vector<StampedMessage>& of) {
     std::vector<Timestamp> found;
-    for (const StampedMessage& message : messages) found.push_back(message.stamp);
+    for (const StampedMessage& message : of) found.push_back(message.stamp);
     return found;
   };
-  for (const auto& [i, o] : pair_by_stamps(stamps(*images), stamps(*others))) {
-    FrameFiles frame{(*images)[i].stamp, (*images)[i].name, {}, {}};
-    (topics.right ? frame.right : frame.depth) = (*others)[o].name;
+  for (const auto& [i, o] : pair_by_stamps(stamps(images), stamps(others))) {
+    FrameFiles frame{images[i].stamp, images[i].name, {}, {}};
+    (topics.right ? frame.right : frame.depth) = others[o].name;
     frames.push_back(std::move(frame));
   }
   if (frames.empty()) {
     return fail(bag.path.string() + ": no image of " + topics.image->name + " has one of " + other->name +
                 " within 20 ms");
   }
-  if (frames.size() < images->size()) {
-    notes.push_back(std::to_string(images->size() - frames.size()) + " of " + std::to_string(images->size()) +
-                    " images of " + topics.image->name + " have none of " + other->name +
-                    " within 20 ms and are left out");
+  if (frames.size() < images.size()) {
+    note_left_out(images.size() - frames.size(), images.size(),
+                  "images of " + topics.image->name + " have none of " + other->name + " within 20 ms", recording);
   }
-  return frames;
+  return {};
 }
 
 Result<RosCameraInfo> read_camera_info(const OpenBag& bag, const BagTopic& image) {
@@ -170,6 +206,7 @@ Result<void> find_bag_camera(const Request& request, const OpenBag& bag, const C
   recording.depth_scale = 1000;
   if (request.given) {
     recording.camera = request.given->camera;
+    recording.bits = request.given->bits;
     recording.calibration = request.given->file.string();
     if (request.given->depth_scale > 0) recording.depth_scale = request.given->depth_scale;
     return {};
@@ -261,9 +298,8 @@ Result<Recording> read_bag(const Request& request) {
   recording.sensor = topics->sensor;
   recording.name = (bag->bag->wire() == RosWire::ros1 ? "ROS 1 bag, " : "ROS 2 bag, ") + topics_text(*topics);
   if (auto found = find_bag_camera(request, *bag, *topics, recording); !found) return tl::unexpected(found.error());
-  auto frames = paired_frames(*bag, *topics, recording.notes);
-  if (!frames) return tl::unexpected(frames.error());
-  recording.frames = std::move(*frames);
+  if (auto listed = list_bag_frames(*bag, *topics, request.bad_frames, recording); !listed)
+    return tl::unexpected(listed.error());
   if (topics->depth) note_other_frame(*bag, *topics, recording.notes);
   if (!request.topics.any()) note_unused(*bag, *topics, recording.notes);
   if (auto checked = check_images(bag, recording); !checked) return tl::unexpected(checked.error());

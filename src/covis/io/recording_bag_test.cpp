@@ -86,6 +86,7 @@ TEST_P(Bags, GiveColourWithRegisteredDepth) {
   EXPECT_EQ((*opened)->sensor(), Sensor::rgbd);
   EXPECT_THAT((*opened)->notes(), ElementsAre(HasSubstr("1 of 3 images of /camera/color/image_raw have none"),
                                               HasSubstr("not used: /camera/depth/image_rect_raw, /camera/infra1")));
+  EXPECT_THAT((*opened)->losses(), ElementsAre(HasSubstr("1 of 3 images")));
   const auto frame = (*opened)->next();
   ASSERT_TRUE(frame && *frame);
   EXPECT_EQ((*frame)->image(3, 3), 60) << "0.299 of 200";
@@ -147,10 +148,24 @@ TEST_P(Bags, LeaveOutStampsThatDoNotRise) {
   add_info("/camera_info");
   for (const int i : {0, 1, 1, 3, 2, 4}) bag.add_grey("/image", kBegin + i * kStep, i);
   for (size_t i = 0; i < bag.messages().size(); ++i) bag.messages()[i].time = static_cast<Timestamp>(i) + 5;
-  auto opened = open();
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("/image/2: its stamp 1000.100000000 s is not later"),
+                                  HasSubstr("2 of 6 messages of /image"), HasSubstr("--skip-bad")));
+  auto opened = open({.skip_bad = true});
   ASSERT_TRUE(opened) << opened.error().message;
   EXPECT_EQ((*opened)->size(), 4);
   EXPECT_THAT((*opened)->notes(), ElementsAre(HasSubstr("2 of 6 messages of /image have stamps")));
+  EXPECT_EQ((*opened)->losses(), (*opened)->notes());
+}
+
+TEST_P(Bags, KeepTheMostFramesWhenAClockIsSetBack) {
+  add_info("/camera_info");
+  for (int i = 0; i < 100; ++i) bag.add_grey("/image", kBegin + i * kStep + (i < 1 ? 3600 * kSecond : 0), i);
+  for (size_t i = 0; i < bag.messages().size(); ++i) bag.messages()[i].time = static_cast<Timestamp>(i) + 5;
+  const auto opened = open();
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ((*opened)->size(), 99) << "not the first one alone";
+  EXPECT_THAT((*opened)->notes(), ElementsAre(HasSubstr("1 of 100 messages of /image have stamps")));
+  EXPECT_THAT((*opened)->losses(), IsEmpty());
 }
 
 TEST_P(Bags, UseTheBagsTimeWhereAHeaderHasNone) {
@@ -163,6 +178,39 @@ TEST_P(Bags, UseTheBagsTimeWhereAHeaderHasNone) {
   ASSERT_TRUE(opened) << opened.error().message;
   (*opened)->next();
   EXPECT_EQ((*(*opened)->next())->stamp, kBegin + kStep);
+}
+
+TEST_P(Bags, LeaveOutAMessageWithoutAStampAmongOthersThatHaveOne) {
+  add_info("/camera_info");
+  for (int i = 0; i < 100; ++i) bag.add_grey("/image", i == 0 ? 0 : (5 + i) * kSecond, i);
+  for (size_t i = 0; i < bag.messages().size(); ++i) bag.messages()[i].time = kBegin + static_cast<Timestamp>(i);
+  const auto opened = open();
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ((*opened)->size(), 99);
+  EXPECT_EQ((*(*opened)->next())->stamp, 6 * kSecond) << "by the clock of the headers, not the bag's";
+  EXPECT_THAT((*opened)->notes(), ElementsAre(HasSubstr("1 of 100 messages of /image have no stamp")));
+}
+
+TEST_P(Bags, PairTopicsByOneClock) {
+  for (const char* side : {"left", "right"}) {
+    add_info("/" + std::string(side) + "/camera_info", side[0] == 'l' ? 0 : 5);
+    for (int i = 0; i < 3; ++i) {
+      bag.add_grey("/" + std::string(side) + "/image_rect", side[0] == 'l' ? kSecond + i * kStep : 0, i);
+      bag.messages().back().time = kBegin + i * kStep;
+    }
+  }
+  const auto opened = open();
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ((*opened)->size(), 3);
+  EXPECT_EQ((*(*opened)->next())->stamp, kBegin) << "the right images have the bag's alone";
+}
+
+TEST_P(Bags, GiveImagesOfTheBitsThatTheCameraFileNames) {
+  bag.add_depth("/image", kBegin, 2048);
+  camera_yaml("bits: 12\n");
+  const auto opened = open({.camera_file = folder / "camera.yaml", .topics = {.image = "/image"}});
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ((*(*opened)->next())->image(1, 1), 128);
 }
 
 TEST_P(Bags, SayWhatIsMissing) {

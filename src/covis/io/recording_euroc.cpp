@@ -16,12 +16,13 @@ namespace fs = std::filesystem;
 using Images = std::map<Timestamp, fs::path>;
 
 // Reads rows of "stamp in nanoseconds, file name". Notes what is left out.
-Result<Images> read_csv(const fs::path& csv, BadFrames bad_frames, std::vector<std::string>& notes) {
+Result<Images> read_csv(const fs::path& csv, BadFrames bad_frames, Recording& recording) {
   const auto text = read_text(csv);
   if (!text) return tl::unexpected(text.error());
   std::vector<Timestamp> stamps;
   std::vector<fs::path> files;
-  std::string problem, not_rising;
+  std::vector<std::string> places;
+  std::string problem;
   for_each_line(*text, [&](std::string_view line, int number) {
     const auto parts = split(line);
     const auto stamp = parse_stamp(parts.empty() ? line : parts[0], WholeStamp::nanoseconds);
@@ -30,29 +31,25 @@ Result<Images> read_csv(const fs::path& csv, BadFrames bad_frames, std::vector<s
       problem = where + ": it must hold a stamp in nanoseconds and a file name";
       return false;
     }
-    if (!stamps.empty() && *stamp <= stamps.back() && not_rising.empty()) {
-      not_rising =
-          where + ": the stamp " + std::string(parts[0]) + " is not later than the one before it; stamps must rise";
-    }
     stamps.push_back(*stamp);
+    places.push_back(where);
     files.push_back(csv.parent_path() / "data" / parts[1]);
     return true;
   });
   if (!problem.empty()) return fail(problem);
   if (stamps.empty()) return fail(csv.string() + ": no image is listed in it");
+  const auto rising = pass_over_fallen(
+      stamps, "rows", [&](size_t i) { return places[i]; }, bad_frames, recording);
+  if (!rising) return tl::unexpected(rising.error());
   Images images;
-  for (const size_t i : longest_rise(stamps)) images[stamps[i]] = files[i];
-  if (images.size() == stamps.size()) return images;
-  const auto passed = pass_over(stamps.size() - images.size(), stamps.size(), "rows have stamps that do not rise",
-                                not_rising, bad_frames, notes);
-  if (!passed) return tl::unexpected(passed.error());
+  for (const size_t i : *rising) images[stamps[i]] = files[i];
   return images;
 }
 
 // Maps stamps to images, from data.csv or, if there is none, from the file names.
-Result<Images> read_list(const fs::path& camera, BadFrames bad_frames, std::vector<std::string>& notes) {
+Result<Images> read_list(const fs::path& camera, BadFrames bad_frames, Recording& recording) {
   const fs::path csv = camera / "data.csv";
-  if (fs::exists(csv)) return read_csv(csv, bad_frames, notes);
+  if (fs::exists(csv)) return read_csv(csv, bad_frames, recording);
   Images images;
   for (const fs::path& image : list_images(camera / "data")) {
     if (const auto stamp = parse_stamp(image.stem().string(), WholeStamp::nanoseconds)) images[*stamp] = image;
@@ -68,11 +65,11 @@ Result<Images> read_list(const fs::path& camera, BadFrames bad_frames, std::vect
 // frames are skipped. Where a right image is listed and missing, though the left one is there, the frame is bad.
 Result<void> list_frames(const fs::path& base, BadFrames bad_frames, Recording& recording) {
   const bool stereo = recording.sensor == Sensor::stereo;
-  const auto left = read_list(base / "cam0", bad_frames, recording.notes);
+  const auto left = read_list(base / "cam0", bad_frames, recording);
   if (!left) return tl::unexpected(left.error());
   Images right;
   if (stereo) {
-    auto read = read_list(base / "cam1", bad_frames, recording.notes);
+    auto read = read_list(base / "cam1", bad_frames, recording);
     if (!read) return tl::unexpected(read.error());
     right = std::move(*read);
   }
@@ -87,15 +84,15 @@ Result<void> list_frames(const fs::path& base, BadFrames bad_frames, Recording& 
       recording.frames.push_back({stamp, image, stereo ? pair->second : fs::path(), {}});
     }
   }
-  const std::string of_all = std::to_string(left->size()) + " images of " + (base / "cam0").string();
+  const std::string cam0 = (base / "cam0").string();
   if (recording.frames.empty() && missing < left->size())
     return fail(base.string() + ": no left image has a right one of the same stamp");
-  if (recording.frames.empty()) return fail((base / "cam0").string() + ": none of the images in data.csv is there");
+  if (recording.frames.empty()) return fail(cam0 + ": none of the images in data.csv is there");
   if (missing > 0)
-    recording.notes.push_back(std::to_string(missing) + " of " + of_all + " are listed but missing, and left out");
+    recording.notes.push_back(std::to_string(missing) + " of " + std::to_string(left->size()) + " images of " + cam0 +
+                              " are listed but missing, and left out");
   if (single > 0)
-    recording.notes.push_back(std::to_string(single) + " of " + of_all +
-                              " have no right image of the same stamp, and are left out");
+    note_left_out(single, left->size(), "images of " + cam0 + " have no right image of the same stamp", recording);
   return {};
 }
 
@@ -105,6 +102,7 @@ Result<SE3> find_camera(const Request& request, const fs::path& base, Recording&
   const fs::path left_file = base / "cam0" / "sensor.yaml", right_file = base / "cam1" / "sensor.yaml";
   if (request.given) {
     recording.camera = request.given->camera;
+    recording.bits = request.given->bits;
     recording.calibration = request.given->file.string();
     if (!fs::exists(left_file)) return SE3();
   } else if (!fs::exists(left_file)) {

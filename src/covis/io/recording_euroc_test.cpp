@@ -45,6 +45,7 @@ TEST_F(Sequences, PassesOverWhatACopyOfEurocLeavesOut) {
   euroc();
   write("mav0/cam1/data.csv", "1403715273262142976,1403715273262142976.png\n");
   EXPECT_THAT((*open())->notes(), testing::ElementsAre(HasSubstr("no right image")));
+  EXPECT_THAT((*open())->losses(), testing::ElementsAre(HasSubstr("1 of 2 images"))) << "a list that was cut short";
   euroc();
   for (const char* cam : {"cam0", "cam1"}) fs::remove(folder / "mav0" / cam / "data.csv");
   EXPECT_EQ((*open())->size(), 2);

@@ -2,6 +2,8 @@
 // A folder of images, with stamps from a list, from the file names, or from a frame rate.
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <string_view>
 
 #include "covis/core/message_text.h"
 #include "covis/io/files.h"
@@ -73,13 +75,34 @@ Result<std::vector<Timestamp>> find_stamps(const fs::path& folder, const fs::pat
   return std::vector<Timestamp>{};
 }
 
-// Returns ascending stamps when every name is a plain number of at least 10 digits (seconds or nanoseconds).
-std::vector<Timestamp> stamps_of_names(const std::vector<fs::path>& images) {
+// Numbers of frames may be as long, but begin with 0.
+constexpr size_t kStampDigits = 10;
+
+bool looks_like_stamp(const std::string& name) {
+  constexpr std::string_view kDigits = "0123456789";
+  for (size_t begin = 0; (begin = name.find_first_of(kDigits, begin)) != name.npos;) {
+    const size_t end = std::min(name.find_first_not_of(kDigits, begin), name.size());
+    if (end - begin >= kStampDigits && name[begin] != '0') return true;
+    begin = end;
+  }
+  return false;
+}
+
+// Returns ascending stamps when every name is a plain number of at least 10 digits. problem: why the names of images
+// give none, if they look as if they did.
+std::vector<Timestamp> stamps_of_names(const std::vector<fs::path>& images, std::string& problem) {
   std::vector<Timestamp> stamps;
   for (const fs::path& image : images) {
     const std::string name = image.stem().string();
-    const auto stamp = name.size() >= 10 ? parse_stamp(name) : std::nullopt;
-    if (!stamp || (!stamps.empty() && *stamp <= stamps.back())) return {};
+    const bool number_of_frame = name.starts_with('0') && name.find('.') == name.npos;
+    const auto stamp = name.size() >= kStampDigits && !number_of_frame ? parse_stamp(name) : std::nullopt;
+    const bool falls = stamp && !stamps.empty() && *stamp <= stamps.back();
+    if (!stamp || falls) {
+      if (looks_like_stamp(name))
+        problem = name + (falls ? " is not later than the one before it"
+                                : " is no number of seconds, of ms (13 digits), of µs (16) or of ns (19)");
+      return {};
+    }
     stamps.push_back(*stamp);
   }
   return stamps;
@@ -88,14 +111,20 @@ std::vector<Timestamp> stamps_of_names(const std::vector<fs::path>& images) {
 }  // namespace
 
 Result<std::vector<Timestamp>> stamps_of_images(const fs::path& recording, const fs::path& folder,
-                                                const std::vector<fs::path>& images, double rate) {
+                                                const std::vector<fs::path>& images, double rate,
+                                                std::vector<std::string>& notes) {
   constexpr double kDefaultRate = 30;
   auto stamps = find_stamps(recording, folder, images.size());
   if (!stamps) return stamps;
-  if (stamps->empty()) *stamps = stamps_of_names(images);
+  std::string problem;
+  if (stamps->empty()) *stamps = stamps_of_names(images, problem);
   if (!stamps->empty()) return stamps;
-  for (size_t i = 0; i < images.size(); ++i)
-    stamps->push_back(from_seconds(static_cast<double>(i) / (rate > 0 ? rate : kDefaultRate)));
+  const double counted = rate > 0 ? rate : kDefaultRate;
+  for (size_t i = 0; i < images.size(); ++i) stamps->push_back(from_seconds(static_cast<double>(i) / counted));
+  if (!problem.empty()) {
+    notes.push_back("the images' names look like stamps, but " + problem + ": the frames are counted as " +
+                    std::to_string(std::lround(counted)) + " Hz");
+  }
   return stamps;
 }
 
@@ -144,8 +173,9 @@ Result<Recording> read_images(const Request& request) {
     return tl::unexpected(no_calibration(request.folder, "camera.yaml"));
   }
   recording.camera = camera.camera;
+  recording.bits = camera.bits;
   recording.calibration = camera.file.empty() ? "the first image" : camera.file.string();
-  const auto stamps = stamps_of_images(request.folder, folder, images, camera.fps);
+  const auto stamps = stamps_of_images(request.folder, folder, images, camera.fps, recording.notes);
   if (!stamps) return tl::unexpected(stamps.error());
   for (size_t i = 0; i < images.size(); ++i) recording.frames.push_back({(*stamps)[i], images[i], {}, {}});
   if (fs::exists(request.folder / "groundtruth.txt"))

@@ -30,6 +30,48 @@ TEST_F(Sequences, TakesStampsFromAListOrFromNames) {
   EXPECT_EQ((*(*listed)->next())->stamp, 6'500'000'000);
 }
 
+TEST_F(Sequences, TakesStampsFromNamesInAnyUnit) {
+  camera_yaml();
+  const auto opened_as = [&](const std::vector<std::string>& names) {
+    for (const std::string& name : names) image("images/" + name + ".png", 1);
+    auto opened = open();
+    EXPECT_TRUE(opened) << opened.error().message;
+    fs::remove_all(folder / "images");
+    return std::move(*opened);
+  };
+  for (const std::string digits : {"", "572", "572123"}) {
+    const auto opened = opened_as({"1400076021614" + digits, "1400076021664" + digits});
+    EXPECT_NEAR(opened->frame_rate(), 20, 1e-6) << digits;
+    EXPECT_THAT(opened->notes(), testing::IsEmpty());
+  }
+  const auto numbered = opened_as({"0000000000", "0000000001"});
+  EXPECT_NEAR(numbered->frame_rate(), 30, 1e-5) << "numbers of frames";
+  EXPECT_THAT(numbered->notes(), testing::IsEmpty());
+  for (const std::string prefix : {"left_", ""}) {
+    const auto refused = opened_as({prefix + "140007602161457", prefix + "140007602166457"});
+    EXPECT_NEAR(refused->frame_rate(), 30, 1e-5);
+    EXPECT_THAT(refused->notes(),
+                testing::ElementsAre(
+                    AllOf(HasSubstr("look like stamps"), HasSubstr(prefix + "140007602161457"), HasSubstr("30 Hz"))));
+  }
+  EXPECT_FALSE(doubt_about_rate(30));
+  EXPECT_THAT(*doubt_about_rate(16000), HasSubstr("16000"));
+}
+
+TEST_F(Sequences, ReadsImagesOfTheBitsThatTheCameraFileNames) {
+  for (const bool stereo : {false, true}) {
+    depth("image_0/0.png", 2048);
+    if (stereo) depth("image_1/0.png", 1024);
+    camera_yaml("bits: 12\nbaseline: 0.1\n");
+    const auto opened = open();
+    ASSERT_TRUE(opened) << opened.error().message;
+    EXPECT_EQ((*opened)->picture(0)->row(1)[1], 128);
+    const auto frame = (*opened)->next();
+    EXPECT_EQ((*frame)->image(1, 1), 128);
+    EXPECT_EQ((*frame)->right.empty() ? 64 : (*frame)->right(1, 1), 64);
+  }
+}
+
 TEST_F(Sequences, AnImageFolderOpenedUncalibratedHasASizeAlone) {
   image("a.png", 1);
   const auto opened = open_sequence(folder.string(), {.uncalibrated = true});

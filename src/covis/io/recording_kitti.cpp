@@ -86,27 +86,28 @@ std::optional<std::string> problem_of_projections(const Projection& left, const 
 struct Calibration {
   std::string source;
   Camera camera;
+  int bits;
   SE3 T_0c;  // maps from the (left) camera of the images to camera 0, whose poses the ground truth gives
 };
 
 // left, right: "P0", "P1" or "P2", "P3". bf is computed from the offset between the two.
 Result<Calibration> find_calibration(const Request& request, const std::string& left, const std::string& right,
                                      Sensor sensor) {
-  if (request.given) return Calibration{request.given->file.string(), request.given->camera, {}};
+  if (request.given) return Calibration{request.given->file.string(), request.given->camera, request.given->bits, {}};
   const fs::path file = request.folder / "calib.txt";
   if (!fs::exists(file)) {
     if (!fs::exists(request.folder / "camera.yaml"))
       return tl::unexpected(no_calibration(request.folder, "calib.txt, camera.yaml"));
     const auto loaded = load_camera(request.folder / "camera.yaml");
     if (!loaded) return tl::unexpected(loaded.error());
-    return Calibration{loaded->file.string(), loaded->camera, {}};
+    return Calibration{loaded->file.string(), loaded->camera, loaded->bits, {}};
   }
   const auto projections = read_projections(file);
   if (!projections) return tl::unexpected(projections.error());
   const auto found = projections->find(left);
   if (found == projections->end()) return fail(file.string() + ": '" + left + ":' is missing");
   const Projection& p = found->second;
-  Calibration result{file.string(), {}, {}};
+  Calibration result{file.string(), {}, 16, {}};
   result.camera.pinhole = {p[0], p[5], p[2], p[6], 0};
   result.T_0c = SE3(Eigen::Matrix3d::Identity(), -translation_of(p));
   if (sensor != Sensor::stereo) return result;
@@ -146,13 +147,32 @@ Result<void> set_stamps(const fs::path& times, std::vector<FrameFiles>& frames) 
   return {};
 }
 
+// Poses by the stamps of the frames they are of, where no times.txt gives those of its rows.
+Result<Trajectory> read_poses(const fs::path& poses, const std::vector<FrameFiles>& frames) {
+  const auto rows = read_trajectory(poses, TrajectoryFormat::kitti);
+  if (!rows) return rows;
+  Trajectory trajectory;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    if (const auto row = row_of(frames[i].image, i, frames.size(), rows->size()))
+      trajectory.push_back({frames[i].stamp, (*rows)[*row].T_wc});
+  }
+  if (trajectory.empty()) {
+    return fail(poses.string() + ": it has " + std::to_string(rows->size()) + " rows for " +
+                std::to_string(frames.size()) + " images; none for " + frames.front().image);
+  }
+  return trajectory;
+}
+
 // Looks beside the images and in the data set's layout: dataset/poses/06.txt for dataset/sequences/06.
-std::optional<Truth> find_truth(const fs::path& folder, const fs::path& times, const SE3& T_0c) {
+std::optional<Truth> find_truth(const fs::path& folder, const fs::path& times, const SE3& T_0c,
+                                const std::vector<FrameFiles>& frames) {
   std::error_code none;
   const fs::path whole = fs::weakly_canonical(folder, none);
   for (const fs::path& poses :
        {folder / "poses.txt", whole.parent_path().parent_path() / "poses" / (whole.filename().string() + ".txt")}) {
-    if (fs::exists(poses) && fs::exists(times)) return Truth{poses, times, T_0c};
+    if (!fs::exists(poses)) continue;
+    if (fs::exists(times)) return Truth{poses, times, T_0c};
+    return Truth{poses, {}, T_0c, [poses, frames] { return read_poses(poses, frames); }};
   }
   if (fs::exists(folder / "groundtruth_tum.txt")) return Truth{folder / "groundtruth_tum.txt", {}, T_0c};
   return std::nullopt;
@@ -193,8 +213,9 @@ Result<Recording> read_kitti(const Request& request) {
   const auto calibration = find_calibration(request, grey ? "P0" : "P2", grey ? "P1" : "P3", recording.sensor);
   if (!calibration) return tl::unexpected(calibration.error());
   recording.camera = calibration->camera;
+  recording.bits = calibration->bits;
   recording.calibration = calibration->source;
-  recording.truth = find_truth(folder, times, calibration->T_0c);
+  recording.truth = find_truth(folder, times, calibration->T_0c, recording.frames);
   return recording;
 }
 

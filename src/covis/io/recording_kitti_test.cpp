@@ -53,7 +53,13 @@ TEST_F(Sequences, ReadsAPartOfAKittiSequence) {
   ASSERT_TRUE(load_truth(**opened));
   EXPECT_EQ(load_truth(**opened)->back().stamp, 300'000'000);
   fs::remove(folder / "times.txt");
-  EXPECT_NEAR((*open())->frame_rate(), 10, 1e-9);
+  opened = open();
+  EXPECT_NEAR((*opened)->frame_rate(), 10, 1e-9);
+  const auto truth = load_truth(**opened);
+  ASSERT_TRUE(truth) << truth.error().message;
+  ASSERT_EQ(truth->size(), 2u);
+  EXPECT_EQ(truth->back().stamp, 100'000'000) << "that of its image, by the counted rate";
+  EXPECT_NEAR(truth->back().T_wc.t().x(), 3, 1e-12) << "of the row that its image has the number of";
 }
 
 TEST_F(Sequences, ReadsTheKittiLayoutWithACameraFile) {

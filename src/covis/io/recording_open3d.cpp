@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "covis/io/bad_frames.h"
 #include "covis/io/files.h"
 #include "covis/io/image_stamps.h"
 #include "covis/io/open3d_camera.h"
@@ -51,10 +52,8 @@ Result<void> add_depth(const fs::path& depth_folder, Recording& recording) {
     return depth == depths.end();
   });
   if (recording.frames.empty()) return fail(depth_folder.string() + ": no depth image in it has the name of an image");
-  if (const size_t left_out = all - recording.frames.size(); left_out > 0) {
-    recording.notes.push_back(std::to_string(left_out) + " of " + std::to_string(all) +
-                              " images have no depth image of their name and are left out");
-  }
+  if (const size_t left_out = all - recording.frames.size(); left_out > 0)
+    note_left_out(left_out, all, "images have no depth image of their name", recording);
   return {};
 }
 
@@ -117,6 +116,7 @@ bool is_open3d(const fs::path& folder) {
 
 Result<Recording> read_open3d(const Request& request) {
   const fs::path& folder = request.folder;
+  if (!is_open3d(folder) && has_pairs(folder)) return read_pairs(request);
   Recording recording;
   recording.kind = SequenceKind::open3d;
   recording.name = "RGB-D image folder";
@@ -131,10 +131,11 @@ Result<Recording> read_open3d(const Request& request) {
   const auto camera = find_open3d_camera(request);
   if (!camera) return tl::unexpected(camera.error());
   recording.camera = camera->camera;
+  recording.bits = camera->bits;
   recording.depth_scale = camera->depth_scale > 0 ? camera->depth_scale : 1000;
   recording.calibration = camera->file.string();
   const std::vector<fs::path> images = list_images(colour);
-  const auto stamps = stamps_of_images(folder, colour, images, camera->fps);
+  const auto stamps = stamps_of_images(folder, colour, images, camera->fps, recording.notes);
   if (!stamps) return tl::unexpected(stamps.error());
   for (size_t i = 0; i < images.size(); ++i) recording.frames.push_back({(*stamps)[i], images[i], {}, {}});
   if (recording.sensor == Sensor::rgbd) {

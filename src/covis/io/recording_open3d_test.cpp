@@ -63,6 +63,7 @@ TEST_F(Open3d, AndPlainFoldersWithEqualNames) {
   fs::remove(folder / "depth/000001.png");
   EXPECT_EQ((*open())->size(), 2);
   EXPECT_THAT((*open())->notes(), ElementsAre(HasSubstr("1 of 3 images have no depth image")));
+  EXPECT_EQ((*open())->losses(), (*open())->notes());
   depth("depth/other.png", 1);
   for (const char* name : {"000000", "000002"}) fs::remove(folder / "depth" / (std::string(name) + ".png"));
   EXPECT_THAT(open_error({.kind = SequenceKind::open3d}), HasSubstr("depth: no depth image"));

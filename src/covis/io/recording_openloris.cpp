@@ -107,7 +107,7 @@ Result<Recording> read_openloris(const Request& request) {
                 "rgbd or mono");
   }
   if (recording.sensor == Sensor::rgbd) {
-    auto frames = pair_with_depth(folder / "color.txt", folder / "aligned_depth.txt", recording.notes);
+    auto frames = pair_with_depth(folder / "color.txt", folder / "aligned_depth.txt", recording);
     if (!frames) return tl::unexpected(frames.error());
     recording.frames = std::move(*frames);
   } else {
@@ -118,6 +118,7 @@ Result<Recording> read_openloris(const Request& request) {
   const auto camera = find_openloris_camera(request);
   if (!camera) return tl::unexpected(camera.error());
   recording.camera = camera->camera;
+  recording.bits = camera->bits;
   recording.depth_scale = camera->depth_scale > 0 ? camera->depth_scale : 1000;
   recording.calibration = camera->file.string();
   if (fs::exists(folder / "groundtruth.txt")) {

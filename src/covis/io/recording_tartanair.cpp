@@ -154,6 +154,7 @@ Result<Recording> read_tartanair(const Request& request) {
   const auto camera = tartan_camera(request, layout);
   if (!camera) return tl::unexpected(camera.error());
   recording.camera = camera->camera;
+  recording.bits = camera->bits;
   recording.calibration = camera->file.string();
   recording.images = [] { return std::make_unique<TartanImages>(); };
   if (fs::exists(poses)) recording.truth = Truth{poses, {}, {}};

@@ -153,7 +153,7 @@ Result<Recording> read_tum(const Request& request) {
       recording.truth = icl_nuim_truth(folder, recording.notes);
     }
   } else if (recording.sensor == Sensor::rgbd) {
-    auto frames = pair_with_depth(folder / "rgb.txt", folder / "depth.txt", recording.notes);
+    auto frames = pair_with_depth(folder / "rgb.txt", folder / "depth.txt", recording);
     if (!frames) return tl::unexpected(frames.error());
     recording.frames = std::move(*frames);
   } else {
@@ -167,6 +167,7 @@ Result<Recording> read_tum(const Request& request) {
   const auto camera = find_camera(request, published);
   if (!camera) return tl::unexpected(camera.error());
   recording.camera = camera->camera;
+  recording.bits = camera->bits;
   recording.depth_scale = camera->depth_scale > 0 ? camera->depth_scale : 5000;
   recording.calibration = camera->file.string();
   if (!recording.truth && std::filesystem::exists(folder / "groundtruth.txt"))

@@ -57,6 +57,7 @@ TEST_F(Sequences, PairsImagesAndDepthsByTheNearestStamp) {
   ASSERT_TRUE(opened) << opened.error().message;
   EXPECT_EQ((*opened)->size(), 2);
   EXPECT_THAT((*opened)->notes(), testing::ElementsAre(HasSubstr("2 of 4 images have no depth")));
+  EXPECT_EQ((*opened)->losses(), (*opened)->notes());
   EXPECT_EQ((*(*opened)->next())->image(0, 0), 11);
   const auto last = (*opened)->next();
   EXPECT_EQ((*last)->image(0, 0), 13);

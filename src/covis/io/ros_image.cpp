@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint32_t kLargestSide = 32767;  // pixels
 constexpr int kCopy = -1;                 // no conversion is needed
-constexpr int kUpperBits = -2;            // the upper 8 of 16 bits
+constexpr int kUpperBits = -2;            // the upper 8 of those that are used
 
 // How pixels of an encoding are stored, and OpenCV's conversions of them.
 struct Encoding {
@@ -127,11 +127,10 @@ Result<void> RosImageDecoder::grey(const RosImage& message, ImageU8& image) {
   if (auto checked = check_data(message, encoding.type); !checked) return checked;
   image.resize(static_cast<int>(message.width), static_cast<int>(message.height));
   if (encoding.to_grey == kUpperBits) {
-    // Each pixel's upper byte: the second, or the first when big-endian.
-    const char* bytes = message.data.data() + (message.big_endian ? 0 : 1);
+    copy_pixels(message, words_);
+    const int shift = bits_ - 8;
     for (int y = 0; y < image.height(); ++y) {
-      const char* row = bytes + static_cast<size_t>(y) * message.step;
-      for (int x = 0; x < image.width(); ++x) image(x, y) = static_cast<uint8_t>(row[2 * x]);
+      for (int x = 0; x < image.width(); ++x) image(x, y) = static_cast<uint8_t>(std::min(words_(x, y) >> shift, 255));
     }
     return {};
   }
@@ -150,11 +149,12 @@ Result<void> RosImageDecoder::grey(const RosImage& message, ImageU8& image) {
 }
 
 Result<void> RosImageDecoder::grey(const RosCompressedImage& message, ImageU8& image) {
-  const auto decoded = decode_compressed(message, cv::IMREAD_GRAYSCALE, as_mat(image, CV_8UC1), expected_);
+  const auto decoded =
+      decode_compressed(message, with_depth(cv::IMREAD_GRAYSCALE, bits_), as_mat(image, CV_8UC1), expected_);
   if (!decoded) return tl::unexpected(decoded.error());
   if (!image.empty() && decoded->data == image.row(0)) return {};
   image.resize(decoded->cols, decoded->rows);
-  decoded->copyTo(as_mat(image, CV_8UC1));
+  in_eight_bits(*decoded, bits_).copyTo(as_mat(image, CV_8UC1));
   return {};
 }
 
@@ -215,9 +215,9 @@ Result<Picture> RosImageDecoder::picture(const RosImage& message) {
 }
 
 Result<Picture> RosImageDecoder::picture(const RosCompressedImage& message) {
-  const auto decoded = decode_compressed(message, cv::IMREAD_ANYCOLOR, {}, expected_);
+  const auto decoded = decode_compressed(message, with_depth(cv::IMREAD_ANYCOLOR, bits_), {}, expected_);
   if (!decoded) return tl::unexpected(decoded.error());
-  return picture_of(*decoded);
+  return picture_of(in_eight_bits(*decoded, bits_));
 }
 
 bool may_have_colours(const RosImage& message) {

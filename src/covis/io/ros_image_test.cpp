@@ -45,6 +45,12 @@ std::string error_of(const RosImage& message) {
   return read ? "" : read.error().message;
 }
 
+std::string encoded(const cv::Mat& image, const char* ending) {
+  std::vector<uint8_t> bytes;
+  cv::imencode(ending, image, bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
 TEST(RosImage, GreyOfEachEncoding) {
   std::string data;
   EXPECT_THAT(grey_of(message_of("mono8", {"abc", "def"}, 3, data), 1), ElementsAre('d', 'e', 'f'));
@@ -86,6 +92,28 @@ TEST(RosImage, BayerPatternsBeginWhereTheirNamesSay) {
   }
 }
 
+TEST(RosImage, GreyByTheBitsThatTheCameraFills) {
+  RosImageDecoder decoder;
+  decoder.use_bits(12);
+  ImageU8 image;
+  std::string data;
+  RosImage words = message_of("mono16", {std::string("\x00\x08\xf0\x0f\x00\x10", 6)}, 3, data);
+  ASSERT_TRUE(decoder.grey(words, image));
+  EXPECT_THAT(row_of(image, 0), ElementsAre(128, 255, 255));
+  words = message_of("mono16", {std::string("\x08\x00\x0f\xf0\x00\x10", 6)}, 3, data);
+  words.big_endian = true;
+  ASSERT_TRUE(decoder.grey(words, image));
+  EXPECT_THAT(row_of(image, 0), ElementsAre(128, 255, 1));
+  EXPECT_EQ(decoder.picture(words)->row(0)[0], 128);
+  const std::string png = encoded(cv::Mat(2, 2, CV_16UC1, cv::Scalar(2048)), ".png");
+  RosCompressedImage compressed;
+  compressed.format = "mono16; png compressed";
+  compressed.data = png;
+  ASSERT_TRUE(decoder.grey(compressed, image));
+  EXPECT_EQ(image(1, 1), 128);
+  EXPECT_EQ(decoder.picture(compressed)->row(1)[1], 128);
+}
+
 TEST(RosImage, DepthInMetres) {
   ImageF depth;
   std::string data;
@@ -105,12 +133,6 @@ TEST(RosImage, DepthInMetres) {
   for (const int x : {1, 2, 3}) EXPECT_EQ(depth(x, 1), 0);
   const auto refused = RosImageDecoder().depth(message_of("rgb8", {"abc"}, 1, data), 1000, depth);
   EXPECT_THAT(refused.error().message, AllOf(HasSubstr("'rgb8'"), HasSubstr("16UC1, mono16, 32FC1")));
-}
-
-std::string encoded(const cv::Mat& image, const char* ending) {
-  std::vector<uint8_t> bytes;
-  cv::imencode(ending, image, bytes);
-  return {bytes.begin(), bytes.end()};
 }
 
 TEST(RosImage, CompressedImages) {

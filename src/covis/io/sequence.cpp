@@ -51,7 +51,7 @@ std::optional<SequenceKind> kind_of_folder(const fs::path& folder) {
   if (is_tartanair(folder)) return SequenceKind::tartanair;
   if (fs::exists(folder / "rgb.txt") || fs::exists(folder / "associations.txt")) return SequenceKind::tum;
   if (fs::exists(folder / "color.txt")) return SequenceKind::openloris;
-  if (is_open3d(folder)) return SequenceKind::open3d;
+  if (is_open3d(folder) || has_pairs(folder)) return SequenceKind::open3d;
   for (const char* inner : {"", "images", "image", "rgb", "data"}) {
     if (!list_images(folder / inner).empty()) return SequenceKind::images;
   }
@@ -87,7 +87,8 @@ Result<SequenceKind> recognise(const std::string& path) {
               ": it is no recording that can be read. A TUM RGB-D folder has rgb.txt (and depth.txt) or "
               "associations.txt, a KITTI sequence has image_0 (and image_1) and calib.txt, a EuRoC sequence has "
               "mav0/cam0, a TartanAir trajectory image_left and pose_left.txt, an OpenLORIS-Scene sequence color.txt, "
-              "an RGB-D image folder color (or rgb) and depth, a ROS 2 bag metadata.yaml, an image "
+              "an RGB-D image folder color (or rgb) and depth, or images N.color and N.depth, a ROS 2 bag "
+              "metadata.yaml, an image "
               "folder images. " +
               contents(path));
 }
@@ -159,6 +160,12 @@ Result<std::unique_ptr<Sequence>> open(const std::string& path, const SequenceOp
 
 }  // namespace
 
+std::optional<std::string> doubt_about_rate(double rate) {
+  constexpr double kSlowest = 0.2, kFastest = 1000;  // Hz
+  if (rate <= 0 || (rate >= kSlowest && rate <= kFastest)) return std::nullopt;
+  return "the frames come at " + std::to_string(rate) + " Hz: are the stamps in seconds, or whole nanoseconds?";
+}
+
 Result<std::unique_ptr<Sequence>> open_sequence(const std::string& path, const SequenceOptions& options) {
   return without_exceptions(path, [&]() -> Result<std::unique_ptr<Sequence>> {
     try {
@@ -172,7 +179,8 @@ Result<std::unique_ptr<Sequence>> open_sequence(const std::string& path, const S
 Result<Trajectory> load_truth(const Sequence& sequence) {
   const std::optional<Truth> truth = sequence.truth();
   if (!truth) return fail("the recording has no truth");
-  auto trajectory = read_trajectory(truth->file, TrajectoryFormat::automatic, truth->stamps);
+  auto trajectory =
+      truth->read ? truth->read() : read_trajectory(truth->file, TrajectoryFormat::automatic, truth->stamps);
   if (trajectory && truth->T_bc) {
     for (StampedPose& pose : *trajectory) pose.T_wc = pose.T_wc * *truth->T_bc;
   }

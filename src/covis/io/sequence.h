@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -70,6 +71,8 @@ struct Truth {
   // Pose of the images' camera (rectified, when stereo) in the body frame b (EuRoC) or in the camera (KITTI colour)
   // whose poses the ground truth gives.
   std::optional<SE3> T_bc;
+  // Reads it, where read_trajectory() alone can't; empty: it can.
+  std::function<Result<Trajectory>()> read = {};
 };
 
 class Sequence {
@@ -88,6 +91,8 @@ class Sequence {
   virtual std::string description() const = 0;
   // Returns what was skipped on opening, "2 images are listed but missing", and, behind the last frame, what lacked.
   virtual std::vector<std::string> notes() const = 0;
+  // Those of the notes by which more than 1 % of the recording is lost.
+  virtual std::vector<std::string> losses() const { return {}; }
   // Returns the next frame, nullopt at the end, or an error for an unreadable frame, after which next() may be called
   // again for the frame after it. The memory of `recycled` is reused.
   virtual Result<std::optional<Frame>> next(Frame recycled = {}) = 0;
@@ -99,6 +104,9 @@ class Sequence {
   // False when picture() would give a grey image or none.
   virtual bool may_have_colours(int64_t frame) const = 0;
 };
+
+// Says why frames can hardly come at this rate, in Hz: stamps of another unit than they were read in.
+std::optional<std::string> doubt_about_rate(double rate);
 
 // Opens a recording and checks all that can be checked without decoding images: listed files exist, stamps are
 // ascending, the calibration exists and is valid.

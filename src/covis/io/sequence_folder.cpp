@@ -21,6 +21,7 @@ const char* sensor_text(Sensor sensor) {
 std::unique_ptr<ImageSource> image_source(const Recording& recording, const ExpectedSize& expected) {
   std::unique_ptr<ImageSource> source = recording.images ? recording.images() : std::make_unique<ImageReader>();
   source->expect(expected);
+  source->use_bits(recording.bits);
   return source;
 }
 
@@ -52,6 +53,7 @@ class FolderSequence : public Sequence {
   }
   std::optional<Truth> truth() const override { return recording_.truth; }
   std::vector<std::string> notes() const override { return recording_.notes; }
+  std::vector<std::string> losses() const override { return recording_.losses; }
   std::string description() const override {
     return recording_.name + ", " + sensor_text(recording_.sensor) + ", " + std::to_string(recording_.frames.size()) +
            " frames, " + size_text(recording_.camera.width, recording_.camera.height);
