@@ -107,6 +107,18 @@ void run_openloris(std::string_view bytes) {
   open(folder, {"color.txt", "aligned_depth.txt", "sensors.yaml", "trans_matrix.yaml", "groundtruth.txt"}, bytes);
 }
 
+void run_pairs(std::string_view bytes) {
+  static const fs::path folder = [] {
+    const fs::path made = scratch_folder() / "pairs";
+    for (const char* name : {"0", "1"}) {
+      image(made / (std::string("frame-") + name + ".color.png"), CV_8UC3);
+      image(made / (std::string("frame-") + name + ".depth.png"), CV_16UC1);
+    }
+    return made;
+  }();
+  open(folder, {"camera.yaml", "frame-0.pose.txt", "frame-1.pose.txt"}, bytes);
+}
+
 void run_npy(std::string_view bytes) {
   const std::vector<char> copy(bytes.begin(), bytes.end());  // so that the sanitizer sees a read past its end
   ImageF depth;
@@ -166,6 +178,10 @@ std::vector<std::string> npy_seeds() {
           array("{'descr': '<f4', 'fortran_order': False, 'shape': (3, 2), }", 2)};
 }
 
+std::vector<std::string> pairs_seeds() {
+  return {kCamera + "%%\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n%%\n-inf nan 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"};
+}
+
 std::vector<std::string> images_seeds() { return {kCamera + "%%\n0\n0.1\n"}; }
 
 }  // namespace
@@ -176,6 +192,7 @@ std::vector<Target> recording_targets() {
           {"euroc", run_euroc, euroc_seeds},
           {"images", run_images, images_seeds},
           {"openloris", run_openloris, openloris_seeds},
+          {"pairs", run_pairs, pairs_seeds},
           {"npy", run_npy, npy_seeds}};
 }
 
