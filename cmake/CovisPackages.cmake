@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Debian packages: `cpack` in a build folder makes those of what was built there. covis: the command, with manual pages and
-# completion; libcovis0.4: the library; libcovis-dev: what a program needs to be built with it; covis-data: the vocabulary;
+# completion; libcovis0.5: the library; libcovis-dev: what a program needs to be built with it; covis-data: the vocabulary;
 # python3-covis.
 
 # Manual pages from what the command says of itself.

@@ -21,6 +21,9 @@ void bind_snapshot(py::module_& m) {
                                     "The map and the trajectory at one moment. Arrays are views that can't be written.")
       .def_readonly("revision", &S::revision, "Rises when the map or the trajectory changes.")
       .def_readonly("camera", &S::camera, "The Camera in use then.")
+      .def_readonly("cameras", &S::cameras,
+                    "List of Camera, of those that made key frames: first the one in use, then those of a map that was "
+                    "continued with another camera, or merged from maps of several.")
       .def_readonly("submaps", &S::submaps, "List of Submap: loaded ones first, then those with more frames.")
       .def_property_readonly("points", column(&S::points, 3, COVIS_MEMBER(x)), "(n, 3), float64: metres.")
       .def_property_readonly("point_ids", column(&S::points, 0, COVIS_MEMBER(id)), "(n), uint64: ids of this run.")
@@ -38,6 +41,8 @@ void bind_snapshot(py::module_& m) {
                              "(n), int32: ids of their submaps.")
       .def_property_readonly("key_frame_parents", column(&S::key_frames, 0, COVIS_MEMBER(parent)),
                              "(n), int64: indices of key frames in the spanning tree; -1 for a root.")
+      .def_property_readonly("key_frame_cameras", column(&S::key_frames, 0, COVIS_MEMBER(camera)),
+                             "(n), int32: indices into `cameras`.")
       .def_property_readonly("key_frame_positions", column(&S::key_frames, 3, COVIS_MEMBER(pose.x)),
                              "(n, 3), float64: metres.")
       .def_property_readonly("key_frame_quaternions", column(&S::key_frames, 4, COVIS_MEMBER(pose.qx)),
@@ -50,8 +55,10 @@ void bind_snapshot(py::module_& m) {
                              "(n), bool: a loop was closed between the two.")
       .def_property_readonly("observations", column(&S::observations, 2, COVIS_MEMBER(key_frame)),
                              "(n, 2), uint32: indices of a key frame and a point that it observes.")
-      .def_property_readonly("observation_pixels", column(&S::observations, 2, COVIS_MEMBER(u)),
-                             "(n, 2), float32: pixels of the image as given, or as rectified here.")
+      .def_property_readonly(
+          "observation_pixels", column(&S::observations, 2, COVIS_MEMBER(u)),
+          "(n, 2), float32: pixels of the key frame's image as given, or as rectified here, which its "
+          "camera took.")
       .def_property_readonly("stamps", column(&S::trajectory, 0, COVIS_MEMBER(stamp)),
                              "(n), int64: nanoseconds; rising, of the frames that have a pose.")
       .def_property_readonly("positions", column(&S::trajectory, 3, COVIS_MEMBER(pose.x)),

@@ -43,7 +43,8 @@ py::object to_array(const std::optional<PoseCovariance>& covariance) {
 
 CameraParameters make_camera(int width, int height, double fx, double fy, double cx, double cy, double baseline,
                              LensType lens, const std::vector<double>& distortion, double depth_sigma_a,
-                             double depth_sigma_b, double readout) {
+                             double depth_sigma_b, double readout, double depth_fx, double depth_cx, double depth_cy,
+                             double depth_x, double depth_y) {
   CameraParameters c;
   c.width = width;
   c.height = height;
@@ -56,6 +57,11 @@ CameraParameters make_camera(int width, int height, double fx, double fy, double
   c.depth_sigma_a = depth_sigma_a;
   c.depth_sigma_b = depth_sigma_b;
   c.readout = readout;
+  c.depth_fx = depth_fx;
+  c.depth_cx = depth_cx;
+  c.depth_cy = depth_cy;
+  c.depth_x = depth_x;
+  c.depth_y = depth_y;
   if (distortion.size() > std::size(c.distortion)) throw py::value_error("distortion: five figures at most");
   std::copy(distortion.begin(), distortion.end(), std::begin(c.distortion));
   return c;
@@ -140,7 +146,8 @@ void bind_cameras(py::module_& m) {
       .def(py::init(&make_camera), py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"), py::arg("cx"),
            py::arg("cy"), py::kw_only(), py::arg("baseline") = 0., py::arg("lens") = LensType::none,
            py::arg("distortion") = std::vector<double>(), py::arg("depth_sigma_a") = 0., py::arg("depth_sigma_b") = 0.,
-           py::arg("readout") = 0.)
+           py::arg("readout") = 0., py::arg("depth_fx") = 0., py::arg("depth_cx") = 0., py::arg("depth_cy") = 0.,
+           py::arg("depth_x") = 0., py::arg("depth_y") = 0.)
       .def_readonly("width", &CameraParameters::width, "Pixels.")
       .def_readonly("height", &CameraParameters::height, "Pixels.")
       .def_readonly("fx", &CameraParameters::fx, "Focal length along x, pixels.")
@@ -163,7 +170,14 @@ void bind_cameras(py::module_& m) {
       .def_readonly("readout", &CameraParameters::readout,
                     "Rolling shutter: seconds from the exposure of the first row to that of the last, from -0.2 to "
                     "0.2; negative where the last row comes first. 0: all rows at once, or not known, and a run may "
-                    "find one.");
+                    "find one.")
+      .def_readonly("depth_fx", &CameraParameters::depth_fx,
+                    "Focal length, pixels, of the camera of depth images that are not registered to the others. 0: "
+                    "they are registered, or a run may find how they are to be.")
+      .def_readonly("depth_cx", &CameraParameters::depth_cx, "Its principal point, pixels. 0: as cx.")
+      .def_readonly("depth_cy", &CameraParameters::depth_cy, "Its principal point, pixels. 0: as cy.")
+      .def_readonly("depth_x", &CameraParameters::depth_x, "Where it is: metres to the right of the other camera.")
+      .def_readonly("depth_y", &CameraParameters::depth_y, "Where it is: metres below the other camera.");
   py::class_<RightCamera>(m, "RightCamera", "The right camera of a stereo pair that is not rectified.")
       .def(py::init([](const CameraParameters& camera, const Pose& pose) {
              return RightCamera{camera, pose};

@@ -59,6 +59,34 @@ TEST_P(ApiMap, IsSavedContinuedAndLocalisedIn) {
   EXPECT_GE(track_all(*third, recording, 0, 9), 9);
 }
 
+// A map that another camera goes on with: its key frames' pixels are those of the camera that made them.
+TEST(ApiMaps, KeyFramesNameTheCameraThatMadeThem) {
+  Recording& recording = shared_recording(Sensor::rgbd, 30, 15, "desk");
+  const TemporaryFolder folder;
+  SlamOptions options = options_of(recording);
+  const auto first = Slam::create(options).value();
+  track_all(*first, recording, 0, 9);
+  first->finish();
+  const auto before = first->snapshot();
+  EXPECT_EQ(before->cameras.size(), 1u);
+  EXPECT_EQ(before->cameras[0].fx, before->camera.fx);
+  ASSERT_EQ(error_of(first->save_map(folder / "map.m")), "");
+
+  options.map = folder / "map.m";
+  options.camera.fx *= 1.5;
+  options.camera.fy *= 1.5;
+  const auto after = Slam::create(options).value()->snapshot();
+  EXPECT_NEAR(after->camera.fx, options.camera.fx, 1e-9);
+  ASSERT_EQ(after->cameras.size(), 2u);
+  EXPECT_EQ(after->cameras[0].fx, after->camera.fx);
+  EXPECT_NEAR(after->cameras[1].fx, before->camera.fx, 1e-9);
+  EXPECT_EQ(after->cameras[1].width, before->camera.width);
+  for (const auto& key_frame : after->key_frames) EXPECT_EQ(key_frame.camera, 1);
+  ASSERT_EQ(after->observations.size(), before->observations.size());
+  for (size_t i = 0; i < after->observations.size(); ++i)
+    ASSERT_NEAR(after->observations[i].u, before->observations[i].u, 0.1) << i;
+}
+
 // Mapping is switched off for a while: the map stays as it is, and grows again afterwards.
 TEST(ApiModes, MappingIsSwitchedOffAndOnWhileItRuns) {
   Recording& recording = shared_recording(Sensor::rgbd, 60, 8);

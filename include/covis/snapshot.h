@@ -27,6 +27,7 @@ struct MapSnapshot {
     Pose pose;
     int submap = 0;       // id
     int64_t parent = -1;  // index into key_frames, in the submap's spanning tree; -1: its root
+    int camera = 0;       // index into cameras
   };
 
   // An edge of the covisibility graph, or one that a loop made. Indices into key_frames, a < b.
@@ -46,11 +47,15 @@ struct MapSnapshot {
   // A key frame observes a point. Indices into key_frames and points.
   struct Observation {
     uint32_t key_frame = 0, point = 0;
-    float u = 0, v = 0;  // pixels of the image as it was given (of the rectified one where pairs are rectified)
+    float u = 0, v = 0;  // pixels of the key frame's image as it was given (of the rectified one where pairs are
+                         // rectified), which MapSnapshot::cameras[KeyFrame::camera] took
   };
 
-  uint64_t revision = 0;             // rises when the map or the trajectory changes
-  CameraParameters camera;           // as Slam::camera()
+  uint64_t revision = 0;    // rises when the map or the trajectory changes
+  CameraParameters camera;  // as Slam::camera()
+  // The cameras that made key frames: the first is `camera`, the others those of a map that was continued with another
+  // camera, or merged from maps of several.
+  std::vector<CameraParameters> cameras;
   std::vector<Submap> submaps;       // loaded ones first, then those with more frames, then the older ones
   std::vector<KeyFrame> key_frames;  // in the order in which they were made
   std::vector<Edge> edges;

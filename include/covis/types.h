@@ -29,6 +29,11 @@ struct CameraParameters {
   // where the last row comes first. 0: all rows are exposed at once, or it is not known, and a run may find one. The
   // setting tracker.readout goes before it.
   double readout = 0;
+  // The camera of depth images that are not registered to the other images, RGB-D: focal length and principal point in
+  // pixels, and where it is, metres to the right of the other camera and below it. depth_fx 0: they are registered, or
+  // a run may find how they are to be. depth_cx, depth_cy 0: as cx and cy.
+  double depth_fx = 0, depth_cx = 0, depth_cy = 0;
+  double depth_x = 0, depth_y = 0;
 };
 
 struct Pose {

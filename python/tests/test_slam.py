@@ -443,6 +443,24 @@ def test_a_readout_goes_in_and_comes_back(recording, tmp_path):
     assert system(source).camera.readout == pytest.approx(0.015)
 
 
+def test_the_camera_of_depth_goes_in_and_comes_back(recording, tmp_path):
+    figures = {'depth_fx': 140, 'depth_cx': 81, 'depth_cy': 59, 'depth_x': 0.02, 'depth_y': -0.01}
+    slam = covis.Slam(covis.Camera(WIDTH, HEIGHT, 130, 130, 80, 60, **figures), covis.Sensor.rgbd)
+    for name, value in figures.items():
+        assert getattr(slam.camera, name) == pytest.approx(value), name
+    assert covis.Slam(SMALL, covis.Sensor.rgbd).camera.depth_fx == 0
+    with pytest.raises(covis.Error, match='camera: depth_fx must be from 0.1 to 10 times fx'):
+        covis.Slam(covis.Camera(WIDTH, HEIGHT, 130, 130, 80, 60, depth_fx=5), covis.Sensor.rgbd)
+
+    folder = recording('desk_rgbd')
+    file = tmp_path / 'depth.yaml'
+    file.write_text((pathlib.Path(folder) / 'camera.yaml').read_text() + ''.join(f'{name}: {value}\n' for name, value in figures.items()))
+    source = covis.Recording(folder, camera_file=str(file))
+    for name, value in figures.items():
+        assert getattr(source.camera, name) == pytest.approx(value), name
+    assert system(source).camera.depth_fx == pytest.approx(140)
+
+
 def test_settings_are_listed_and_given():
     slam = covis.Slam(SMALL, covis.Sensor.monocular, settings={'orb.features': 700, 'loop.close': False})
     settings = {setting.name: setting for setting in slam.settings}

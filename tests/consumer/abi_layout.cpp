@@ -25,6 +25,11 @@ int main() {
   MEMBER(CameraParameters, lens);
   MEMBER(CameraParameters, distortion);
   MEMBER(CameraParameters, readout);
+  MEMBER(CameraParameters, depth_fx);
+  MEMBER(CameraParameters, depth_cx);
+  MEMBER(CameraParameters, depth_cy);
+  MEMBER(CameraParameters, depth_x);
+  MEMBER(CameraParameters, depth_y);
   STRUCT(Pose);
   MEMBER(Pose, x);
   MEMBER(Pose, y);
@@ -122,6 +127,7 @@ int main() {
   MEMBER(MapSnapshot::KeyFrame, pose);
   MEMBER(MapSnapshot::KeyFrame, submap);
   MEMBER(MapSnapshot::KeyFrame, parent);
+  MEMBER(MapSnapshot::KeyFrame, camera);
   STRUCT(MapSnapshot::Edge);
   MEMBER(MapSnapshot::Edge, a);
   MEMBER(MapSnapshot::Edge, b);
@@ -142,6 +148,7 @@ int main() {
   STRUCT(MapSnapshot);
   MEMBER(MapSnapshot, revision);
   MEMBER(MapSnapshot, camera);
+  MEMBER(MapSnapshot, cameras);
   MEMBER(MapSnapshot, submaps);
   MEMBER(MapSnapshot, key_frames);
   MEMBER(MapSnapshot, edges);

@@ -47,6 +47,29 @@ std::optional<std::string> lens_problem(const CameraParameters& c) {
   return std::nullopt;
 }
 
+DepthRegistration registration_in(const CameraParameters& c) {
+  const double cx = c.depth_cx == 0 ? c.cx : c.depth_cx, cy = c.depth_cy == 0 ? c.cy : c.depth_cy;
+  return registration_of({c.depth_fx, cx, cy, c.depth_x, c.depth_y}, c.fx, c.cx, c.cy);
+}
+
+void set_registration(CameraParameters& parameters, const Pinhole& p) {
+  const DepthCamera depth = p.registration.any() ? depth_camera_of(p.registration, p.fx, p.cx, p.cy) : DepthCamera();
+  parameters.depth_fx = depth.fx;
+  parameters.depth_cx = depth.cx;
+  parameters.depth_cy = depth.cy;
+  parameters.depth_x = depth.x;
+  parameters.depth_y = depth.y;
+}
+
+std::optional<std::string> depth_camera_problem(const CameraParameters& c) {
+  if (c.depth_fx == 0) {
+    if (c.depth_cx == 0 && c.depth_cy == 0 && c.depth_x == 0 && c.depth_y == 0) return std::nullopt;
+    return "depth_cx, depth_cy, depth_x and depth_y are of use with depth_fx only, which is 0";
+  }
+  if (registration_in(c).valid()) return std::nullopt;
+  return "depth_fx must be from 0.1 to 10 times fx, and depth_cx, depth_cy, depth_x and depth_y finite";
+}
+
 std::optional<std::string> right_problem(const SlamOptions& options) {
   const RightCamera& right = *options.right;
   if (options.sensor != SensorType::stereo) return "right: only a stereo pair has a right camera";
@@ -81,14 +104,25 @@ MapSnapshot to_public(const Snapshot& from) {
   MapSnapshot to;
   for (const SubmapSummary& s : from.submaps)
     to.submaps.push_back({static_cast<int>(s.id), s.loaded, s.frames, s.key_frames, s.points});
+  std::vector<std::shared_ptr<const RefinedCamera>> cameras;  // other ones than that in use
+  const auto camera_of = [&](const Snapshot::KeyFrame& k) {
+    if (!k.made_by) return 0;
+    const auto same = [&](const auto& camera) { return *camera == *k.made_by; };
+    const auto at = std::find_if(cameras.begin(), cameras.end(), same);
+    const auto number = static_cast<int>(at - cameras.begin()) + 1;
+    if (at == cameras.end()) cameras.push_back(k.made_by);
+    return number;
+  };
   std::unordered_map<KeyFrameId, int64_t> index;
   for (const Snapshot::KeyFrame& k : from.key_frames) index.emplace(k.id, static_cast<int64_t>(index.size()));
   to.key_frames.reserve(from.key_frames.size());
   for (const Snapshot::KeyFrame& k : from.key_frames) {
     const auto parent = index.find(k.parent);
     to.key_frames.push_back({k.serial, k.frame, k.stamp, to_pose(k.T_wc), static_cast<int>(k.submap),
-                             parent == index.end() ? -1 : parent->second});
+                             parent == index.end() ? -1 : parent->second, camera_of(k)});
   }
+  to.cameras.resize(1);  // the one in use: PublicSnapshots
+  for (const auto& camera : cameras) to.cameras.push_back(in_use(to_parameters(camera->given), camera->pinhole));
   to.points.reserve(from.points.size());
   for (const auto& [id, p, submap, colour] : from.points)
     to.points.push_back({id_number(id), p.x(), p.y(), p.z(), static_cast<int>(submap), colour});
@@ -140,6 +174,7 @@ std::optional<std::string> camera_problem(const SlamOptions& options) {
   if (!(c.baseline >= 0 && std::isfinite(c.baseline))) return "camera: baseline must be finite and not negative";
   if (!DepthNoise{c.depth_sigma_a, c.depth_sigma_b}.valid())
     return "camera: depth_sigma_a and depth_sigma_b must be finite and not negative";
+  if (const auto problem = depth_camera_problem(c)) return "camera: " + *problem;
   if (const auto problem = problem_of(to_camera(c, options.sensor))) return "camera: " + *problem;
   if (options.right) return right_problem(options);
   if (options.sensor != SensorType::stereo) return std::nullopt;
@@ -161,6 +196,7 @@ Camera to_camera(const CameraParameters& parameters, SensorType sensor) {
                     parameters.fx * baseline,
                     {parameters.depth_sigma_a, parameters.depth_sigma_b}};
   camera.pinhole.row_time = parameters.readout / parameters.height;
+  if (sensor == SensorType::rgbd && parameters.depth_fx != 0) camera.pinhole.registration = registration_in(parameters);
   camera.distortion = to_distortion(parameters.lens);
   std::copy(std::begin(parameters.distortion), std::end(parameters.distortion), camera.coefficients.begin());
   return camera;
@@ -180,6 +216,7 @@ CameraParameters to_parameters(const Camera& camera) {
                         .lens = to_lens(camera.distortion),
                         .readout = p.row_time * camera.height};
   std::copy(camera.coefficients.begin(), camera.coefficients.end(), std::begin(made.distortion));
+  set_registration(made, p);
   return made;
 }
 
@@ -194,6 +231,7 @@ CameraParameters in_use(CameraParameters given, const Pinhole& now) {
   given.depth_sigma_a = now.depth_noise.a;
   given.depth_sigma_b = now.depth_noise.b;
   given.readout = now.row_time * given.height;
+  set_registration(given, now);
   return given;
 }
 
@@ -241,7 +279,7 @@ std::shared_ptr<const MapSnapshot> PublicSnapshots::get(const System& system, co
   const std::shared_ptr<const Snapshot> source = system.snapshot();
   if (source != source_) {
     auto made = std::make_shared<MapSnapshot>(to_public(*source));
-    made->camera = in_use(given, source->camera);
+    made->camera = made->cameras.front() = in_use(given, source->camera);
     made->revision = latest_ ? latest_->revision + 1 : 1;
     source_ = source;
     latest_ = std::move(made);

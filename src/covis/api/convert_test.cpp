@@ -60,7 +60,10 @@ TEST(Convert, ACameraComesBack) {
                                .depth_sigma_b = 0.002,
                                .lens = LensType::kannala_brandt,
                                .distortion = {0.1, 0.2, 0.3, 0.4, 0},
-                               .readout = -0.02};
+                               .readout = -0.02,
+                               .depth_fx = 450,
+                               .depth_cx = 322,
+                               .depth_x = 0.02};
   const CameraParameters back = to_parameters(to_camera(given, SensorType::rgbd));
   EXPECT_EQ(back.height, given.height);
   EXPECT_EQ(back.fy, given.fy);
@@ -69,6 +72,12 @@ TEST(Convert, ACameraComesBack) {
   EXPECT_EQ(back.lens, given.lens);
   EXPECT_EQ(back.distortion[3], given.distortion[3]);
   EXPECT_NEAR(back.readout, given.readout, 1e-12);
+  EXPECT_NEAR(back.depth_fx, given.depth_fx, 1e-12);
+  EXPECT_NEAR(back.depth_cx, given.depth_cx, 1e-12);
+  EXPECT_NEAR(back.depth_cy, given.cy, 1e-12) << "where none was given";
+  EXPECT_NEAR(back.depth_x, given.depth_x, 1e-12);
+  EXPECT_EQ(back.depth_y, 0);
+  EXPECT_FALSE(to_camera(given, SensorType::monocular).pinhole.registration.any()) << "it measures no depth";
 }
 
 TEST(Convert, OnlyAFrameWithAPoseHasItsFigures) {

@@ -98,6 +98,9 @@ TEST(SlamCreate, RefusesAnImpossibleCamera) {
       {[](SlamOptions& o) { o.camera.readout = 20; }, SensorType::monocular, "camera: the readout in seconds: 20 "},
       {[](SlamOptions& o) { o.camera.readout = -0.3; }, SensorType::stereo, "from -0.2 to 0.2"},
       {[](SlamOptions& o) { o.camera.readout = kNaN; }, SensorType::rgbd, "readout"},
+      {[](SlamOptions& o) { o.camera.depth_fx = kNaN; }, SensorType::rgbd, "depth_fx must be from 0.1 to 10 times fx"},
+      {[](SlamOptions& o) { o.camera.depth_fx = -1; }, SensorType::rgbd, "depth_fx must be"},
+      {[](SlamOptions& o) { o.camera.depth_x = 0.02; }, SensorType::rgbd, "with depth_fx only, which is 0"},
   };
   for (const auto& c : cases) EXPECT_THAT(error_of_options(c.sensor, c.change), HasSubstr(c.message));
 }

@@ -14,6 +14,15 @@ bool DepthRegistration::valid() const {
          within(parallax_y);
 }
 
+DepthRegistration registration_of(const DepthCamera& depth, double fx, double cx, double cy) {
+  return {depth.fx / fx, depth.cx - cx, depth.cy - cy, 0 - depth.fx * depth.x, 0 - depth.fx * depth.y};
+}
+
+DepthCamera depth_camera_of(const DepthRegistration& r, double fx, double cx, double cy) {
+  const double focal = r.scale * fx;
+  return {focal, cx + r.shift_x, cy + r.shift_y, 0 - r.parallax_x / focal, 0 - r.parallax_y / focal};
+}
+
 std::string description(const DepthRegistration& r) {
   std::array<char, 200> text{};
   std::snprintf(text.data(), text.size(),

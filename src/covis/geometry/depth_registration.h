@@ -27,6 +27,16 @@ struct DepthRegistration {
   friend bool operator==(const DepthRegistration&, const DepthRegistration&) = default;
 };
 
+// The camera of depth images as people know it.
+struct DepthCamera {
+  double fx = 0;  // pixels, along x and y
+  double cx = 0, cy = 0;
+  double x = 0, y = 0;  // metres to the right of the other camera, and below it
+};
+// fx, cx, cy: of the camera whose images depth is looked up for. depth.fx must not be 0.
+DepthRegistration registration_of(const DepthCamera& depth, double fx, double cx, double cy);
+DepthCamera depth_camera_of(const DepthRegistration& registration, double fx, double cx, double cy);
+
 // "1.107 times as large, moved by 5.5 and 3.0 pixels, and by 14.0 and 0.0 at a metre"
 std::string description(const DepthRegistration& registration);
 
