@@ -109,11 +109,10 @@ Result<DepthRegistration> read_registration(const std::filesystem::path& file,
     }
     return DepthRegistration{};
   }
-  DepthRegistration registration{.scale = values.depth_fx / values.fx,
-                                 .parallax_x = 0 - values.depth_fx * values.depth_x,
-                                 .parallax_y = 0 - values.depth_fx * values.depth_y};
-  if (given.contains("depth_cx")) registration.shift_x = values.depth_cx - values.cx;
-  if (given.contains("depth_cy")) registration.shift_y = values.depth_cy - values.cy;
+  const double depth_cx = given.contains("depth_cx") ? values.depth_cx : values.cx;
+  const double depth_cy = given.contains("depth_cy") ? values.depth_cy : values.cy;
+  const DepthRegistration registration = registration_of(
+      {values.depth_fx, depth_cx, depth_cy, values.depth_x, values.depth_y}, values.fx, values.cx, values.cy);
   if (registration.valid()) return registration;
   return fail(yaml_place(file, given.at("depth_fx")) + ": depth_fx: '" + given.at("depth_fx").Scalar() +
               "' is not right; it must be from 0.1 to 10 times fx");
@@ -204,10 +203,9 @@ std::string camera_text(const CameraFile& file) {
   if (const DepthNoise& noise = c.pinhole.depth_noise; noise.known())
     text << "depth_sigma_a: " << noise.a << "\ndepth_sigma_b: " << noise.b << "\n";
   if (const DepthRegistration& r = c.pinhole.registration; r.any()) {
-    const double focal = r.scale * c.pinhole.fx;
-    text << "depth_fx: " << focal << "\ndepth_cx: " << c.pinhole.cx + r.shift_x
-         << "\ndepth_cy: " << c.pinhole.cy + r.shift_y << "\ndepth_x: " << 0 - r.parallax_x / focal
-         << "\ndepth_y: " << 0 - r.parallax_y / focal << "\n";
+    const DepthCamera depth = depth_camera_of(r, c.pinhole.fx, c.pinhole.cx, c.pinhole.cy);
+    text << "depth_fx: " << depth.fx << "\ndepth_cx: " << depth.cx << "\ndepth_cy: " << depth.cy
+         << "\ndepth_x: " << depth.x << "\ndepth_y: " << depth.y << "\n";
   }
   return text.str();
 }
