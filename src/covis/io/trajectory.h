@@ -33,9 +33,10 @@ inline constexpr Timestamp kIclNuimRate = 30;             // Hz
 // automatic: recognised from the number of columns, the separator and the stamp (EuRoC's are whole nanoseconds, with
 // commas behind them), and by the name's ending .gt.freiburg (ICL-NUIM).
 // Stamps are in seconds, or in the unit that parse_stamp() knows by their number of digits; in EuRoC rows they are in
-// nanoseconds when they are integers. KITTI and TartanAir rows have no stamps: these come from `stamps` (a times.txt) or, without
-// it, from the row's number, in seconds or by kTartanAirStep. It is an error when there are more or fewer stamps than
-// rows. Blank lines and lines starting with '#' are skipped; any other malformed line is an error with file and line.
+// nanoseconds when they are integers. KITTI and TartanAir rows have no stamps: these come from `stamps` (a times.txt)
+// or, without it, from the row's number, in seconds or by kTartanAirStep. It is an error when there are more or fewer
+// stamps than rows. Blank lines and lines starting with '#' are skipped; any other malformed line is an error with file
+// and line.
 Result<Trajectory> read_trajectory(const std::filesystem::path& file,
                                    TrajectoryFormat format = TrajectoryFormat::automatic,
                                    const std::filesystem::path& stamps = {});
