@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/exchange/colmap_model.h"
 
+#include <limits>
+
 #include "covis/exchange/colmap.h"
 #include "covis/exchange/test_scene.h"
 
@@ -153,6 +155,11 @@ TEST_F(BinaryColmapModel, ThatIsWrongIsNamed) {
   EXPECT_THAT(error(camera + "x", images), HasSubstr("bytes behind the camera"));
   EXPECT_THAT(error(camera, images + "x"), HasSubstr("images.bin: there are bytes behind the last image"));
   EXPECT_THAT(error(camera, two + image(8, "a", 2) + image(3, "b")), HasSubstr("image 1 of 2: an image's id, unit"));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::string lost =
+      bytes_of(uint32_t{8}, 1., 0., 0., 0., 1., 2., nan, uint32_t{5}) + "a" + '\0' + bytes_of(uint64_t{0});
+  EXPECT_THAT(error(camera, two + lost + image(3, "b")), HasSubstr("image 1 of 2: an image's id, unit quaternion"));
+  EXPECT_THAT(error(camera, two + image(8, "a", nan) + image(3, "b")), HasSubstr("image 1 of 2: an image's id, unit"));
   EXPECT_THAT(error(camera, two + image(8, "a") + image(3, "b", 1, 4)), HasSubstr("image 2 of 2: the image is of a"));
   EXPECT_THAT(error(camera, two + image(8, "a") + image(8, "b")), HasSubstr("another image of the id 8"));
   EXPECT_THAT(error(camera, two + image(8, "a") + image(3, "../b")), HasSubstr("outside the folder"));

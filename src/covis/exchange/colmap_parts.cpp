@@ -61,7 +61,7 @@ Result<Camera> colmap_camera(const std::string& model, int64_t width, int64_t he
 
 Result<ColmapModel::Image> colmap_image(const std::string& name, const Eigen::Vector4d& q, const Eigen::Vector3d& t) {
   const Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
-  if (name.empty() || !(t.cwiseAbs().maxCoeff() < 1e9) || !(std::abs(turn.norm() - 1) < 1e-3))
+  if (name.empty() || !t.allFinite() || !(t.cwiseAbs().maxCoeff() < 1e9) || !(std::abs(turn.norm() - 1) < 1e-3))
     return fail("an image's id, unit quaternion, translation, camera and name are wanted");
   const std::filesystem::path path(name);
   if (path.is_absolute() || std::find(path.begin(), path.end(), "..") != path.end())
