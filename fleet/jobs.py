@@ -92,7 +92,7 @@ def map_recording(job: Job, recording: Recording, options: list[str]) -> Json:
     if not file.exists():
         return result | {'failed': 'nothing of it was mapped'}
     info = job.call('map', 'info', str(file), '--json')
-    kind = hash_of(info['pyramid'])[:8]
+    kind = hash_of(info['pyramid']['factor'])[:8]
     submaps = [{recording.name: m['keyframes']} for m in summary['maps']]
     result['seconds'] = info['seconds']
     result['maps'] = [{'file': file.name, 'kind': kind, 'sensors': {recording.name: info['sensor']}, 'submaps': submaps}]

@@ -110,11 +110,11 @@ TEST_F(CommandMerge, RefusesWhatItCanNotDoAndWritesNothing) {
               AllOf(HasSubstr("--set loop.max_drift=0: maps are merged without asking for it"),
                     HasSubstr("loop.merge_min_found_share")));
 
-  std::ofstream(other, std::ios::binary) << map_of("0", "20", {"--set", "orb.levels=6"});
-  const Outcome levels = merge({one, other, "--out", site});
-  EXPECT_EQ(levels.code, 1);
-  EXPECT_THAT(levels.error, AllOf(HasSubstr(other.string() + ": it can't be merged with " + one.string()),
-                                  HasSubstr("orb.levels 6 instead of 8")));
+  std::ofstream(other, std::ios::binary) << map_of("0", "20", {"--set", "orb.scale_factor=1.3"});
+  const Outcome factor = merge({one, other, "--out", site});
+  EXPECT_EQ(factor.code, 1);
+  EXPECT_THAT(factor.error, AllOf(HasSubstr(other.string() + ": it can't be merged with " + one.string()),
+                                  HasSubstr("orb.scale_factor 1.3 instead of 1.2")));
 
   std::ofstream(broken, std::ios::binary) << text_of(two).substr(0, 2000);
   EXPECT_EQ(merge({one, broken, "--out", site}).code, 1);

@@ -110,7 +110,7 @@ TEST_F(LeftDistortion, IsKeptWithASavedMapLong) {
   const auto file = std::filesystem::path(testing::TempDir()) / ("covis_distortion_" + std::to_string(getpid()));
   storage::MapHeader header;
   header.camera = claimed();
-  header.levels = options().orb.levels;
+  header.levels = kFewestLevels;
   header.factor = static_cast<float>(options().orb.scale_factor);
   ASSERT_TRUE(storage::save_map(file, run().map_state(), header));
   Camera longer = claimed();

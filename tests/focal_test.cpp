@@ -59,7 +59,7 @@ class FocalLength : public testing::Test {
       EXPECT_EQ(system.camera(), system.map().read()->camera());
       storage::MapHeader header;
       header.camera = claimed();
-      header.levels = options().orb.levels;
+      header.levels = kFewestLevels;
       header.factor = static_cast<float>(options().orb.scale_factor);
       EXPECT_TRUE(storage::save_map(file(), system.map_state(), header));
       return Run{tracked, off(system), bytes(system.trajectory()) + bytes(system.online_trajectory())};

@@ -36,7 +36,7 @@ storage::MapHeader header_of(const Recording& recording, const SystemOptions& op
   storage::MapHeader header;
   header.camera = recording.synth.camera();
   header.sensor = options.sensor;
-  header.levels = options.orb.levels;
+  header.levels = kFewestLevels;
   header.factor = static_cast<float>(options.orb.scale_factor);
   return header;
 }

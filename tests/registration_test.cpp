@@ -105,7 +105,7 @@ TEST_F(UnregisteredDepth, IsKeptWithASavedMapLong) {
   storage::MapHeader header;
   header.camera = recording().synth.camera();
   header.sensor = Sensor::rgbd;
-  header.levels = options().orb.levels;
+  header.levels = kFewestLevels;
   header.factor = static_cast<float>(options().orb.scale_factor);
   ASSERT_TRUE(storage::save_map(file, run().map_state(), header));
   auto saved = storage::load_map(file);

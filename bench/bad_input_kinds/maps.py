@@ -183,7 +183,6 @@ def uses():
     for name, words, *says in (('a map of RGB-D for one camera, to continue', run('mono', '--map', 'office.m'), 'office.m',
                                 'rgbd|RGB-D|sensor|monocular'), ('a map of one camera for RGB-D', run('rgbd', '--map', 'mono.m'), 'mono.m',
                                                                  'sensor|monocular|mono'),
-                               ('other levels', run('rgbd', '--map', 'office.m', '--set', 'orb.levels=4'), 'office.m', 'orb.levels'),
                                ('other factor', run('rgbd', '--map', 'office.m', '--set', 'orb.scale_factor=1.3'), 'office.m', 'orb.scale_factor')):
         yield Kind('maps', f'a good map that does not fit: {name}', words, says)
 

@@ -20,15 +20,15 @@ def by_option():
             ('orb.scale_factor=0x1p0', 'orb.scale_factor', '1.05 to 2'), ('orb.scale_factor=1e999', 'orb.scale_factor', '1.05 to 2'),
             ('orb.subpixel=yes', 'orb.subpixel', 'true or false'), ('orb.subpixel=1', 'orb.subpixel', 'true or false'),
             ('orb.subpixel=True', 'orb.subpixel', 'true or false'),
-            ('orb.levels=0', 'orb.levels', '1 to 16'), ('orb.levels=17', 'orb.levels', '1 to 16'),
+            ('orb.levels=-1', 'orb.levels', '0 to 16'), ('orb.levels=17', 'orb.levels', '0 to 16'),
             ('orb.subpixel=true\x1b[2J', 'orb.subpixel', 'true or false'),
-            ('orb.levels=8\n', 'orb.levels', '1 to 16'), ('tracker.min_inliers=-1', 'tracker.min_inliers', '4 to 1000'),
+            ('orb.levels=8\n', 'orb.levels', '0 to 16'), ('tracker.min_inliers=-1', 'tracker.min_inliers', '4 to 1000'),
             ('mapper.max_map_mb=-1', 'mapper.max_map_mb', 'from 0'), ('loop.max_rotation=181', 'loop.max_rotation', '0 to 180'),
             ('system.seed=-1', 'system.seed', '0 to 2147483647'), ('system.trajectory_frames=9', 'system.trajectory_frames', 'programs'),
             ('\x1b]0;title\x07=1', 'nearest'), ('x' * 100000 + '=1', 'nearest'), ('orb.features=' + '9' * 100000, 'orb.features', 'whole number')):
         name = value if len(value) < 40 else value[:20] + '…'
         yield Kind('settings', f'--set {name!r}', run('rgbd', '--set', value), says)
-    yield Kind('settings', '--set without --dump-config being fooled', ['run', '--dump-config', '--set', 'orb.levels=0'], ['orb.levels', '1 to 16'])
+    yield Kind('settings', '--set without --dump-config being fooled', ['run', '--dump-config', '--set', 'orb.levels=-1'], ['orb.levels', '0 to 16'])
 
 
 def wrong_files():
@@ -44,7 +44,7 @@ def wrong_files():
             ('a byte order mark of UTF-16', 'orb:\n  levels: 99\n'.encode('utf-16'), 'orb.levels|not YAML|map'),
             ('zero bytes', bytes(100), 'not YAML|map'),
             ('binary', bytes(range(256)) * 10, 'not YAML|map'), ('bytes that are no UTF-8', b'orb:\n  f\xff\xfe: 3\n', 'nearest|not YAML'),
-            ('a very long line', 'orb:\n  levels: ' + 'x' * 1000000 + '\n', ':2:', 'orb.levels', '1 to 16'),
+            ('a very long line', 'orb:\n  levels: ' + 'x' * 1000000 + '\n', ':2:', 'orb.levels', '0 to 16'),
             ('a very long key', 'x' * 2000 + ': 3\n', ':1:', 'nearest|not YAML'),
             ('a key that is a list', '? [orb, levels]\n: 8\n', ':1:', 'unknown|single|nearest|name'),
             ('a key that is a map', '? {orb: levels}\n: 8\n', ':1:', 'unknown|single|nearest|name'),
@@ -54,8 +54,8 @@ def wrong_files():
             ('a section that is a value', 'orb: 8\n', ':1:', "orb", 'unknown|nearest'),
             ('a value that is a section', 'orb:\n  levels:\n    a: 8\n', ':3:', 'orb.levels.a'),
             ('an escape in a key', '"orb\\e[31m": 8\n', ':1:', 'nearest'), ('an escape in a value', 'orb:\n  levels: "8\\e[31m"\n', ':2:',
-                                                                            'orb.levels', '1 to 16'),
-            ('a quoted line break', 'orb:\n  levels: "8\\n"\n', ':2:', 'orb.levels', '1 to 16'),
+                                                                            'orb.levels', '0 to 16'),
+            ('a quoted line break', 'orb:\n  levels: "8\\n"\n', ':2:', 'orb.levels', '0 to 16'),
             ('a tag', 'orb:\n  levels: !!python/object:os.system [ls]\n', ':2:', 'orb.levels'),
             ('a setting of old that is gone', 'orb:\n  featurs: 500\n', ':2:', 'orb.features')):
         yield Kind('settings', f'--config, {name}', run('rgbd', '--config', 'settings.yaml'), ['settings.yaml', *says],

@@ -46,7 +46,7 @@ class Pretender:
                     {'sensor': (recording / 'sensor').read_text(), 'maps': [[(recording / 'world').read_text(), 5]]}))
                 return {}
             case ['map', 'info', file, '--json']:
-                return {'sensor': json.loads(pathlib.Path(file).read_text())['sensor'], 'camera': {}, 'pyramid': {}, 'seconds': 1}
+                return {'sensor': json.loads(pathlib.Path(file).read_text())['sensor'], 'camera': {}, 'pyramid': {'factor': 1.2}, 'seconds': 1}
             case ['map', 'merge', one, two, '--out', out, '--json']:
                 inputs = [json.loads(pathlib.Path(file).read_text()) for file in (one, two)]
                 submaps = inputs[0]['maps'] + inputs[1]['maps']

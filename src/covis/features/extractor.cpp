@@ -79,8 +79,8 @@ OrbExtractor::OrbExtractor(const OrbOptions& options, double edge_ratio)
     : options_(options),
       budget_(options.features),
       edge_ratio_(edge_ratio),
-      pyramid_(std::make_shared<ScalePyramid>(options.levels, static_cast<float>(options.scale_factor))),
-      levels_(static_cast<size_t>(options.levels)),
+      levels_(static_cast<size_t>(options.levels > 0 ? options.levels : kFewestLevels)),
+      pyramid_(std::make_shared<ScalePyramid>(levels(), static_cast<float>(options.scale_factor))),
       available_(levels_.size()),
       with_room_(levels_.size()) {}
 

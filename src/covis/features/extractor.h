@@ -25,11 +25,11 @@ struct KeyPoints {
 
 class OrbExtractor {
  public:
-  // edge_ratio: corners on edges (gradients.h) are left out; 0: none are.
+  // options.levels: 0 stands for 8. edge_ratio: corners on edges (gradients.h) are left out; 0: none are.
   explicit OrbExtractor(const OrbOptions& options, double edge_ratio = 0);
 
   // Upper bound on the keypoints of an image: each level may exceed its share by three.
-  size_t most_keypoints() const { return static_cast<size_t>(budget_ + 3 * options_.levels); }
+  size_t most_keypoints() const { return static_cast<size_t>(budget_ + 3 * levels()); }
   // Wants so many keypoints from now on, instead of OrbOptions::features.
   void set_budget(int features) { budget_ = features; }
   // Keypoints are sorted by level, then row, then column.
@@ -83,8 +83,8 @@ class OrbExtractor {
   const OrbOptions options_;
   int budget_;
   const double edge_ratio_;
-  std::shared_ptr<const ScalePyramid> pyramid_;
   std::vector<Level> levels_;
+  std::shared_ptr<const ScalePyramid> pyramid_;
   // Numbers per level: corners found, the least of them and of what the level has room for, keypoints wanted.
   std::vector<int> available_, with_room_, share_;
   KeyPoints keypoints_;

@@ -70,6 +70,11 @@ ImageBounds find_bounds(const Camera& camera) {
   return {std::max(box.min_x, -w), std::max(box.min_y, -h), std::min(box.max_x, 2 * w), std::min(box.max_y, 2 * h)};
 }
 
+OrbOptions for_images_of(const Camera& camera, OrbOptions options) {
+  options.levels = pyramid_levels(options, camera.width, camera.height);
+  return options;
+}
+
 void cut_patches(const OrbExtractor& from, Features& f) {
   constexpr int kSide = Patch::kSide;
   static_assert(kSide / 2 < kEdgeBorder, "a keypoint's patch lies within its level");
@@ -97,7 +102,7 @@ void cut_patches(const OrbExtractor& from, Features& f) {
 
 Fields fields(OrbOptions& o) {
   return {{"orb.features", &o.features, "keypoints wanted in an image", 50, 30000},
-          {"orb.levels", &o.levels, "pyramid levels", 1, 16},
+          {"orb.levels", &o.levels, "pyramid levels; 0: 8, and more for images of more than 575 lines", 0, kMostLevels},
           {"orb.scale_factor", &o.scale_factor, "scale between levels", 1.05, 2},
           {"orb.fast_threshold", &o.fast_threshold, "FAST contrast, first try in a cell, grey levels", 1, 255},
           {"orb.fast_threshold_low", &o.fast_threshold_low,
@@ -111,6 +116,15 @@ Fields fields(OrbOptions& o) {
            "keep the grey levels around keypoints, with which the places of matches are refined"}};
 }
 
+int pyramid_levels(const OrbOptions& options, int width, int height) {
+  constexpr double kCoarsest = 160;  // pixels, of the coarsest level's shorter side
+  if (options.levels > 0) return options.levels;
+  int levels = kFewestLevels;
+  double side = std::min(width, height) / std::pow(options.scale_factor, levels - 1);
+  for (; side > kCoarsest && levels < kMostLevels; ++levels) side /= options.scale_factor;
+  return levels;
+}
+
 struct Frontend::Impl {
   Impl(const Camera& c, const OrbOptions& options, Sensor sensor)
       : camera(c),
@@ -118,9 +132,9 @@ struct Frontend::Impl {
         cuts_patches(options.patches),
         bounds(find_bounds(c)),
         registration(c.pinhole.registration),
-        left(options, sensor == Sensor::monocular ? options.edge_ratio_mono : 0) {
+        left(for_images_of(c, options), sensor == Sensor::monocular ? options.edge_ratio_mono : 0) {
     if (sensor == Sensor::stereo) {
-      right.emplace(options);
+      right.emplace(for_images_of(c, options));
       pair.emplace(left, *right);
     }
   }

@@ -14,9 +14,11 @@
 
 namespace covis {
 
+inline constexpr int kFewestLevels = 8, kMostLevels = 16;  // of the pyramid, where OrbOptions::levels is 0
+
 struct OrbOptions {
   int features = 1000;         // number of keypoints wanted in an image
-  int levels = 8;              // pyramid levels
+  int levels = 0;              // pyramid levels; 0: as images of this size need (pyramid_levels)
   double scale_factor = 1.2;   // scale between levels
   int fast_threshold = 20;     // FAST contrast of the first attempt in a cell
   int fast_threshold_low = 7;  // FAST contrast of the second attempt, where the first found no corner
@@ -27,6 +29,10 @@ struct OrbOptions {
   bool patches = true;   // keep the grey levels around keypoints, with which the places of matches are refined
 };
 Fields fields(OrbOptions& options);
+// The number of pyramid levels of images of this size, where OrbOptions::levels is 0: 8; of great images as many more,
+// up to 16, as make the coarsest level as small as theirs. Great images are seldom sharp to the pixel, and motion blurs
+// more of their pixels (docs/notes/058-levels-of-great-images.md).
+int pyramid_levels(const OrbOptions& options, int width, int height);
 
 // Makes Features from images. It owns its scratch memory: an extraction allocates nothing in the steady state. Features
 // are reused once nobody holds them, so a user who keeps them for more than a few frames must copy them. Not

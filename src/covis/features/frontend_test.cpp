@@ -33,6 +33,29 @@ ImageU8 moved_left(const ImageU8& image, double shift) {
   return moved;
 }
 
+// The coarsest level is about as small for all.
+TEST(Frontend, GreatImagesHaveMoreLevels) {
+  const auto levels = [](int width, int height) { return pyramid_levels({}, width, height); };
+  EXPECT_EQ(levels(320, 240), 8);
+  EXPECT_EQ(levels(640, 480), 8);
+  EXPECT_EQ(levels(1241, 376), 8);
+  EXPECT_EQ(levels(1280, 720), 10);
+  EXPECT_EQ(levels(1080, 1920), 12);
+  EXPECT_EQ(levels(3840, 2160), 16);
+  EXPECT_EQ(levels(30000, 30000), 16);
+  OrbOptions given;
+  given.levels = 5;
+  EXPECT_EQ(pyramid_levels(given, 1920, 1080), 5);
+
+  Camera camera = pinhole_camera(500, 0);
+  const ImageU8 image = texture(1280, 960, 3);
+  camera.width = image.width();
+  camera.height = image.height();
+  const FeaturesPtr f = Frontend(camera, {}, Sensor::monocular).monocular(image.view());
+  EXPECT_EQ(f->pyramid->levels, levels(1280, 960));
+  EXPECT_EQ(*std::max_element(f->level.begin(), f->level.end()), f->pyramid->levels - 1);
+}
+
 TEST(Frontend, StereoFindsTheDisparity) {
   const ImageU8 left = texture(640, 480, 11);
   for (const double disparity : {6.0, 17.5, 40.25}) {

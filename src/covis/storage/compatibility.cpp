@@ -19,7 +19,7 @@ MapHeader header_of(const Camera& camera, Sensor sensor, const OrbOptions& orb, 
   MapHeader header;
   header.camera = camera;
   header.sensor = sensor;
-  header.levels = orb.levels;
+  header.levels = pyramid_levels(orb, camera.width, camera.height);
   header.factor = static_cast<float>(orb.scale_factor);
   if (vocabulary) {
     char text[20];
@@ -49,24 +49,16 @@ Result<void> check_compatible(const MapHeader& saved, const MapHeader& run, MapU
         "; the recording is of the other kind (--sensor)" +
         (monocular ? "" : "; it can be localised in it only (--localize)"));
   }
-  if (saved.levels != run.levels || saved.factor != run.factor) {
-    return fail("the map was made with orb.levels " + std::to_string(saved.levels) + " and orb.scale_factor " +
-                number(static_cast<double>(saved.factor)) + "; use the same");
-  }
+  if (saved.factor != run.factor)
+    return fail("the map was made with orb.scale_factor " + number(static_cast<double>(saved.factor)) +
+                "; use the same");
   return {};
 }
 
 Result<void> check_mergeable(const MapHeader& first, const MapHeader& other) {
-  std::string differs;
-  const auto add = [&](const std::string& text) { differs += (differs.empty() ? "" : ", ") + text; };
-  if (other.levels != first.levels)
-    add("orb.levels " + std::to_string(other.levels) + " instead of " + std::to_string(first.levels));
-  if (other.factor != first.factor) {
-    add("orb.scale_factor " + number(static_cast<double>(other.factor)) + " instead of " +
-        number(static_cast<double>(first.factor)));
-  }
-  if (differs.empty()) return {};
-  return fail("it was made otherwise (" + differs + "): a map has one kind of features");
+  if (other.factor == first.factor) return {};
+  return fail("it was made with orb.scale_factor " + number(static_cast<double>(other.factor)) + " instead of " +
+              number(static_cast<double>(first.factor)) + ": a map has one kind of features");
 }
 
 Result<SavedMap> load_compatible_map(const std::filesystem::path& file, const MapHeader& run, MapUse use) {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rules that decide whether a saved map can be used in a run.
 //
-// The map's features are matched by descriptors at the same scales, so that the pyramid must agree, and in one unit of
-// length: a camera without depth can be localised in a map in metres, which tells it the unit, and not continue it; one
-// with depth can do neither in a map that a camera without depth made. The camera may be another one
-// (map/camera_change.h), and so may the vocabulary: the words of the key frames are recomputed when a map is loaded.
+// The map's features are matched by descriptors at the same scales, so that the pyramids must have the same factor (not
+// as many levels), and in one unit of length: a camera without depth can be localised in a map in metres, which tells
+// it the unit, and not continue it; one with depth can do neither in a map that a camera without depth made. The camera
+// may be another one (map/camera_change.h), and so may the vocabulary: the words of the key frames are recomputed when
+// a map is loaded.
 #pragma once
 
 #include <filesystem>
@@ -29,7 +30,7 @@ MapHeader header_after(const MapHeader& run, const MapHeader& saved);
 // have.
 Result<void> check_compatible(const MapHeader& saved, const MapHeader& run, MapUse use);
 
-// Succeeds when a map can become one with another: their features are of one kind. The error names all that differs.
+// Succeeds when a map can become one with another: their features are of one kind. The error says how they differ.
 Result<void> check_mergeable(const MapHeader& first, const MapHeader& other);
 
 // Loads a map for a run; fails when it does not fit or has no key frames. Errors name the file.
