@@ -141,8 +141,7 @@ Findings read_all(io::Sequence& sequence, const Reading& reading, CheckPicture& 
     }
   }
   look_for_gaps(f.stamps, f.problems, f.frames);
-  if (const auto doubt = io::doubt_about_rate(sequence.frame_rate() * reading.stride))
-    f.problems.push_back({std::nullopt, *doubt});
+  if (const auto doubt = io::doubt_about_rate(sequence, reading.stride)) f.problems.push_back({std::nullopt, *doubt});
   for (const SensorWarning& w : sensor.warnings()) f.problems.push_back({w.frame, describe(w, sequence.sensor())});
   f.depths = sensor.depths();
   return f;

@@ -88,8 +88,7 @@ Result<void> open_results(const RunArguments& a, const io::Sequence& sequence) {
 void announce(const RunArguments& arguments, const io::Sequence& sequence) {
   if (!arguments.quiet) log(LogLevel::info, sequence.description());
   for (const std::string& doubt : doubts_about(sequence.camera())) log(LogLevel::warning, doubt);
-  if (const auto doubt = io::doubt_about_rate(sequence.frame_rate() * arguments.reading.stride))
-    log(LogLevel::warning, *doubt);
+  if (const auto doubt = io::doubt_about_rate(sequence, arguments.reading.stride)) log(LogLevel::warning, *doubt);
 }
 
 std::string title_of(const RunArguments& arguments) {

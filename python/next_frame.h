@@ -38,6 +38,7 @@ Result<std::optional<io::Frame>> next_readable(io::Sequence& sequence, std::atom
     auto next = next_or_none(sequence, stop, interrupted);
     const io::LiveStatus::State state = sequence.live().state;
     if (next || state == io::LiveStatus::State::failed) return next;
+    if (interrupted()) return std::optional<io::Frame>();  // a sink of Python's must not be called then
     if (state == io::LiveStatus::State::there) ++unreadable;
     log(LogLevel::warning, next.error().message);
     if (interrupted()) return std::optional<io::Frame>();

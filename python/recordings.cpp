@@ -342,7 +342,8 @@ void bind_recordings(py::module_& m) {
       "A recording, a video or a camera as a stream of frames: iterate over it. kind (tum, kitti, euroc, "
       "…) and sensor (mono, stereo, rgbd) are found unless given; camera_file: its figures where "
       "the recording has none; first, count, stride: the frames wanted; topic, right_topic, depth_topic: those of a "
-      "bag, where it has several; skip_bad: files of images that are no images, however many, are left out. Iterating "
+      "bag, where it has several; skip_bad: frames that lack a file, and stamps that do not rise, are left out, "
+      "however many. Iterating "
       "leaves out a frame that can't be read, with a warning in the log, and waits for a camera that went away.")
       .def(py::init([](const std::filesystem::path& path, const std::string& kind, const std::string& sensor,
                        const std::filesystem::path& camera_file, int64_t first, int64_t count, int stride,

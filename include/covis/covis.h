@@ -157,12 +157,11 @@ class COVIS_API Slam {
   // stands there is neither a map nor empty, and is not replaced.
   tl::expected<void, std::string> save_map(const std::string& file) const;
   // The camera in use: fx, fy, distortion, readout, the noise of depth and its camera as they were estimated so far,
-  // the rest as given; of a pair that is rectified here the rectified camera. The focal length of a monocular or RGB-D
-  // camera is refined, by 5 % at most, where the map tells it surely; {"mapper.refine_focal", "false"} keeps the one
-  // given. For a monocular camera given without distortion the first two radial coefficients are looked for, and given
-  // here as Brown's model ({"mapper.refine_distortion", "false"}: not). The readout is looked for where it was given as
-  // 0
-  // ({"tracker.readout", "0"}: not).
+  // the rest as given; of a pair that is rectified here the rectified camera. The focal length of a monocular or
+  // RGB-D camera is refined, by 5 % at most, where the map tells it surely; {"mapper.refine_focal", "false"} keeps
+  // the one given. For a monocular camera given without distortion the first two radial coefficients are looked for,
+  // and given here as Brown's model ({"mapper.refine_distortion", "false"}: not). The readout is looked for where it
+  // was given as 0 ({"tracker.readout", "0"}: not).
   // Where the depth images of an RGB-D camera are not registered to the images, and depth_fx was given as 0, the camera
   // of depth is found, given here and saved with maps ({"mapper.register_depth", "false"}: not looked for).
   // To continue a saved map give the camera as it was given when it was begun, not this one; only its readout may be

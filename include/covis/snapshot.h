@@ -27,7 +27,7 @@ struct MapSnapshot {
     Pose pose;
     int submap = 0;       // id
     int64_t parent = -1;  // index into key_frames, in the submap's spanning tree; -1: its root
-    int camera = 0;       // index into cameras
+    int camera = 0;       // index into cameras; 0 too for one of an old map that does not say which camera made it
   };
 
   // An edge of the covisibility graph, or one that a loop made. Indices into key_frames, a < b.

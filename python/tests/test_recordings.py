@@ -59,10 +59,20 @@ def test_an_image_that_cant_be_read_is_left_out(recording, tmp_path, messages):
 def test_a_recording_without_a_frame_that_can_be_read_is_an_error(recording, tmp_path, messages):
     folder = shutil.copytree(recording('desk_rgbd'), tmp_path / 'desk')
     size = cut(folder, None)
-    source = covis.Recording(folder, skip_bad=True)
+    source = covis.Recording(folder)
     with pytest.raises(covis.Error, match='no frame could be read'):
         list(source)
     assert source.unreadable == size
+
+
+def test_many_frames_that_lack_a_file_are_left_out_where_that_is_asked_for(recording, tmp_path):
+    folder = shutil.copytree(recording('desk_rgbd'), tmp_path / 'desk')
+    depths = sorted((folder / 'depth').iterdir())
+    for file in depths[::4]:
+        file.unlink()
+    with pytest.raises(covis.Error, match='frames lack a file'):
+        covis.Recording(folder)
+    assert len(list(covis.Recording(folder, skip_bad=True))) == len(depths) - len(depths[::4])
 
 
 def test_topics_are_those_of_a_bag(recording):

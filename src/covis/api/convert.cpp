@@ -231,7 +231,7 @@ CameraParameters in_use(CameraParameters given, const Pinhole& now) {
   given.depth_sigma_a = now.depth_noise.a;
   given.depth_sigma_b = now.depth_noise.b;
   given.readout = now.row_time * given.height;
-  set_registration(given, now);
+  if (given.depth_fx != 0 || now.bf > 0) set_registration(given, now);  // a camera alone has none, its map may
   return given;
 }
 

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 static_assert(std::endian::native == std::endian::little, "Bytes copies numbers as they are");
 
-// In the order of their numbers.
+// The names stand in the order of their numbers.
 constexpr const char* kModelNames[] = {"SIMPLE_PINHOLE",
                                        "PINHOLE",
                                        "SIMPLE_RADIAL",
@@ -52,7 +52,7 @@ class Bytes {
     left_ -= sizeof number;
     return true;
   }
-  // Up to the zero behind it.
+  // Reads up to the zero behind it.
   bool read(std::string& name) {
     name.clear();
     for (char c = 0; name.size() < kLongestName && read(c); name += c) {
@@ -60,7 +60,7 @@ class Bytes {
     }
     return false;
   }
-  // A number of things that have so many bytes each, or more.
+  // Reads a number of things that have so many bytes each, or more.
   bool read_count(uint64_t& count, uint64_t least) { return read(count) && count <= left_ / least; }
   tl::unexpected<Error> problem(const std::string& what) const { return fail(file_.string() + ": " + what); }
   tl::unexpected<Error> cut(const std::string& where) const {

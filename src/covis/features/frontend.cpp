@@ -117,9 +117,11 @@ Fields fields(OrbOptions& o) {
 }
 
 int pyramid_levels(const OrbOptions& options, int width, int height) {
+  constexpr int kGreat = 576;        // lines
   constexpr double kCoarsest = 160;  // pixels, of the coarsest level's shorter side
   if (options.levels > 0) return options.levels;
   int levels = kFewestLevels;
+  if (std::min(width, height) < kGreat) return levels;
   double side = std::min(width, height) / std::pow(options.scale_factor, levels - 1);
   for (; side > kCoarsest && levels < kMostLevels; ++levels) side /= options.scale_factor;
   return levels;

@@ -39,11 +39,15 @@ TEST(Frontend, GreatImagesHaveMoreLevels) {
   EXPECT_EQ(levels(320, 240), 8);
   EXPECT_EQ(levels(640, 480), 8);
   EXPECT_EQ(levels(1241, 376), 8);
+  EXPECT_EQ(levels(1024, 575), 8);
+  EXPECT_EQ(levels(1024, 576), 9);
   EXPECT_EQ(levels(1280, 720), 10);
   EXPECT_EQ(levels(1080, 1920), 12);
   EXPECT_EQ(levels(3840, 2160), 16);
   EXPECT_EQ(levels(30000, 30000), 16);
   OrbOptions given;
+  given.scale_factor = 1.05;
+  EXPECT_EQ(pyramid_levels(given, 640, 480), 8);
   given.levels = 5;
   EXPECT_EQ(pyramid_levels(given, 1920, 1080), 5);
 

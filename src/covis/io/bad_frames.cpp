@@ -59,15 +59,17 @@ Result<void> leave_out_unstamped(Recording& recording, BadFrames bad_frames) {
   return {};
 }
 
-bool are_few(size_t bad, size_t all) { return static_cast<double>(bad) <= kFewBadFrames * static_cast<double>(all); }
+bool are_few(size_t bad, size_t all, double few = kFewBadFrames) {
+  return static_cast<double>(bad) <= few * static_cast<double>(all);
+}
 
 std::string count_text(size_t bad, size_t all, const std::string& what) {
   return std::to_string(bad) + " of " + std::to_string(all) + " " + what;
 }
 
-void note_loss(size_t bad, size_t all, const std::string& text, Recording& recording) {
+void note_loss(size_t bad, size_t all, const std::string& text, Recording& recording, double few = kFewBadFrames) {
   recording.notes.push_back(text);
-  if (!are_few(bad, all)) recording.losses.push_back(text);
+  if (!are_few(bad, all, few)) recording.losses.push_back(text);
 }
 
 }  // namespace
@@ -91,8 +93,8 @@ std::vector<size_t> longest_rise(const std::vector<Timestamp>& stamps) {
   return rise;
 }
 
-void note_left_out(size_t bad, size_t all, const std::string& what, Recording& recording) {
-  note_loss(bad, all, count_text(bad, all, what) + " and are left out", recording);
+void note_left_out(size_t bad, size_t all, const std::string& what, Recording& recording, double few) {
+  note_loss(bad, all, count_text(bad, all, what) + " and are left out", recording, few);
 }
 
 Result<void> pass_over(size_t bad, size_t all, const std::string& what, const std::string& first, BadFrames bad_frames,

@@ -16,9 +16,9 @@ inline constexpr double kFewBadFrames = 0.01;
 // Indices of the most stamps that rise when the others are left out; of equal ones the first.
 std::vector<size_t> longest_rise(const std::vector<Timestamp>& stamps);
 
-// Notes that `bad` of `all` are left out, "3 of 10 images have no depth image and are left out". More than a few are a
-// loss of the recording.
-void note_left_out(size_t bad, size_t all, const std::string& what, Recording& recording);
+// Notes that `bad` of `all` are left out, "3 of 10 images have no depth image and are left out". More than a few, as a
+// share of all, are a loss of the recording.
+void note_left_out(size_t bad, size_t all, const std::string& what, Recording& recording, double few = kFewBadFrames);
 // Notes that `bad` of `all` are left out, or fails where those are too many. first: what is wrong with the first.
 Result<void> pass_over(size_t bad, size_t all, const std::string& what, const std::string& first, BadFrames bad_frames,
                        Recording& recording);

@@ -14,7 +14,9 @@
 #include <limits>
 #include <utility>
 
+#include "covis/core/quantile.h"
 #include "covis/core/stamp_bounds.h"
+#include "covis/core/time.h"
 
 namespace covis::io {
 namespace {
@@ -232,10 +234,19 @@ bool rises(const std::vector<Timestamp>& stamps) {
 
 }  // namespace
 
+bool is_rate_of_camera(double rate) { return rate >= 0.2 && rate <= 1000; }
+
+bool come_as_of_camera(const std::vector<Timestamp>& stamps) {
+  if (stamps.size() < 2) return true;
+  std::vector<double> steps;
+  for (size_t i = 1; i < stamps.size(); ++i) steps.push_back(to_seconds(stamps[i] - stamps[i - 1]));
+  return is_rate_of_camera(1 / quantile(std::move(steps), 0.5));
+}
+
 Result<std::vector<Timestamp>> read_stamps(const std::filesystem::path& file) {
   const auto text = read_text(file);
   if (!text) return tl::unexpected(text.error());
-  std::vector<Timestamp> stamps, second;
+  std::vector<Timestamp> stamps, second, nanoseconds;
   std::string problem;
   for_each_line(*text, [&](std::string_view line, int number) {
     const auto parts = split(line);
@@ -246,9 +257,11 @@ Result<std::vector<Timestamp>> read_stamps(const std::filesystem::path& file) {
       return false;
     }
     stamps.push_back(*stamp);
+    nanoseconds.push_back(parse_stamp(parts.front(), WholeStamp::nanoseconds).value_or(*stamp));
     return true;
   });
   if (!problem.empty()) return fail(problem);
+  if (!come_as_of_camera(stamps) && come_as_of_camera(nanoseconds)) return nanoseconds;
   return are_row_numbers(stamps) && second.size() == stamps.size() && rises(second) ? second : stamps;
 }
 

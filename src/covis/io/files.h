@@ -68,8 +68,12 @@ std::optional<double> parse_double(std::string_view text);
 // microseconds, as times since 1970 have them now, and 17 or more nanoseconds. `whole` gives the unit of integers.
 enum class WholeStamp { seconds, nanoseconds };
 std::optional<Timestamp> parse_stamp(std::string_view text, WholeStamp whole = WholeStamp::seconds);
+// True for a rate in Hz at which cameras give frames, from 0.2 to 1000.
+bool is_rate_of_camera(double rate);
+// True where the median step of stamps is that of such a rate, or there are fewer than two.
+bool come_as_of_camera(const std::vector<Timestamp>& stamps);
 // Reads a list of stamps, one per row: in the first column or, where that numbers the rows from 0 or 1 on and stamps
-// that rise are behind it, in the second.
+// that rise are behind it, in the second. Whole numbers that come as of no camera and would as nanoseconds are such.
 Result<std::vector<Timestamp>> read_stamps(const std::filesystem::path& file);
 // Formats seconds with 9 decimals.
 std::string stamp_text(Timestamp stamp);

@@ -97,6 +97,8 @@ TEST_F(Files, ListStampsInTheFirstColumnOrBehindNumbersOfFrames) {
   EXPECT_THAT(stamps("1 0.5\n2 0.7\n3 0.9\n"), ElementsAre(500'000'000, 700'000'000, 900'000'000));
   EXPECT_THAT(stamps("0 0.7\n1 0.5\n"), ElementsAre(0, 1'000'000'000)) << "what is behind does not rise";
   EXPECT_THAT(stamps("0 a.png\n1 b.png\n"), ElementsAre(0, 1'000'000'000));
+  EXPECT_THAT(stamps("1400076021614\n1400126021614\n"), ElementsAre(1400076021614, 1400126021614))
+      << "20 Hz as nanoseconds since a device was started, and 14 hours apart as milliseconds";
   EXPECT_THAT(stamps("0 0.5\n2 0.7\n"), ElementsAre(0, 2'000'000'000)) << "the first are not the rows' numbers";
 }
 

@@ -143,7 +143,7 @@ Result<Recording> read_euroc(const Request& request) {
   // TUM VI names its ground truth, which is also that of the body, mocap0.
   for (const char* source : {"state_groundtruth_estimate0", "mocap0"}) {
     const fs::path truth = base / source / "data.csv";
-    if (!recording.truth && fs::exists(truth)) recording.truth = Truth{truth, {}, *T_bc};
+    if (!recording.truth && fs::exists(truth)) recording.truth = Truth{truth, *T_bc};
   }
   return recording;
 }

@@ -90,12 +90,12 @@ bool looks_like_stamp(const std::string& name) {
 
 // Returns ascending stamps when every name is a plain number of at least 10 digits. problem: why the names of images
 // give none, if they look as if they did.
-std::vector<Timestamp> stamps_of_names(const std::vector<fs::path>& images, std::string& problem) {
+std::vector<Timestamp> stamps_of_names(const std::vector<fs::path>& images, WholeStamp whole, std::string& problem) {
   std::vector<Timestamp> stamps;
   for (const fs::path& image : images) {
     const std::string name = image.stem().string();
     const bool number_of_frame = name.starts_with('0') && name.find('.') == name.npos;
-    const auto stamp = name.size() >= kStampDigits && !number_of_frame ? parse_stamp(name) : std::nullopt;
+    const auto stamp = name.size() >= kStampDigits && !number_of_frame ? parse_stamp(name, whole) : std::nullopt;
     const bool falls = stamp && !stamps.empty() && *stamp <= stamps.back();
     if (!stamp || falls) {
       if (looks_like_stamp(name))
@@ -106,6 +106,17 @@ std::vector<Timestamp> stamps_of_names(const std::vector<fs::path>& images, std:
     stamps.push_back(*stamp);
   }
   return stamps;
+}
+
+// The same with numbers since 1970 or, where frames would come as of no camera, in nanoseconds since a device started.
+std::vector<Timestamp> stamps_of_names(const std::vector<fs::path>& images, std::string& problem) {
+  const std::vector<Timestamp> of_epoch = stamps_of_names(images, WholeStamp::seconds, problem);
+  if (!of_epoch.empty() && come_as_of_camera(of_epoch)) return of_epoch;
+  std::string none;
+  std::vector<Timestamp> of_device = stamps_of_names(images, WholeStamp::nanoseconds, none);
+  if (of_device.empty() || !come_as_of_camera(of_device)) return of_epoch;
+  problem.clear();
+  return of_device;
 }
 
 }  // namespace
@@ -178,8 +189,7 @@ Result<Recording> read_images(const Request& request) {
   const auto stamps = stamps_of_images(request.folder, folder, images, camera.fps, recording.notes);
   if (!stamps) return tl::unexpected(stamps.error());
   for (size_t i = 0; i < images.size(); ++i) recording.frames.push_back({(*stamps)[i], images[i], {}, {}});
-  if (fs::exists(request.folder / "groundtruth.txt"))
-    recording.truth = Truth{request.folder / "groundtruth.txt", {}, {}};
+  if (fs::exists(request.folder / "groundtruth.txt")) recording.truth = Truth{request.folder / "groundtruth.txt", {}};
   return recording;
 }
 

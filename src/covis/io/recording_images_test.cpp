@@ -47,13 +47,15 @@ TEST_F(Sequences, TakesStampsFromNamesInAnyUnit) {
   const auto numbered = opened_as({"0000000000", "0000000001"});
   EXPECT_NEAR(numbered->frame_rate(), 30, 1e-5) << "numbers of frames";
   EXPECT_THAT(numbered->notes(), testing::IsEmpty());
-  for (const std::string prefix : {"left_", ""}) {
-    const auto refused = opened_as({prefix + "140007602161457", prefix + "140007602166457"});
-    EXPECT_NEAR(refused->frame_rate(), 30, 1e-5);
-    EXPECT_THAT(refused->notes(),
-                testing::ElementsAre(
-                    AllOf(HasSubstr("look like stamps"), HasSubstr(prefix + "140007602161457"), HasSubstr("30 Hz"))));
+  for (const std::string digits : {"", "5", "51", "512", "5123"}) {
+    const auto of_device = opened_as({"1" + digits + "40007600000000", "1" + digits + "40007650000000"});
+    EXPECT_NEAR(of_device->frame_rate(), 20, 1e-6) << "nanoseconds since it was started, " << digits.size();
+    EXPECT_THAT(of_device->notes(), testing::IsEmpty());
   }
+  const auto refused = opened_as({"left_1400076021614572", "left_1400076021664572"});
+  EXPECT_NEAR(refused->frame_rate(), 30, 1e-5);
+  EXPECT_THAT(refused->notes(), testing::ElementsAre(AllOf(HasSubstr("look like stamps"),
+                                                           HasSubstr("left_1400076021614572"), HasSubstr("30 Hz"))));
   EXPECT_FALSE(doubt_about_rate(30));
   EXPECT_THAT(*doubt_about_rate(16000), HasSubstr("16000"));
 }

@@ -147,7 +147,7 @@ Result<void> set_stamps(const fs::path& times, std::vector<FrameFiles>& frames) 
   return {};
 }
 
-// Poses by the stamps of the frames they are of, where no times.txt gives those of its rows.
+// Reads poses by the stamps of the frames they are of.
 Result<Trajectory> read_poses(const fs::path& poses, const std::vector<FrameFiles>& frames) {
   const auto rows = read_trajectory(poses, TrajectoryFormat::kitti);
   if (!rows) return rows;
@@ -164,17 +164,15 @@ Result<Trajectory> read_poses(const fs::path& poses, const std::vector<FrameFile
 }
 
 // Looks beside the images and in the data set's layout: dataset/poses/06.txt for dataset/sequences/06.
-std::optional<Truth> find_truth(const fs::path& folder, const fs::path& times, const SE3& T_0c,
-                                const std::vector<FrameFiles>& frames) {
+std::optional<Truth> find_truth(const fs::path& folder, const SE3& T_0c, const std::vector<FrameFiles>& frames) {
   std::error_code none;
   const fs::path whole = fs::weakly_canonical(folder, none);
   for (const fs::path& poses :
        {folder / "poses.txt", whole.parent_path().parent_path() / "poses" / (whole.filename().string() + ".txt")}) {
     if (!fs::exists(poses)) continue;
-    if (fs::exists(times)) return Truth{poses, times, T_0c};
-    return Truth{poses, {}, T_0c, [poses, frames] { return read_poses(poses, frames); }};
+    return Truth{poses, T_0c, [poses, frames] { return read_poses(poses, frames); }};
   }
-  if (fs::exists(folder / "groundtruth_tum.txt")) return Truth{folder / "groundtruth_tum.txt", {}, T_0c};
+  if (fs::exists(folder / "groundtruth_tum.txt")) return Truth{folder / "groundtruth_tum.txt", T_0c};
   return std::nullopt;
 }
 
@@ -215,7 +213,7 @@ Result<Recording> read_kitti(const Request& request) {
   recording.camera = calibration->camera;
   recording.bits = calibration->bits;
   recording.calibration = calibration->source;
-  recording.truth = find_truth(folder, times, calibration->T_0c, recording.frames);
+  recording.truth = find_truth(folder, calibration->T_0c, recording.frames);
   return recording;
 }
 

@@ -141,7 +141,7 @@ Result<Recording> read_open3d(const Request& request) {
   if (recording.sensor == Sensor::rgbd) {
     if (auto added = add_depth(folder / "depth", recording); !added) return tl::unexpected(added.error());
   }
-  if (fs::exists(folder / "groundtruth.txt")) recording.truth = Truth{folder / "groundtruth.txt", {}, {}};
+  if (fs::exists(folder / "groundtruth.txt")) recording.truth = Truth{folder / "groundtruth.txt", {}};
   return recording;
 }
 

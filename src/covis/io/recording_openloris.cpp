@@ -122,7 +122,7 @@ Result<Recording> read_openloris(const Request& request) {
   recording.depth_scale = camera->depth_scale > 0 ? camera->depth_scale : 1000;
   recording.calibration = camera->file.string();
   if (fs::exists(folder / "groundtruth.txt")) {
-    recording.truth = Truth{folder / "groundtruth.txt", {}, base_to_colour(folder / "trans_matrix.yaml")};
+    recording.truth = Truth{folder / "groundtruth.txt", base_to_colour(folder / "trans_matrix.yaml")};
     if (!recording.truth->T_bc) {
       recording.notes.push_back(
           "trans_matrix.yaml does not tell where the camera is on the robot (base_link to d400_color); groundtruth.txt "

@@ -87,6 +87,7 @@ Result<std::optional<SE3>> parse_pose(const std::string& where, const std::vecto
     double value = 0;
     std::string_view part = parts[k];
     if (part.starts_with('+')) part.remove_prefix(1);
+    if (part.find(".#") != part.npos) part = "nan";  // 1.#QNAN and -1.#INF of old Windows libraries
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
     if (error != std::errc() || end != part.data() + part.size())
       return fail(where + ": '" + std::string(part) + "' is not a number");
@@ -150,10 +151,10 @@ std::optional<Truth> find_pairs_truth(const fs::path& recording, const PairedIma
     const auto [end, error] = std::from_chars(key.data(), key.data() + key.size(), number);
     if (error == std::errc() && end == key.data() + key.size()) stamp_of[number] = stamps[i];
   }
-  if (!files.empty()) return Truth{files.front().second, {}, {}, [files] { return read_pose_files(files); }};
+  if (!files.empty()) return Truth{files.front().second, {}, [files] { return read_pose_files(files); }};
   if (const fs::path rows = recording / "traj.txt"; fs::exists(rows) && !stamp_of.empty())
-    return Truth{rows, {}, {}, [rows, stamp_of] { return read_pose_rows(rows, stamp_of); }};
-  if (fs::exists(recording / "groundtruth.txt")) return Truth{recording / "groundtruth.txt", {}, {}};
+    return Truth{rows, {}, [rows, stamp_of] { return read_pose_rows(rows, stamp_of); }};
+  if (fs::exists(recording / "groundtruth.txt")) return Truth{recording / "groundtruth.txt", {}};
   return std::nullopt;
 }
 

@@ -57,7 +57,7 @@ TEST_F(Pairs, FramesWithoutDepthOrPoseAreLeftOut) {
   fs::remove(folder / "frame-000001.depth.png");
   write("frame-000002.pose.txt",
         "-inf -inf -inf -inf\n-inf -inf -inf -inf\n-inf -inf -inf -inf\n-inf -inf -inf -inf\n");
-  write("frame-000003.pose.txt", "nan nan nan nan nan nan nan nan nan nan nan nan nan nan nan nan\n");
+  write("frame-000003.pose.txt", "-1.#INF -1.#IND 1.#QNAN nan nan nan nan nan nan nan nan nan nan nan nan nan\n");
   const auto opened = open();
   ASSERT_TRUE(opened) << opened.error().message;
   EXPECT_EQ((*opened)->size(), 4);

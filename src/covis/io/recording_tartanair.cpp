@@ -157,7 +157,7 @@ Result<Recording> read_tartanair(const Request& request) {
   recording.bits = camera->bits;
   recording.calibration = camera->file.string();
   recording.images = [] { return std::make_unique<TartanImages>(); };
-  if (fs::exists(poses)) recording.truth = Truth{poses, {}, {}};
+  if (fs::exists(poses)) recording.truth = Truth{poses, {}};
   return recording;
 }
 

@@ -92,7 +92,7 @@ std::optional<Truth> icl_nuim_truth(const std::filesystem::path& folder, std::ve
   }
   if (found.size() > 1)
     notes.push_back(std::to_string(found.size()) + " files end in .gt.freiburg; with one it is taken as the truth");
-  return found.size() == 1 ? std::optional(Truth{found.front(), {}, {}}) : std::nullopt;
+  return found.size() == 1 ? std::optional(Truth{found.front(), {}}) : std::nullopt;
 }
 
 // published: the camera of the data set that the folder is known to be of.
@@ -171,7 +171,7 @@ Result<Recording> read_tum(const Request& request) {
   recording.depth_scale = camera->depth_scale > 0 ? camera->depth_scale : 5000;
   recording.calibration = camera->file.string();
   if (!recording.truth && std::filesystem::exists(folder / "groundtruth.txt"))
-    recording.truth = Truth{folder / "groundtruth.txt", {}, {}};
+    recording.truth = Truth{folder / "groundtruth.txt", {}};
   return recording;
 }
 

@@ -161,9 +161,15 @@ Result<std::unique_ptr<Sequence>> open(const std::string& path, const SequenceOp
 }  // namespace
 
 std::optional<std::string> doubt_about_rate(double rate) {
-  constexpr double kSlowest = 0.2, kFastest = 1000;  // Hz
-  if (rate <= 0 || (rate >= kSlowest && rate <= kFastest)) return std::nullopt;
-  return "the frames come at " + std::to_string(rate) + " Hz: are the stamps in seconds, or whole nanoseconds?";
+  if (rate <= 0 || is_rate_of_camera(rate)) return std::nullopt;
+  return "the frames come at " + std::to_string(rate) +
+         " Hz: are the stamps in seconds, in ms (13 digits), in µs (16) or in ns (19)?";
+}
+
+std::optional<std::string> doubt_about_rate(const Sequence& sequence, int stride) {
+  const bool is_told = sequence.kind() == SequenceKind::video || sequence.kind() == SequenceKind::camera;
+  if (is_told) return doubt_about_rate(sequence.frame_rate());
+  return sequence.size() < 2 ? std::nullopt : doubt_about_rate(sequence.frame_rate() * stride);
 }
 
 Result<std::unique_ptr<Sequence>> open_sequence(const std::string& path, const SequenceOptions& options) {
@@ -179,8 +185,7 @@ Result<std::unique_ptr<Sequence>> open_sequence(const std::string& path, const S
 Result<Trajectory> load_truth(const Sequence& sequence) {
   const std::optional<Truth> truth = sequence.truth();
   if (!truth) return fail("the recording has no truth");
-  auto trajectory =
-      truth->read ? truth->read() : read_trajectory(truth->file, TrajectoryFormat::automatic, truth->stamps);
+  auto trajectory = truth->read ? truth->read() : read_trajectory(truth->file);
   if (trajectory && truth->T_bc) {
     for (StampedPose& pose : *trajectory) pose.T_wc = pose.T_wc * *truth->T_bc;
   }

@@ -67,7 +67,6 @@ struct LiveStatus {
 // Files with the ground truth of a recording, if there are any.
 struct Truth {
   std::filesystem::path file;
-  std::filesystem::path stamps;  // KITTI: times.txt, which belongs to poses.txt; else empty
   // Pose of the images' camera (rectified, when stereo) in the body frame b (EuRoC) or in the camera (KITTI colour)
   // whose poses the ground truth gives.
   std::optional<SE3> T_bc;
@@ -107,6 +106,8 @@ class Sequence {
 
 // Says why frames can hardly come at this rate, in Hz: stamps of another unit than they were read in.
 std::optional<std::string> doubt_about_rate(double rate);
+// The same of a sequence of which every stride-th frame was opened.
+std::optional<std::string> doubt_about_rate(const Sequence& sequence, int stride);
 
 // Opens a recording and checks all that can be checked without decoding images: listed files exist, stamps are
 // ascending, the calibration exists and is valid.
