@@ -33,7 +33,7 @@ TEST(Convert, TheCameraInUseHasTheDistortionThatWasFound) {
   EXPECT_EQ(used.distortion[0], 0.02);
   EXPECT_EQ(used.distortion[1], -0.01);
   EXPECT_EQ(used.distortion[2], 0);
-  now.registration.shift_x = 4;  // of the map that it is localised in
+  now.registration.shift_x = 4;  // the map has it that the camera is localised in
   EXPECT_EQ(in_use(given, now).depth_fx, 0);
 }
 

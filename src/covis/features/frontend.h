@@ -14,7 +14,7 @@
 
 namespace covis {
 
-inline constexpr int kFewestLevels = 8, kMostLevels = 16;  // of the pyramid, where OrbOptions::levels is 0
+inline constexpr int kFewestLevels = 8, kMostLevels = 16;  // bounds of pyramid_levels()
 
 struct OrbOptions {
   int features = 1000;         // number of keypoints wanted in an image

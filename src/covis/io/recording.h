@@ -59,7 +59,7 @@ Result<Recording> read_euroc(const Request& request);
 Result<Recording> read_tartanair(const Request& request);
 Result<Recording> read_openloris(const Request& request);
 Result<Recording> read_open3d(const Request& request);
-Result<Recording> read_pairs(const Request& request);  // what read_open3d() calls where has_pairs() is true
+Result<Recording> read_pairs(const Request& request);  // read_open3d() calls it where has_pairs() is true
 Result<Recording> read_images(const Request& request);
 Result<Recording> read_bag(const Request& request);
 

@@ -10,7 +10,7 @@ namespace {
 void take_back(FrameRecord& record) {
   record.pose.reset();
   record.online.reset();
-  record.shutter = {};  // what another row time does to that pose
+  record.shutter = {};  // it corrects that pose
 }
 
 }  // namespace
