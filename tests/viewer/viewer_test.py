@@ -313,6 +313,7 @@ class ViewerTest(unittest.TestCase):
         (self.folder / 'lost/scene.bin').write_bytes(made_scene(60, 3000, lost=[*range(10), *range(100, 120)]))
         with Served([self.covis, 'view', self.folder / 'lost', '--port', '0']) as served:
             browser.open(served.url)
+            browser.problems()  # drops those of the page before, whose command has ended
             self.show('current')
             for position, last, colour in ((200, 200, TRACKED), (119, 99, LOST), (99, 99, TRACKED)):
                 browser.js('covis.page.player.seek(arguments[0])', position)
