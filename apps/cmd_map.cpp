@@ -34,8 +34,7 @@ nlohmann::json to_json(const std::vector<storage::OtherCamera>& cameras) {
   return list;
 }
 
-// A map of one camera has a unit of its own.
-bool in_metres(const storage::MapInfo& info) { return info.header.sensor != Sensor::monocular; }
+bool in_metres(const storage::MapInfo& info) { return io::unit_of(info.header.sensor) == io::CloudUnit::metres; }
 
 nlohmann::json to_json(const std::string& file, const storage::MapInfo& info) {
   return {{"file", file},

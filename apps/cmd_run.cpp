@@ -101,11 +101,13 @@ std::string named(const RunArguments& arguments, io::SequenceKind kind) {
   return kind == io::SequenceKind::camera ? "" : arguments.path + ": ";
 }
 
-OutputOptions output_options(const RunArguments& arguments, const std::optional<Trajectory>& truth) {
+OutputOptions output_options(const RunArguments& arguments, const storage::MapHeader& header,
+                             const std::optional<Trajectory>& truth) {
   return {.directory = arguments.out,
           .format = kWriteFormats.at(arguments.format),
           .title = title_of(arguments),
-          .truth = truth ? &*truth : nullptr};
+          .truth = truth ? &*truth : nullptr,
+          .unit = io::unit_of(header.sensor)};
 }
 
 // Saves the map if that is requested, then writes the summary and the run's files. Each is written whatever becomes of
@@ -126,7 +128,7 @@ Result<RunSummary> save(const RunArguments& arguments, const RunRecord& record, 
   const Result<void> written = io::without_exceptions(arguments.out, [&] {
     const std::optional<Trajectory> truth = read_truth(sequence);
     const std::shared_ptr<const Snapshot> snapshot = system.snapshot();
-    const OutputOptions output = output_options(arguments, truth);
+    const OutputOptions output = output_options(arguments, header, truth);
     summary = summarise(record, *snapshot, output.truth, peak_mb);
     return write_outputs(record, *snapshot, summary, output);
   });

@@ -296,7 +296,7 @@ int run_export(const ExportArguments& a) {
   std::vector<Scene> scenes = exchange::scenes_of(loaded->map, loaded->header.camera);
   if (scenes.empty()) return fail_with(a.file + ": the map is empty, there is nothing to export");
   if (const auto fits = check_target(format, a, scenes.size()); !fits) return fail_with(fits.error());
-  const io::CloudUnit unit = loaded->header.sensor == Sensor::monocular ? io::CloudUnit::of_map : io::CloudUnit::metres;
+  const io::CloudUnit unit = io::unit_of(loaded->header.sensor);
   if (const auto written = write(format, a, unit, scenes); !written) return fail_with(written.error());
   if (format == Format::geojson) scenes.resize(1);
   size_t views = 0, points = 0;

@@ -63,6 +63,7 @@ void track_frames(io::Sequence& sequence, System& system, const PlayOptions& opt
   Progress progress(options.show_progress ? sequence.size() : Progress::kHidden);
   std::optional<Stopwatch> since_first;
   Pace pace(*options.stop);
+  const double frame_seconds = 1 / sequence.frame_rate();
   io::Frame frame;
   int64_t expected = options.first;
   while (*options.stop == 0) {
@@ -87,8 +88,7 @@ void track_frames(io::Sequence& sequence, System& system, const PlayOptions& opt
     expected = frame.index + options.stride;
     const double decode_ms = decode.ms();
     if (!since_first) since_first.emplace();
-    if (options.pacing == Pacing::recorded &&
-        pace.wait_until_due(frame.stamp, 1.0 / sequence.frame_rate()) == Due::late) {
+    if (options.pacing == Pacing::recorded && pace.wait_until_due(frame.stamp, frame_seconds) == Due::late) {
       skip(skipped_frame(frame.index, frame.stamp, FrameState::late,
                          "the next frame was due before this one could be taken"),
            options.observer, run);

@@ -17,7 +17,6 @@
 #include "covis/eval/report.h"
 #include "covis/io/files.h"
 #include "covis/io/output_check.h"
-#include "covis/io/outputs.h"
 
 namespace covis::app {
 namespace {
@@ -131,10 +130,7 @@ Result<void> write_outputs(const RunRecord& run, const Snapshot& snapshot, const
              [&](const File& file) { return io::write_trajectories(file, by_submap(snapshot), options.format); });
   keep_trajectory("trajectory_online.txt", results.online_trajectory);
   keep_trajectory("keyframes.txt", results.key_frames);
-  keep_first("map.ply", [&](const File& file) {
-    return io::write_ply(file, results.points,
-                         run.sensor == Sensor::monocular ? io::CloudUnit::of_map : io::CloudUnit::metres);
-  });
+  keep_first("map.ply", [&](const File& file) { return io::write_ply(file, results.points, options.unit); });
   keep_first("stats.jsonl", [&](const File& file) {
     return write_atomically(file, [&](FileSink& sink) {
       append_stats(run, snapshot, sink);

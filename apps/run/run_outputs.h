@@ -9,6 +9,7 @@
 
 #include "apps/run/run_summary.h"
 #include "covis/core/error.h"
+#include "covis/io/outputs.h"
 #include "covis/io/sequence.h"
 #include "covis/io/trajectory.h"
 
@@ -19,6 +20,8 @@ struct OutputOptions {
   io::TrajectoryFormat format = io::TrajectoryFormat::tum;
   std::string title;
   const Trajectory* truth = nullptr;  // ground truth of the camera; may be null
+  // The unit of map.ply, which is that of the map: one camera alone may be localised in a map in metres.
+  io::CloudUnit unit = io::CloudUnit::metres;
 };
 
 // Makes the folder. Error: it can't be made or written to, or a file that write_outputs() would write there is one of

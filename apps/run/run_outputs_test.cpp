@@ -13,9 +13,7 @@ namespace fs = std::filesystem;
 
 class RunOutputs : public testing::Test {
  protected:
-  Result<void> write(io::TrajectoryFormat format = io::TrajectoryFormat::tum) const {
-    OutputOptions options;
-    options.format = format;
+  Result<void> write(OutputOptions options = {}) const {
     options.directory = folder.path();
     const RunSummary summary = summarise(made_record(), made_snapshot(), nullptr, 0);
     return write_outputs(made_record(), made_snapshot(), summary, options);
@@ -34,13 +32,23 @@ TEST_F(RunOutputs, LeavesAllFiles) {
 }
 
 TEST_F(RunOutputs, StampsAreBesideTrajectoriesOfKitti) {
-  ASSERT_TRUE(write(io::TrajectoryFormat::kitti));
+  ASSERT_TRUE(write({.directory = {}, .format = io::TrajectoryFormat::kitti, .title = {}}));
   for (const char* name : {"trajectory", "trajectory_map1", "trajectory_online", "keyframes"}) {
     const fs::path file = folder / (std::string(name) + ".txt"), times = io::times_file(file);
     EXPECT_TRUE(io::read_trajectory(file, io::TrajectoryFormat::kitti, times)) << name;
   }
   write_file(folder / "keyframes_times.txt", "notes");
   EXPECT_THAT(open_output_folder(folder.path(), {}).error().message, testing::HasSubstr("keyframes_times.txt: it is"));
+}
+
+// A run by one camera that was localised in a map in metres called them units of the map.
+TEST_F(RunOutputs, PointsAreInTheUnitOfTheMap) {
+  ASSERT_TRUE(write());
+  EXPECT_THAT(read_file(folder / "map.ply"), testing::HasSubstr("metres"));
+  OutputOptions options;
+  options.unit = io::CloudUnit::of_map;
+  ASSERT_TRUE(write(options));
+  EXPECT_THAT(read_file(folder / "map.ply"), testing::HasSubstr("units of the map"));
 }
 
 TEST_F(RunOutputs, AFailureWithoutATrackedFrameIsWrittenWhereNoOlderResultsAre) {

@@ -13,23 +13,20 @@ uint16_t quarter_pixels(float pixel) {
   return static_cast<uint16_t>(std::lround(std::clamp(kPixelUnits * pixel, 0.0f, 65535.0f)));
 }
 
-// KeyFrameRow::camera; the camera is added to the list where it is new.
-uint32_t camera_of(const Snapshot::KeyFrame& key_frame, MapScene& scene) {
-  if (!key_frame.made_by) return 0;
-  const Camera& given = key_frame.made_by->given;
-  const Pinhole& p = given.pinhole;
-  const CameraRow row{static_cast<float>(p.fx),           static_cast<float>(p.fy),
-                      static_cast<float>(p.cx),           static_cast<float>(p.cy),
-                      static_cast<uint32_t>(given.width), static_cast<uint32_t>(given.height)};
-  const auto at = std::find(scene.cameras.begin(), scene.cameras.end(), row);
-  const auto index = static_cast<uint32_t>(at - scene.cameras.begin());
-  if (at == scene.cameras.end()) scene.cameras.push_back(row);
-  return index + 1;
+CameraRow camera_row(const Camera& camera) {
+  const Pinhole& p = camera.pinhole;
+  return {static_cast<float>(p.fx),
+          static_cast<float>(p.fy),
+          static_cast<float>(p.cx),
+          static_cast<float>(p.cy),
+          static_cast<uint32_t>(camera.width),
+          static_cast<uint32_t>(camera.height)};
 }
 
 void add_key_frames(const Snapshot& snapshot, MapScene& scene) {
   std::unordered_map<KeyFrameId, uint32_t> serial_of;
   for (const Snapshot::KeyFrame& from : snapshot.key_frames) serial_of.emplace(from.id, from.serial);
+  for (const RefinedCamera& camera : snapshot.other_cameras) scene.cameras.push_back(camera_row(camera.given));
   scene.key_frames.reserve(snapshot.key_frames.size());
   for (const Snapshot::KeyFrame& from : snapshot.key_frames) {
     KeyFrameRow& row = scene.key_frames.emplace_back();
@@ -40,7 +37,7 @@ void add_key_frames(const Snapshot& snapshot, MapScene& scene) {
       row.parent = parent->second;
     row.stamp = to_seconds(from.stamp);
     row.pose = row_of(from.T_wc);
-    row.camera = camera_of(from, scene);
+    row.camera = from.camera;
   }
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "covis/io/codecs.h"
+#include "covis/io/opencv_picture.h"
 
 namespace covis::view {
 namespace {
@@ -34,11 +35,7 @@ Result<std::string> jpeg_of(ImageView<const uint8_t> image, int width) {
 
 Result<std::string> jpeg_of(const io::Picture& picture, int width) {
   if (picture.channels == 0) return std::string();
-  cv::Mat image(picture.height, picture.width, picture.coloured() ? CV_8UC3 : CV_8UC1,
-                const_cast<uint8_t*>(picture.bytes.data()));
-  cv::Mat blue_first = image;
-  if (picture.coloured()) cv::cvtColor(image, blue_first, cv::COLOR_RGB2BGR);
-  return small_jpeg(blue_first, width);
+  return small_jpeg(io::mat_of(picture), width);
 }
 
 void ImageStore::put(int32_t frame, std::string jpeg) {

@@ -104,25 +104,17 @@ MapSnapshot to_public(const Snapshot& from) {
   MapSnapshot to;
   for (const SubmapSummary& s : from.submaps)
     to.submaps.push_back({static_cast<int>(s.id), s.loaded, s.frames, s.key_frames, s.points});
-  std::vector<std::shared_ptr<const RefinedCamera>> cameras;  // other ones than that in use
-  const auto camera_of = [&](const Snapshot::KeyFrame& k) {
-    if (!k.made_by) return 0;
-    const auto same = [&](const auto& camera) { return *camera == *k.made_by; };
-    const auto at = std::find_if(cameras.begin(), cameras.end(), same);
-    const auto number = static_cast<int>(at - cameras.begin()) + 1;
-    if (at == cameras.end()) cameras.push_back(k.made_by);
-    return number;
-  };
   std::unordered_map<KeyFrameId, int64_t> index;
   for (const Snapshot::KeyFrame& k : from.key_frames) index.emplace(k.id, static_cast<int64_t>(index.size()));
   to.key_frames.reserve(from.key_frames.size());
   for (const Snapshot::KeyFrame& k : from.key_frames) {
     const auto parent = index.find(k.parent);
     to.key_frames.push_back({k.serial, k.frame, k.stamp, to_pose(k.T_wc), static_cast<int>(k.submap),
-                             parent == index.end() ? -1 : parent->second, camera_of(k)});
+                             parent == index.end() ? -1 : parent->second, static_cast<int>(k.camera)});
   }
   to.cameras.resize(1);  // the one in use: PublicSnapshots
-  for (const auto& camera : cameras) to.cameras.push_back(in_use(to_parameters(camera->given), camera->pinhole));
+  for (const RefinedCamera& camera : from.other_cameras)
+    to.cameras.push_back(in_use(to_parameters(camera.given), camera.pinhole));
   to.points.reserve(from.points.size());
   for (const auto& [id, p, submap, colour] : from.points)
     to.points.push_back({id_number(id), p.x(), p.y(), p.z(), static_cast<int>(submap), colour});

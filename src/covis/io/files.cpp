@@ -236,11 +236,16 @@ bool rises(const std::vector<Timestamp>& stamps) {
 
 bool is_rate_of_camera(double rate) { return rate >= 0.2 && rate <= 1000; }
 
-bool come_as_of_camera(const std::vector<Timestamp>& stamps) {
-  if (stamps.size() < 2) return true;
+std::optional<double> rate_of(const std::vector<Timestamp>& stamps) {
+  if (stamps.size() < 2) return std::nullopt;
   std::vector<double> steps;
   for (size_t i = 1; i < stamps.size(); ++i) steps.push_back(to_seconds(stamps[i] - stamps[i - 1]));
-  return is_rate_of_camera(1 / quantile(std::move(steps), 0.5));
+  return 1 / quantile(std::move(steps), 0.5);
+}
+
+bool come_as_of_camera(const std::vector<Timestamp>& stamps) {
+  const std::optional<double> rate = rate_of(stamps);
+  return !rate || is_rate_of_camera(*rate);
 }
 
 Result<std::vector<Timestamp>> read_stamps(const std::filesystem::path& file) {

@@ -70,7 +70,9 @@ enum class WholeStamp { seconds, nanoseconds };
 std::optional<Timestamp> parse_stamp(std::string_view text, WholeStamp whole = WholeStamp::seconds);
 // True for a rate in Hz at which cameras give frames, from 0.2 to 1000.
 bool is_rate_of_camera(double rate);
-// True where the median step of stamps is that of such a rate, or there are fewer than two.
+// Returns the rate in Hz of stamps' median step; nullopt where there are fewer than two.
+std::optional<double> rate_of(const std::vector<Timestamp>& stamps);
+// True for stamps whose rate is_rate_of_camera(), or of which there are fewer than two.
 bool come_as_of_camera(const std::vector<Timestamp>& stamps);
 // Reads a list of stamps, one per row: in the first column or, where that numbers the rows from 0 or 1 on and stamps
 // that rise are behind it, in the second. Whole numbers that come as of no camera and would as nanoseconds are such.

@@ -141,14 +141,8 @@ bool may_have_colours(const std::filesystem::path& file) {
 
 Result<void> write_picture(const std::filesystem::path& file, const Picture& picture) {
   if (picture.channels == 0) return fail(file.string() + ": there is no picture to write");
-  cv::Mat image(picture.height, picture.width, picture.coloured() ? CV_8UC3 : CV_8UC1,
-                const_cast<uint8_t*>(picture.bytes.data()));
-  if (picture.coloured()) {
-    cv::Mat bgr;
-    cv::cvtColor(image, bgr, cv::COLOR_RGB2BGR);
-    image = bgr;
-  }
-  const auto bytes = encode_image(file.extension() == ".jpg" ? ".jpg" : ".png", image, {cv::IMWRITE_JPEG_QUALITY, 95});
+  const char* extension = file.extension() == ".jpg" ? ".jpg" : ".png";
+  const auto bytes = encode_image(extension, mat_of(picture), {cv::IMWRITE_JPEG_QUALITY, 95});
   if (!bytes) return fail(file.string() + ": " + bytes.error().message);
   return write_atomically(file, *bytes);
 }

@@ -44,7 +44,8 @@ Result<std::vector<ListedRow>> read_listed_images(const std::filesystem::path& l
   return rows;
 }
 
-// Two cameras that are not triggered together lose frames apart: freiburg1's Kinect has a few percent more of one kind.
+// Two cameras that are not triggered together lose frames apart: 29 of 723 images of freiburg1_rpy have no
+// depth image.
 constexpr double kFewAlone = 0.1;
 
 Result<std::vector<FrameFiles>> pair_with_depth(const std::filesystem::path& images_file,

@@ -50,6 +50,16 @@ inline Picture picture_of(const cv::Mat& image) {
   return picture;
 }
 
+// The same the other way, in memory of its own where there are colours.
+inline cv::Mat mat_of(const Picture& picture) {
+  const cv::Mat image(picture.height, picture.width, picture.coloured() ? CV_8UC3 : CV_8UC1,
+                      const_cast<uint8_t*>(picture.bytes.data()));
+  if (!picture.coloured()) return image;
+  cv::Mat blue_first;
+  cv::cvtColor(image, blue_first, cv::COLOR_RGB2BGR);
+  return blue_first;
+}
+
 // Converts a decoded image, grey or with blue first, to grey in `grey`'s memory.
 inline void to_grey(const cv::Mat& image, ImageU8& grey) {
   grey.resize(image.cols, image.rows);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "covis/core/error.h"
+#include "covis/core/sensor.h"
 #include "covis/types.h"
 
 namespace covis::io {
@@ -19,6 +20,9 @@ struct CloudPoint {
 
 // of_map: that of a map of one camera alone, of which nobody knows how long it is.
 enum class CloudUnit { metres, of_map };
+
+// Returns the unit of a map of the sensor.
+inline CloudUnit unit_of(Sensor sensor) { return sensor == Sensor::monocular ? CloudUnit::of_map : CloudUnit::metres; }
 
 // Writes a binary little-endian PLY file, completely or not at all: float x, y, z; float nx, ny, nz where any point has
 // a normal; uchar red, green, blue where any has a colour or a normal.

@@ -73,6 +73,11 @@ bool has_pairs(const std::filesystem::path& folder);
 
 // Lists the image files of a folder in natural order (2 before 10).
 std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);
+// Returns the camera that is given, or that of camera.yaml; one without a size, for monocular images, where the request
+// takes them uncalibrated.
+Result<CameraFile> camera_of_images(const Request& request, Sensor sensor);
+// depth_scale: that of the layout, where the camera file has none.
+void take_camera(const CameraFile& file, double depth_scale, Recording& recording);
 // Returns the error for a missing calibration: it names --camera and shows a minimal file.
 Error no_calibration(const std::filesystem::path& folder, const std::string& looked_for);
 

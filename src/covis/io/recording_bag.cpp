@@ -203,14 +203,12 @@ Result<RosCameraInfo> read_camera_info(const OpenBag& bag, const BagTopic& image
 // already.
 Result<void> find_bag_camera(const Request& request, const OpenBag& bag, const ChosenTopics& topics,
                              Recording& recording) {
-  recording.depth_scale = 1000;
+  constexpr double kMillimetres = 1000;
   if (request.given) {
-    recording.camera = request.given->camera;
-    recording.bits = request.given->bits;
-    recording.calibration = request.given->file.string();
-    if (request.given->depth_scale > 0) recording.depth_scale = request.given->depth_scale;
+    take_camera(*request.given, kMillimetres, recording);
     return {};
   }
+  recording.depth_scale = kMillimetres;
   const auto info = read_camera_info(bag, *topics.image);
   if (!info) return tl::unexpected(info.error());
   recording.calibration = bag.path.string() + camera_info_name(*topics.image);

@@ -157,6 +157,20 @@ Error no_calibration(const fs::path& folder, const std::string& looked_for) {
           "). Give one with --camera FILE, a YAML such as:" + std::string(kCameraExample)};
 }
 
+Result<CameraFile> camera_of_images(const Request& request, Sensor sensor) {
+  if (request.given) return *request.given;
+  if (fs::exists(request.folder / "camera.yaml")) return load_camera(request.folder / "camera.yaml");
+  if (request.uncalibrated && sensor == Sensor::monocular) return CameraFile{};
+  return tl::unexpected(no_calibration(request.folder, "camera.yaml"));
+}
+
+void take_camera(const CameraFile& file, double depth_scale, Recording& recording) {
+  recording.camera = file.camera;
+  recording.bits = file.bits;
+  recording.depth_scale = file.depth_scale > 0 ? file.depth_scale : depth_scale;
+  recording.calibration = file.file.empty() ? "the first image" : file.file.string();
+}
+
 Result<Recording> read_images(const Request& request) {
   Recording recording;
   recording.kind = SequenceKind::images;
@@ -173,20 +187,10 @@ Result<Recording> read_images(const Request& request) {
   const std::vector<fs::path> images = list_images(folder);
   if (images.empty())
     return fail(request.folder.string() + ": there is no image in it (PNG, JPEG, PGM, BMP, TIFF, WebP)");
-  CameraFile camera;
-  if (request.given) {
-    camera = *request.given;
-  } else if (fs::exists(request.folder / "camera.yaml")) {
-    auto loaded = load_camera(request.folder / "camera.yaml");
-    if (!loaded) return tl::unexpected(loaded.error());
-    camera = *loaded;
-  } else if (!request.uncalibrated) {
-    return tl::unexpected(no_calibration(request.folder, "camera.yaml"));
-  }
-  recording.camera = camera.camera;
-  recording.bits = camera.bits;
-  recording.calibration = camera.file.empty() ? "the first image" : camera.file.string();
-  const auto stamps = stamps_of_images(request.folder, folder, images, camera.fps, recording.notes);
+  const auto camera = camera_of_images(request, Sensor::monocular);
+  if (!camera) return tl::unexpected(camera.error());
+  take_camera(*camera, 1, recording);
+  const auto stamps = stamps_of_images(request.folder, folder, images, camera->fps, recording.notes);
   if (!stamps) return tl::unexpected(stamps.error());
   for (size_t i = 0; i < images.size(); ++i) recording.frames.push_back({(*stamps)[i], images[i], {}, {}});
   if (fs::exists(request.folder / "groundtruth.txt")) recording.truth = Truth{request.folder / "groundtruth.txt", {}};

@@ -130,10 +130,7 @@ Result<Recording> read_open3d(const Request& request) {
     return fail((folder / "depth").string() + ": there is no depth image in it; without depth use --sensor mono");
   const auto camera = find_open3d_camera(request);
   if (!camera) return tl::unexpected(camera.error());
-  recording.camera = camera->camera;
-  recording.bits = camera->bits;
-  recording.depth_scale = camera->depth_scale > 0 ? camera->depth_scale : 1000;
-  recording.calibration = camera->file.string();
+  take_camera(*camera, 1000, recording);
   const std::vector<fs::path> images = list_images(colour);
   const auto stamps = stamps_of_images(folder, colour, images, camera->fps, recording.notes);
   if (!stamps) return tl::unexpected(stamps.error());

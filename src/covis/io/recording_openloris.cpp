@@ -117,10 +117,7 @@ Result<Recording> read_openloris(const Request& request) {
   }
   const auto camera = find_openloris_camera(request);
   if (!camera) return tl::unexpected(camera.error());
-  recording.camera = camera->camera;
-  recording.bits = camera->bits;
-  recording.depth_scale = camera->depth_scale > 0 ? camera->depth_scale : 1000;
-  recording.calibration = camera->file.string();
+  take_camera(*camera, 1000, recording);
   if (fs::exists(folder / "groundtruth.txt")) {
     recording.truth = Truth{folder / "groundtruth.txt", base_to_colour(folder / "trans_matrix.yaml")};
     if (!recording.truth->T_bc) {

@@ -3,9 +3,10 @@
 // coordinate regression forests for camera relocalization in RGB-D images", CVPR 2013), BundleFusion and ScanNet have
 // frame-000000.color.* and .depth.*, RGB-D Scenes v2 00000-color.png and -depth.png, and Replica, as NICE-SLAM renders
 // it, results/frame000000.jpg and results/depth000000.png.
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <map>
 
 #include "covis/io/bad_frames.h"
@@ -82,24 +83,23 @@ PairedImages list_pairs(const fs::path& recording) {
 Result<std::optional<SE3>> parse_pose(const std::string& where, const std::vector<std::string_view>& parts) {
   if (parts.size() != 16)
     return fail(where + ": it has " + std::to_string(parts.size()) + " numbers; a pose is a 4x4 matrix");
-  Eigen::Matrix4d T;
-  for (size_t k = 0; k < 16; ++k) {
-    double value = 0;
-    std::string_view part = parts[k];
+  std::vector<double> values;
+  for (std::string_view part : parts) {
+    double& value = values.emplace_back();
     if (part.starts_with('+')) part.remove_prefix(1);
     if (part.find(".#") != part.npos) part = "nan";  // 1.#QNAN and -1.#INF of old Windows libraries
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
     if (error != std::errc() || end != part.data() + part.size())
       return fail(where + ": '" + std::string(part) + "' is not a number");
-    T(static_cast<int>(k / 4), static_cast<int>(k % 4)) = value;
   }
-  if (!T.allFinite()) return std::optional<SE3>();
-  constexpr double kFarthest = 1e12;  // metres, as in trajectories
-  const Eigen::Matrix3d R = T.topLeftCorner<3, 3>();
-  const bool turned = (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-2 && R.determinant() > 0;
-  if (!turned || T.row(3) != Eigen::RowVector4d(0, 0, 0, 1) || T.col(3).cwiseAbs().maxCoeff() > kFarthest)
+  if (!std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); }))
+    return std::optional<SE3>();
+  auto pose = pose_of_matrix(values);
+  const bool is_pose = pose && Eigen::Map<const Eigen::RowVector4d>(&values[12]) == Eigen::RowVector4d(0, 0, 0, 1) &&
+                       pose->t().cwiseAbs().maxCoeff() <= kFarthestPosition;
+  if (!is_pose)
     return fail(where + ": it is no pose; a rotation and a translation in metres, with 0 0 0 1 below, are expected");
-  return std::optional(SE3(R, T.topRightCorner<3, 1>()).normalized());
+  return pose;
 }
 
 // A file of truth for each frame that has one: KEYpose.txt, beside the images.
@@ -158,13 +158,6 @@ std::optional<Truth> find_pairs_truth(const fs::path& recording, const PairedIma
   return std::nullopt;
 }
 
-Result<CameraFile> find_pairs_camera(const Request& request, Sensor sensor) {
-  if (request.given) return *request.given;
-  if (fs::exists(request.folder / "camera.yaml")) return load_camera(request.folder / "camera.yaml");
-  if (request.uncalibrated && sensor == Sensor::monocular) return CameraFile{};
-  return tl::unexpected(no_calibration(request.folder, "camera.yaml"));
-}
-
 }  // namespace
 
 bool has_pairs(const fs::path& folder) {
@@ -180,13 +173,10 @@ Result<Recording> read_pairs(const Request& request) {
   recording.sensor = request.wanted.value_or(Sensor::rgbd);
   if (recording.sensor == Sensor::stereo)
     return fail(request.folder.string() + ": an RGB-D image folder has no stereo pairs; --sensor must be rgbd or mono");
-  const auto camera = find_pairs_camera(request, recording.sensor);
+  const auto camera = camera_of_images(request, recording.sensor);
   if (!camera) return tl::unexpected(camera.error());
-  recording.camera = camera->camera;
-  recording.bits = camera->bits;
-  recording.calibration = camera->file.empty() ? "the first image" : camera->file.string();
   const bool replica = found.keys.front().find_first_not_of("0123456789") == std::string::npos;
-  recording.depth_scale = camera->depth_scale > 0 ? camera->depth_scale : replica ? kReplicaScale : kMillimetres;
+  take_camera(*camera, replica ? kReplicaScale : kMillimetres, recording);
   const auto stamps = stamps_of_images(request.folder, found.folder, found.images, camera->fps, recording.notes);
   if (!stamps) return tl::unexpected(stamps.error());
   for (size_t i = 0; i < found.images.size(); ++i) {

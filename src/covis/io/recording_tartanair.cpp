@@ -153,9 +153,7 @@ Result<Recording> read_tartanair(const Request& request) {
   recording.frames = std::move(*frames);
   const auto camera = tartan_camera(request, layout);
   if (!camera) return tl::unexpected(camera.error());
-  recording.camera = camera->camera;
-  recording.bits = camera->bits;
-  recording.calibration = camera->file.string();
+  take_camera(*camera, 1, recording);
   recording.images = [] { return std::make_unique<TartanImages>(); };
   if (fs::exists(poses)) recording.truth = Truth{poses, {}};
   return recording;

@@ -166,10 +166,7 @@ Result<Recording> read_tum(const Request& request) {
   }
   const auto camera = find_camera(request, published);
   if (!camera) return tl::unexpected(camera.error());
-  recording.camera = camera->camera;
-  recording.bits = camera->bits;
-  recording.depth_scale = camera->depth_scale > 0 ? camera->depth_scale : 5000;
-  recording.calibration = camera->file.string();
+  take_camera(*camera, 5000, recording);
   if (!recording.truth && std::filesystem::exists(folder / "groundtruth.txt"))
     recording.truth = Truth{folder / "groundtruth.txt", {}};
   return recording;

@@ -43,13 +43,9 @@ class FolderSequence : public Sequence {
   const Camera& camera() const override { return recording_.camera; }
   int64_t size() const override { return static_cast<int64_t>(recording_.frames.size()); }
   double frame_rate() const override {
-    const auto& frames = recording_.frames;
-    if (frames.size() < 2) return 30;
-    std::vector<Timestamp> gaps;
-    for (size_t i = 1; i < frames.size(); ++i) gaps.push_back(frames[i].stamp - frames[i - 1].stamp);
-    const auto middle = gaps.begin() + static_cast<ptrdiff_t>(gaps.size() / 2);
-    std::nth_element(gaps.begin(), middle, gaps.end());
-    return 1e9 / static_cast<double>(std::max<Timestamp>(1, *middle));
+    std::vector<Timestamp> stamps;
+    for (const FrameFiles& files : recording_.frames) stamps.push_back(files.stamp);
+    return rate_of(stamps).value_or(30);
   }
   std::optional<Truth> truth() const override { return recording_.truth; }
   std::vector<std::string> notes() const override { return recording_.notes; }

@@ -13,8 +13,6 @@
 namespace covis::io {
 namespace {
 
-constexpr double kFarthest = 1e12;  // metres, as in maps; squares of greater numbers are soon infinite
-
 // Parses the numbers of a row from `first` on; nullopt when one is not a finite number.
 std::optional<std::vector<double>> numbers(const std::vector<std::string_view>& parts, size_t first) {
   std::vector<double> values;
@@ -24,13 +22,6 @@ std::optional<std::vector<double>> numbers(const std::vector<std::string_view>& 
     values.push_back(*value);
   }
   return values;
-}
-
-std::optional<SE3> from_matrix_row(const std::vector<double>& v) {
-  Eigen::Matrix3d R;
-  R << v[0], v[1], v[2], v[4], v[5], v[6], v[8], v[9], v[10];
-  if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > 1e-2 || R.determinant() < 0) return std::nullopt;
-  return SE3(R, Eigen::Vector3d(v[3], v[7], v[11])).normalized();
 }
 
 // q is given as x y z w.
@@ -64,7 +55,7 @@ TrajectoryFormat format_of(const std::filesystem::path& file, std::string_view l
 std::optional<SE3> pose_of(TrajectoryFormat format, const std::vector<double>& v) {
   switch (format) {
     case TrajectoryFormat::kitti:
-      return from_matrix_row(v);
+      return pose_of_matrix(v);
     case TrajectoryFormat::euroc:
       return from_quaternion(v[0], v[1], v[2], v[4], v[5], v[6], v[3]);
     case TrajectoryFormat::tartanair: {
@@ -103,6 +94,13 @@ bool remove_ours(const std::filesystem::path& file, OutputKind kind) {
 }
 
 }  // namespace
+
+std::optional<SE3> pose_of_matrix(const std::vector<double>& v) {
+  Eigen::Matrix3d R;
+  R << v[0], v[1], v[2], v[4], v[5], v[6], v[8], v[9], v[10];
+  if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > 1e-2 || R.determinant() < 0) return std::nullopt;
+  return SE3(R, Eigen::Vector3d(v[3], v[7], v[11])).normalized();
+}
 
 bool has_stamps(TrajectoryFormat format) {
   return format != TrajectoryFormat::kitti && format != TrajectoryFormat::tartanair;
@@ -160,7 +158,7 @@ Result<Trajectory> read_trajectory(const std::filesystem::path& file, Trajectory
     } else if (!pose) {
       problem =
           place(file, number) + ": the rotation is not valid (a unit quaternion or an orthonormal matrix is expected)";
-    } else if (!(pose->t().cwiseAbs().maxCoeff() <= kFarthest)) {
+    } else if (!(pose->t().cwiseAbs().maxCoeff() <= kFarthestPosition)) {
       problem = place(file, number) + ": the position is farther than 1e12 m from the origin";
     } else {
       trajectory.push_back({*stamp, *pose});

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,12 @@ enum class TrajectoryFormat { automatic, tum, kitti, euroc, tartanair, icl_nuim 
 // its number of frames a second, by which the number of a frame is divided.
 inline constexpr Timestamp kTartanAirStep = 100'000'000;  // ns
 inline constexpr Timestamp kIclNuimRate = 30;             // Hz
+
+// Positions are at most so far from the origin, in metres, as in maps: squares of greater numbers are soon infinite.
+inline constexpr double kFarthestPosition = 1e12;
+
+// Returns the pose of a matrix given row by row, of 12 finite numbers or more; nullopt where it has no rotation.
+std::optional<SE3> pose_of_matrix(const std::vector<double>& values);
 
 // automatic: recognised from the number of columns, the separator and the stamp (EuRoC's are whole nanoseconds, with
 // commas behind them), and by the name's ending .gt.freiburg (ICL-NUIM).

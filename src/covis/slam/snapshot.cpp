@@ -15,6 +15,15 @@ void add_submaps(const Map& map, uint32_t loaded_end, Snapshot& snapshot) {
     snapshot.submaps.push_back({submap.id, submap.id < loaded_end, 0, submap.key_frames, 0});
 }
 
+// Snapshot::KeyFrame::camera; the camera is added to the others where it is new.
+uint32_t camera_of(const Features& features, std::vector<RefinedCamera>& others) {
+  if (!features.made_by) return 0;
+  const auto at = std::find(others.begin(), others.end(), *features.made_by);
+  const auto number = static_cast<uint32_t>(at - others.begin()) + 1;
+  if (at == others.end()) others.push_back(*features.made_by);
+  return number;
+}
+
 void add_key_frames(const Map& map, Snapshot& snapshot) {
   snapshot.key_frames.reserve(map.key_frame_count());
   for (const KeyFrameId& id : map.key_frames()) {
@@ -27,7 +36,7 @@ void add_key_frames(const Map& map, Snapshot& snapshot) {
     key_frame.id = id;
     key_frame.parent = from.parent;
     key_frame.serial = from.serial;
-    key_frame.made_by = from.features->made_by;
+    key_frame.camera = camera_of(*from.features, snapshot.other_cameras);
   }
 }
 

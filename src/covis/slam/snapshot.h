@@ -32,9 +32,9 @@ struct SubmapSummary {
 struct Snapshot {
   struct KeyFrame : PoseOfFrame {
     KeyFrameId id;
-    KeyFrameId parent;                             // in its submap's spanning tree; invalid: the root
-    uint32_t serial = 0;                           // KeyFrame::serial
-    std::shared_ptr<const RefinedCamera> made_by;  // Features::made_by
+    KeyFrameId parent;    // in its submap's spanning tree; invalid: the root
+    uint32_t serial = 0;  // KeyFrame::serial
+    uint32_t camera = 0;  // the one that made it: 0: that in use; else its index in other_cameras, plus one
   };
   struct Point {
     MapPointId id;
@@ -43,11 +43,12 @@ struct Snapshot {
     Colour colour = kNoColour;
   };
 
-  uint64_t revision = 0;               // rises when map or trajectory change
-  Pinhole camera;                      // intrinsics of the frames, as refined until now
-  std::vector<SubmapSummary> submaps;  // loaded ones first, then those with more frames, then the older ones
-  std::vector<KeyFrame> key_frames;    // as they were made
-  std::vector<Point> points;           // by rising slot
+  uint64_t revision = 0;                     // rises when map or trajectory change
+  Pinhole camera;                            // intrinsics of the frames, as refined until now
+  std::vector<RefinedCamera> other_cameras;  // that made some of the key frames; see Features::made_by
+  std::vector<SubmapSummary> submaps;        // loaded ones first, then those with more frames, then the older ones
+  std::vector<KeyFrame> key_frames;          // as they were made
+  std::vector<Point> points;                 // by rising slot
   std::vector<MapSnapshot::Edge> edges;
   std::vector<MapSnapshot::Observation> observations;  // key frame by key frame
   std::vector<PoseOfFrame> trajectory;  // frames that have a pose, with every correction, by rising frame

@@ -39,6 +39,23 @@ class SnapshotTest : public testing::Test {
   SnapshotSource source{shared, log};
 };
 
+// Equal cameras, which a map may hold twice, are one.
+TEST_F(SnapshotTest, KeyFramesNameTheOtherCamerasThatMadeThem) {
+  const RefinedCamera wide{{1280, 720, {900, 901, 640, 360}}, {890, 891, 640, 360}};
+  MapState state = shared.read()->state();
+  for (const size_t k : {1, 2}) {
+    auto features = std::make_shared<Features>(*state.key_frames[k].features);
+    features->made_by = std::make_shared<const RefinedCamera>(wide);
+    state.key_frames[k].features = std::move(features);
+  }
+  *shared.write() = std::move(*Map::from_state(std::move(state)));
+  const auto snapshot = source.get();
+  EXPECT_EQ(snapshot->other_cameras, std::vector{wide});
+  EXPECT_EQ(snapshot->key_frames[0].camera, 0u);
+  EXPECT_EQ(snapshot->key_frames[1].camera, 1u);
+  EXPECT_EQ(snapshot->key_frames[2].camera, 1u);
+}
+
 TEST_F(SnapshotTest, HasWhatMapAndLogHave) {
   append(3, b);
   log.append({.frame = 4, .stamp = 40, .pose = {}, .online = {}});

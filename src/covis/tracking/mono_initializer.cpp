@@ -36,7 +36,6 @@ NoPoseReason reason_of(TwoViewStatus status) {
 
 void MonoInitializer::reset() {
   reference_ = {};
-  matches_ = 0;
   reason_ = NoPoseReason::waiting_for_first_view;
 }
 
@@ -63,9 +62,7 @@ std::optional<InitialMapRequest> MonoInitializer::offer(const Pinhole& camera, c
   }
   matches_ = match_reference(*features);
   if (matches_ < o.init_min_matches) {
-    const int matches = matches_;
     reset();
-    matches_ = matches;
     if (features->size() > o.init_min_matches) take_reference(features, frame, stamp);
     reason_ = NoPoseReason::few_matches_with_first_view;
     return std::nullopt;
