@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-# covis_module(NAME DEPS … [DIR …] [TEST_DEPS …] [TEST_NAME …] [ONE_TEST] [ADDRESSED FILTER] [THREADED NAME …]): a static library
+# covis_module(NAME DEPS … [DIR …] [TEST_DEPS …] [TEST_NAME …] [APP] [ONE_TEST] [ADDRESSED FILTER] [THREADED NAME …]): a static library
 # covis_NAME of the *.cpp files below src/covis/NAME, and a test of the *_test.cpp files among them.
 #   DIR         the folder of the sources, from the project's root, when it is another
 #   TEST_NAME   the test's name, where it is not to be NAME_test
+#   APP         it is of the command and leaves the work to the library
 #   ONE_TEST    the cases share what is dear to make or to load (OpenCV), so ctest runs them in one process
 #   ADDRESSED   of such a test, the cases (a GoogleTest filter) the address sanitizer is to run; without it all
 #   THREADED    NAME_test.cpp starts threads, or holds what threads share: the thread sanitizer has these alone
 function(covis_module name)
-  cmake_parse_arguments(M "ONE_TEST" "DIR;TEST_NAME;ADDRESSED" "DEPS;TEST_DEPS;THREADED" ${ARGN})
+  cmake_parse_arguments(M "APP;ONE_TEST" "DIR;TEST_NAME;ADDRESSED" "DEPS;TEST_DEPS;THREADED" ${ARGN})
   if(NOT M_DIR)
     set(M_DIR src/covis/${name})
   endif()
@@ -32,7 +33,12 @@ function(covis_module name)
   endforeach()
   add_library(covis_${name} STATIC ${sources})
   target_link_libraries(covis_${name} PUBLIC covis_flags ${M_DEPS})
-  covis_use_headers(covis_${name} covis_library_headers)
+  if(M_APP)
+    covis_compile_fast(covis_${name})
+    covis_use_headers(covis_${name} covis_app_headers)
+  else()
+    covis_use_headers(covis_${name} covis_library_headers)
+  endif()
   if(COVIS_TESTS AND tests)
     set(test ${name}_test)
     if(M_TEST_NAME)

@@ -16,7 +16,8 @@ struct Setting {
   std::string name;  // for example "orb.features"
   SettingType type = SettingType::number;
   std::string value;        // as text, as it can be given to Slam::create()
-  double min = 0, max = 0;  // the least and the greatest value allowed; of numbers only
+  double min = 0, max = 0;  // the least and the greatest value allowed; of numbers only. The
+                            // description names one outside of them that has a meaning of its own.
   std::string description;  // effect, with its unit
 };
 

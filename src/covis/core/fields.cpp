@@ -49,6 +49,10 @@ tl::unexpected<Error> wrong(const Field& field, std::string_view text, std::stri
               field.doc + ")");
 }
 
+bool is_allowed(const Field& field, double value) {
+  return (value >= field.min && value <= field.max) || value == field.also;
+}
+
 std::string range(const Field& field, std::string_view kind) { return std::string(kind) + " " + field_range(field); }
 
 }  // namespace
@@ -59,6 +63,7 @@ std::string field_range(const Field& field) {
   std::string text;
   if (low) text = "from " + bound(field.min);
   if (high) text += (low ? " to " : "up to ") + bound(field.max);
+  if (field.also) text += ", or " + bound(*field.also);
   return text;
 }
 
@@ -91,13 +96,13 @@ Result<void> set_field(const Fields& fields, std::string_view name, std::string_
     **target = text == "true";
   } else if (auto* const* integer = std::get_if<int*>(&field->value)) {
     int value = 0;
-    if (!parse_number(text, value) || value < field->min || value > field->max) {
+    if (!parse_number(text, value) || !is_allowed(*field, value)) {
       return wrong(*field, text, range(*field, "a whole number"));
     }
     **integer = value;
   } else if (auto* const* real = std::get_if<double*>(&field->value)) {
     double value = 0;
-    if (!parse_number(text, value) || !std::isfinite(value) || value < field->min || value > field->max) {
+    if (!parse_number(text, value) || !std::isfinite(value) || !is_allowed(*field, value)) {
       return wrong(*field, text, range(*field, "a number"));
     }
     **real = value;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -19,7 +20,8 @@ struct Field {
   std::string doc;                                         // effect of the setting, with its unit
   double min = std::numeric_limits<double>::lowest();      // least and greatest value allowed (numbers only)
   double max = std::numeric_limits<double>::max();
-  std::string former = {};  // name in earlier versions; using it is an error whose message gives the new name
+  std::string former = {};          // name in earlier versions; using it is an error whose message gives the new name
+  std::optional<double> also = {};  // a value of its own meaning, allowed outside of the range
 };
 
 using Fields = std::vector<Field>;

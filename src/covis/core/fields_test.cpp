@@ -74,6 +74,16 @@ TEST(Fields, MessageNamesTheRange) {
   EXPECT_THAT(set_field(fields(o), "test.count", "11").error().message, HasSubstr("from 1 to 10"));
 }
 
+TEST(Fields, AValueOfItsOwnMeaningIsAllowedOutsideOfTheRange) {
+  double seconds = 0;
+  const Fields listed{{"test.seconds", &seconds, "seconds; -1: they are found", -0.2, 0.2, {}, -1}};
+  EXPECT_TRUE(set_field(listed, "test.seconds", "-1"));
+  EXPECT_EQ(seconds, -1);
+  EXPECT_TRUE(set_field(listed, "test.seconds", "-0.2"));
+  EXPECT_THAT(set_field(listed, "test.seconds", "-0.9").error().message, HasSubstr("from -0.2 to 0.2, or -1"));
+  EXPECT_EQ(seconds, -0.2);
+}
+
 TEST(Fields, UnknownNameGivesTheNearest) {
   Options o;
   const auto result = set_field(fields(o), "test.cuont", "3");

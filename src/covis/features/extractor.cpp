@@ -110,8 +110,8 @@ void OrbExtractor::start(ImageView<const uint8_t> image) {
 
 void OrbExtractor::detect(int l) {
   Level& level = levels_[static_cast<size_t>(l)];
-  level.detector.detect(level.view, kEdgeBorder, kCellSize, options_.fast_threshold, options_.fast_threshold_low,
-                        level.corners);
+  const int low = std::min(options_.fast_threshold_low, options_.fast_threshold);
+  level.detector.detect(level.view, kEdgeBorder, kCellSize, options_.fast_threshold, low, level.corners);
   if (edge_ratio_ > 0) leave_out_edges(level.view, edge_ratio_, level.corners);
 }
 

@@ -28,7 +28,7 @@ struct Corner {
 
 // Finds corners at least `border` pixels from the image edge (border >= 3), with 3x3 non-maximum suppression, in row
 // order. Each cell (about cell_size wide) gives its corners above `threshold` or, if it has none, those above
-// `low_threshold`.
+// `low_threshold`, which is not the greater one.
 class FastDetector {
  public:
   void detect(ImageView<const uint8_t> image, int border, int cell_size, int threshold, int low_threshold,

@@ -111,7 +111,7 @@ struct Features {
   AlignedVector<float> x, y;
   AlignedVector<float> raw_x, raw_y;  // distorted pixels of the input image; empty when equal to x, y: see image_x()
   AlignedVector<float> angle;         // radians in [0, 2 pi)
-  AlignedVector<float> u_right;       // column in the (real or virtual) right image; negative: no measurement
+  AlignedVector<float> u_right;       // column in the (real or virtual) right image; of meaning where there is a depth
   AlignedVector<float> depth;         // metres along z; not positive: no measurement
   AlignedVector<uint8_t> level;       // pyramid level
   AlignedVector<Descriptor> descriptor;

@@ -35,9 +35,9 @@ void Quadtree::split(const Node& node, std::vector<Node>& out) {
   }
 }
 
-void Quadtree::make_roots(int x0, int y0, int x1, int y1) {
+void Quadtree::make_roots(int x0, int y0, int x1, int y1, int most) {
   const int width = x1 - x0, height = y1 - y0;
-  const int roots = std::max(1, static_cast<int>(std::lround(static_cast<double>(width) / height)));
+  const int roots = std::clamp(static_cast<int>(std::lround(static_cast<double>(width) / height)), 1, most);
   const float root_width = static_cast<float>(width) / static_cast<float>(roots);
   const auto root_of = [&](const Corner& c) {
     return std::clamp(static_cast<int>(static_cast<float>(c.x - x0) / root_width), 0, roots - 1);
@@ -82,7 +82,7 @@ void Quadtree::distribute(const std::vector<Corner>& corners, int x0, int y0, in
   sorted_ = corners;
   // The result must not depend on the input order; the detector's output is sorted this way already.
   if (!std::is_sorted(sorted_.begin(), sorted_.end(), before)) std::sort(sorted_.begin(), sorted_.end(), before);
-  make_roots(x0, y0, x1, y1);
+  make_roots(x0, y0, x1, y1, budget);
   for (auto* nodes : {&nodes_, &next_}) reserve_ahead(*nodes, static_cast<size_t>(budget));
   reserve_ahead(keys_, static_cast<size_t>(budget));
   reserve_ahead(best_, static_cast<size_t>(budget));

@@ -29,7 +29,7 @@ class Quadtree {
   };
   // Appends the node's children that hold corners.
   void split(const Node& node, std::vector<Node>& out);
-  void make_roots(int x0, int y0, int x1, int y1);
+  void make_roots(int x0, int y0, int x1, int y1, int most);
   // Moves the nodes with most corners to the front; equal nodes keep their order.
   void sort_by_size();
 

@@ -15,7 +15,7 @@ inline void roll(const Pinhole& camera, const Eigen::Vector3d& turn, Features& f
     const Eigen::Vector3d ray = camera.unproject(features.x[i], features.y[i]);
     Eigen::Vector2d at(features.x[i], features.y[i]);
     for (int k = 0; k < 5; ++k) at = camera.project(ray + moved_by_turn(ray, (at.y() - camera.cy) * turn));
-    if (features.u_right[i] >= 0) features.u_right[i] += static_cast<float>(at.x()) - features.x[i];
+    if (features.has_depth(static_cast<int>(i))) features.u_right[i] += static_cast<float>(at.x()) - features.x[i];
     features.x[i] = static_cast<float>(at.x());
     features.y[i] = static_cast<float>(at.y());
     bounds = {std::min(bounds.min_x, features.x[i]), std::min(bounds.min_y, features.y[i]),

@@ -28,7 +28,7 @@ void unroll(const Pinhole& camera, const ExposureTurn& exposure, Features& f) {
   ImageBounds bounds = f.grid.bounds;
   for (size_t i = 0; i < f.x.size(); ++i) {
     const Eigen::Vector2f at = unrolled_place(camera, turn, f, i).cast<float>();
-    f.u_right[i] += f.u_right[i] >= 0 ? at.x() - f.x[i] : 0;
+    f.u_right[i] += f.has_depth(static_cast<int>(i)) ? at.x() - f.x[i] : 0;
     f.x[i] = at.x();
     f.y[i] = at.y();
     bounds = {std::min(bounds.min_x, at.x()), std::min(bounds.min_y, at.y()), std::max(bounds.max_x, at.x()),

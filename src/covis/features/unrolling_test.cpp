@@ -20,7 +20,8 @@ Features all_over() {
   for (int i = 0; i < 400; ++i) {
     f.x.push_back(static_cast<float>(i % 20) * 29 + 40);
     f.y.push_back(static_cast<float>(i / 20) * 24 + 10);
-    f.u_right.push_back(i % 2 ? -1.0f : f.x.back() - 8);
+    f.depth.push_back(i % 2 ? 0.0f : 2.0f);
+    f.u_right.push_back(i % 2 ? -1.0f : f.x.back() - 60);  // near the left edge it is negative
   }
   f.grid.build({0, 0, 640, 480}, f.x, f.y);
   return f;

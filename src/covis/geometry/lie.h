@@ -6,15 +6,18 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
+#include <limits>
 
 namespace covis {
 
 template <int N>
 Eigen::Matrix<double, N, N> phi_function(Eigen::Matrix<double, N, N> M) {
   using Matrix = Eigen::Matrix<double, N, N>;
+  if (!M.allFinite()) return Matrix::Constant(std::numeric_limits<double>::quiet_NaN());
   int halvings = 0;
   for (double norm = M.cwiseAbs().maxCoeff(); norm > 0.25; norm /= 2) ++halvings;
-  M *= 1.0 / (1 << halvings);
+  M *= std::ldexp(1.0, -halvings);
   // Horner scheme: with 14 terms the truncation error is below rounding for a norm of N / 4.
   Matrix phi = Matrix::Identity();
   for (int k = 15; k >= 2; --k) phi = Matrix::Identity() + M * phi / k;

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "covis/geometry/sim3.h"
 #include "covis/geometry/test_geometry.h"
 
@@ -40,6 +42,13 @@ TEST(Lie, LeftJacobiansAgreeWithDifferences) {
       EXPECT_LT((difference - J.col(k)).norm(), 1e-7);
     }
   }
+}
+
+// A step that is not finite is to be refused, not to be waited for.
+TEST(PhiFunction, EndsForWhatIsNotFinite) {
+  for (const double value : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_FALSE(phi_function<3>(Eigen::Matrix3d::Constant(value)).allFinite());
+  EXPECT_FALSE(phi_function<3>(Eigen::Matrix3d::Constant(1e300)).allFinite());
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace covis {
 namespace {
 
-// Real roots of sum c[k] v^k, of degree 4 or, when c[4] vanishes, less.
+// Real roots of sum c[k] v^k, of degree 4; none where c[4] vanishes.
 int real_roots(const std::array<double, 5>& c, std::array<double, 4>& roots) {
   if (!(std::abs(c[4]) > 1e-14)) return 0;
   Eigen::Matrix4d companion = Eigen::Matrix4d::Zero();

@@ -177,25 +177,25 @@ constexpr double kMostExplainedChi2 = 4;  // of a match that a motion explains, 
 struct MatchedPoint {
   Eigen::Vector3d p_1;
   double chi2 = 0;
+  bool in_front = false;  // it is in front of both cameras
 };
 
-// nullopt where the point is not in front of both cameras.
 std::optional<MatchedPoint> point_of(const SE3& T_21, const TwoViewMatches& m, size_t i, const Pinhole& camera) {
   const auto p =
       triangulate(SE3(), camera.unproject(m.a[i].x(), m.a[i].y()), T_21, camera.unproject(m.b[i].x(), m.b[i].y()));
   if (!p || !p->allFinite()) return std::nullopt;
   const Eigen::Vector3d in_2 = T_21 * *p;
-  if (p->z() <= 0 || in_2.z() <= 0) return std::nullopt;
+  if (p->z() == 0 || in_2.z() == 0) return std::nullopt;
   const double off_1 = (camera.project(*p) - m.a[i]).squaredNorm(),
                off_2 = (camera.project(in_2) - m.b[i]).squaredNorm();
-  return MatchedPoint{*p, std::max(off_1, off_2) / sigma2_of(m, i)};
+  return MatchedPoint{*p, std::max(off_1, off_2) / sigma2_of(m, i), p->z() > 0 && in_2.z() > 0};
 }
 
-// Counts the inliers that a motion explains: in front of both cameras and with small residuals in both images.
+// Counts the inliers that a motion explains: in front of both cameras and with small residuals in both images. Those so
+// far away that noise puts them behind the cameras speak for no motion, and against none.
 TwoViewMotion try_motion(const SE3& T_21, const TwoViewMatches& m, const std::vector<uint8_t>& inlier,
                          const Pinhole& camera) {
-  // Points farther away may lie behind a camera without harm, but give no parallax.
-  constexpr double kMinParallaxCos = 0.99998;
+  constexpr double kMinParallaxCos = 0.99998;  // points farther away give no parallax
   TwoViewMotion motion;
   motion.T_21 = T_21;
   motion.points_1.resize(m.a.size());
@@ -208,12 +208,13 @@ TwoViewMotion try_motion(const SE3& T_21, const TwoViewMatches& m, const std::ve
     if (!point || point->chi2 > kMostExplainedChi2) continue;
     const Eigen::Vector3d& p = point->p_1;
     const double cosine = p.dot(p - centre_2) / (p.norm() * (p - centre_2).norm());
-    ++motion.explained;
+    const bool far = cosine >= kMinParallaxCos;
+    if (!far && !point->in_front) continue;
     cosines.push_back(cosine);
-    if (cosine < kMinParallaxCos) {
-      motion.points_1[i] = p;
-      motion.triangulated[i] = 1;
-    }
+    ++(point->in_front ? motion.explained : motion.behind);
+    if (far) continue;
+    motion.points_1[i] = p;
+    motion.triangulated[i] = 1;
   }
   if (cosines.empty()) return motion;
   std::sort(cosines.begin(), cosines.end());
@@ -232,7 +233,7 @@ std::optional<size_t> decided_off_the_plane(const std::vector<TwoViewMotion>& mo
     if (on_plane[i]) continue;
     for (size_t k = 0; k < motions.size(); ++k) {
       const auto point = point_of(motions[k].T_21, m, i, camera);
-      chi2[k] = point ? std::min(point->chi2, kMostExplainedChi2) : kMostExplainedChi2;
+      chi2[k] = point && point->in_front ? std::min(point->chi2, kMostExplainedChi2) : kMostExplainedChi2;
     }
     if (*std::min_element(chi2.begin(), chi2.end()) == kMostExplainedChi2) continue;  // a wrong match
     for (size_t k = 0; k < motions.size(); ++k) misfits[k] += chi2[k];
@@ -327,7 +328,8 @@ TwoViewResult reconstruct_two_views(const TwoViewMatches& m, const Pinhole& came
       asked.min_parallax_deg *= options.plane_parallax;
     }
   }
-  for (TwoViewMotion& motion : motions) motion.share = motion.explained / static_cast<double>(score.count);
+  for (TwoViewMotion& motion : motions)
+    motion.share = (motion.explained + motion.behind) / static_cast<double>(score.count);
   const bool parallax = std::any_of(motions.begin(), motions.end(), [&](const TwoViewMotion& motion) {
     return motion.parallax_deg >= asked.min_parallax_deg;
   });

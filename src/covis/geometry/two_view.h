@@ -40,7 +40,8 @@ struct TwoViewMotion {
   std::vector<Eigen::Vector3d> points_1;  // one per match, in the first camera's coordinates
   std::vector<uint8_t> triangulated;      // one per match: 1 when points_1 is valid
   int explained = 0;                      // matches that it explains, triangulated or too far away
-  double share = 0;                       // the same as a share of the model's inliers
+  int behind = 0;                         // matches of points so far away that noise puts them behind the cameras
+  double share = 0;                       // share of the model's inliers that are either
   double parallax_deg = 0;  // n-th largest parallax of a point, degrees; n: a quarter of the points, at least 50
 
   // ok, or the reason why it is none to begin a map with.

@@ -87,7 +87,8 @@ std::vector<std::pair<MapPointId, KeyFrameId>> unmeasured(const Map& map) {
 
 bool RegistrationSchedule::ask(const Map& map) {
   const uint32_t serial = map.next_serial();
-  if (serial < next_ || !keeps_depths(map) || map.camera().registration.any() || map.submaps().size() != 1 ||
+  // The answer may come a key frame later, which has to keep its depth image too.
+  if (serial < next_ || serial + 1 >= kLast || map.camera().registration.any() || map.submaps().size() != 1 ||
       has_other_cameras(map) || !can_be_looked_up(map))
     return false;
   next_ = serial + serial / 2;

@@ -69,13 +69,15 @@ AdjustmentReport adjust_locally(SharedMap& shared, KeyFrameId current, const Map
   if (std::find(problem.fixed.begin(), problem.fixed.end(), 1) == problem.fixed.end()) problem.fixed.back() = 1;
 
   BundleSummary summary = adjuster.solve(problem, {.iterations = options.ba_iterations_first, .interrupt = interrupt});
+  bool adjusted = summary.ok;
   if (summary.ok && !summary.interrupted && options.ba_iterations_second > 0) {
     classify_observations(problem);
     summary =
         adjuster.solve(problem, {.iterations = options.ba_iterations_second, .robust = false, .interrupt = interrupt});
+    adjusted = summary.ok || summary.interrupted;  // the first one's result holds
   }
   report.interrupted = summary.interrupted;
-  if (!summary.ok) return report;
+  if (!adjusted) return report;
   classify_observations(problem);
   {
     MapEdit edit(shared);

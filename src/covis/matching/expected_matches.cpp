@@ -25,7 +25,8 @@ void ExpectedMatches::add(const MapPoint& point, const Map& map, const Eigen::Ve
   constexpr uint32_t kKnown = 5;  // frames that had a point in view, for its match ratio to be known
   const Seen seen = seen_before(point, map, centre_w);
   if (seen == Seen::elsewhere) return;
-  const double match_ratio = static_cast<double>(point.found) / point.visible;
+  // A match with a point outside of the local map counts as found, and not as visible.
+  const double match_ratio = std::min(1.0, static_cast<double>(point.found) / point.visible);
   const auto count = [&](MatchTally& tally) {
     tally.expected += match_ratio;
     tally.found += matched;

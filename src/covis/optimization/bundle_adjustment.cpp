@@ -26,13 +26,14 @@ std::optional<size_t> only_hold(const BundleProblem& problem) {
   return static_cast<size_t>(std::find(problem.fixed.begin(), problem.fixed.end(), 1) - problem.fixed.begin());
 }
 
-// The median of the factors by which the points' distances from the centre of one pose became shorter.
-double median_shrinkage(const BundleProblem& problem, size_t pose, const std::vector<double>& distance_before) {
+// The median of the factors by which the moved points' distances from the centre of one pose became shorter.
+double median_shrinkage(const BundleProblem& problem, size_t pose, const std::vector<uint8_t>& moved,
+                        const std::vector<double>& distance_before) {
   std::vector<double> shrinkage;
   const Eigen::Vector3d centre = problem.poses[pose].centre();
   for (size_t p = 0; p < problem.points.size(); ++p) {
     const double now = (problem.points[p] - centre).norm();
-    if (now > 0 && distance_before[p] > 0) shrinkage.push_back(distance_before[p] / now);
+    if (moved[p] && now > 0 && distance_before[p] > 0) shrinkage.push_back(distance_before[p] / now);
   }
   return shrinkage.empty() ? 1 : quantile(std::move(shrinkage), 0.5);
 }
@@ -45,16 +46,18 @@ std::vector<double> distances_from(size_t pose, const BundleProblem& problem) {
   return distances;
 }
 
-// Scales all about the centre of one pose.
-void scale_about(size_t pose, double factor, BundleProblem& problem) {
+// Scales what was moved, the poses of these indices and points by a flag each, about the centre of one pose.
+void scale_about(size_t pose, double factor, const std::vector<int32_t>& moved_poses, const std::vector<uint8_t>& moved,
+                 BundleProblem& problem) {
   const Eigen::Vector3d centre = problem.poses[pose].centre();
-  for (size_t k = 0; k < problem.poses.size(); ++k) {
-    if (problem.fixed[k]) continue;
-    const SE3& T_cw = problem.poses[k];
+  for (const int32_t k : moved_poses) {
+    SE3& T_cw = problem.poses[static_cast<size_t>(k)];
     const Eigen::Vector3d scaled = centre + factor * (T_cw.centre() - centre);
-    problem.poses[k] = SE3(T_cw.R(), Eigen::Vector3d(-(T_cw.R() * scaled)));
+    T_cw = SE3(T_cw.R(), Eigen::Vector3d(-(T_cw.R() * scaled)));
   }
-  for (Eigen::Vector3d& point : problem.points) point = centre + factor * (point - centre);
+  for (size_t p = 0; p < problem.points.size(); ++p) {
+    if (moved[p]) problem.points[p] = centre + factor * (problem.points[p] - centre);
+  }
 }
 
 }  // namespace
@@ -127,7 +130,10 @@ BundleSummary BundleAdjuster::solve(BundleProblem& problem, const BundleOptions&
     T = T.normalized();
   }
   // The steps change the scale where nothing holds it, by some per cent at once.
-  if (hold && stepped) scale_about(*hold, median_shrinkage(problem, *hold, distances), problem);
+  if (hold && stepped) {
+    const double shrinkage = median_shrinkage(problem, *hold, w.point_moves, distances);
+    scale_about(*hold, shrinkage, w.free_index, w.point_moves, problem);
+  }
   summary.ok = std::isfinite(cost) && (stepped || cost < 1e-12 || summary.iterations > 0);
   return summary;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "covis/geometry/measurement.h"
+#include "covis/optimization/reprojection.h"
 
 namespace covis {
 namespace {
@@ -39,7 +40,8 @@ struct CostShares {
       const auto inv_sigma2 = static_cast<double>(o.inv_sigma2);
       columns[pose].cost[k] += r.x() * r.x() * inv_sigma2;
       rows[pose].cost[k] += r.y() * r.y() * inv_sigma2;
-      depths[pose].cost[k] += Chi2(r, inv_sigma2, o.disparity).disparity;
+      const Chi2 chi2(r, inv_sigma2, o.disparity);
+      depths[pose].cost[k] += robust_cost(chi2, problem.camera, o.disparity, Loss::squared).cost - chi2.pixel;
     }
   }
 };

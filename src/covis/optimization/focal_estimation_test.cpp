@@ -88,6 +88,25 @@ TEST(FocalEstimation, ErrorsThatAreAlikeAreCounted) {
   EXPECT_GT(alike.scatter, 2 * independent.scatter);
 }
 
+// Beside outlines a depth is another thing's. The adjustment bounds what it costs, and so does what each part of it
+// says.
+TEST(FocalEstimation, WrongDepthsMakeNoPartContradict) {
+  BundleProblem problem = drive(0.8, 1, 1);
+  problem.camera.bf = 40;
+  problem.camera.depth_noise = {0.002, 0.002};
+  Random random(1);
+  for (BundleObservation& o : problem.observations) {
+    const Eigen::Vector3d p_c =
+        problem.poses[static_cast<size_t>(o.pose)] * problem.points[static_cast<size_t>(o.point)];
+    const double factor = random.below(50) == 0 ? 1.5 : 1 + 0.002 * random.normal();
+    o.disparity = disparity_of_depth(problem.camera, static_cast<float>(factor * p_c.z()), o.inv_sigma2);
+  }
+  const FocalEstimate found = estimate(problem);
+  ASSERT_TRUE(found.ok);
+  EXPECT_NEAR(found.factor, 1, 0.003);
+  EXPECT_LT(found.scatter, 0.002);
+}
+
 TEST(FocalEstimation, BothAxesAgreeWhereTheFocalLengthAloneIsWrong) {
   // The camera is held askew by 45 degrees, so that its turns tell as much in rows as in columns.
   BundleProblem problem = drive(0.8, 1.02, 1);

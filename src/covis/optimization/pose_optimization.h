@@ -35,7 +35,7 @@ struct PoseOptions {
 struct PoseResult {
   SE3 T_cw;
   int inliers = 0;  // number of observations in front of the camera and within their chi-square bound at the end
-  double cost = 0;  // robust cost over the inliers
+  double cost = 0;  // over the inliers, squared but for the depths of a depth sensor
   // Information of xi (translation first) from the last step; its inverse is the covariance.
   Matrix6d information = Matrix6d::Zero();
   // False: fewer than 3 usable observations, or a singular or non-finite system. T_cw is then the initial pose.

@@ -238,7 +238,8 @@ void SensorMonitor::add_images(int64_t frame, ImageView<const uint8_t> image, Im
                                const DepthRegistration& registration) {
   const int equal = depth_images_.frozen.add(image, depth);
   judge(SensorDoubt::depth_frozen, equal > 0, equal, frame);
-  if (registration.any() || !depth_images_.answers.is_next_due()) return;
+  if (registration.any()) return forget_outlines();  // looked up by it, depth images are not where images have it
+  if (!depth_images_.answers.is_next_due()) return;
   if (const auto fit = depth_images_.outlines.add(image, depth)) add_outlines(frame, *fit);
 }
 
@@ -285,6 +286,12 @@ void SensorMonitor::forget_depths() {
   depth_figures_ = {};
   for (const SensorDoubt doubt :
        {SensorDoubt::no_disparity, SensorDoubt::rows_differ, SensorDoubt::depth_too_near, SensorDoubt::no_relief})
+    wrong_[static_cast<size_t>(doubt)] = false;
+}
+
+void SensorMonitor::forget_outlines() {
+  depth_images_.answers = {};
+  for (const SensorDoubt doubt : {SensorDoubt::depth_displaced, SensorDoubt::outlines_fit_nowhere})
     wrong_[static_cast<size_t>(doubt)] = false;
 }
 

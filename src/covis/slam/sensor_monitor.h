@@ -116,6 +116,7 @@ class SensorMonitor {
   void add_depths(int64_t frame);
   void forget_share();
   void forget_depths();
+  void forget_outlines();
   void judge(SensorDoubt doubt, bool is_wrong, double figure, int64_t frame);
 
   const Sensor sensor_;

@@ -323,6 +323,20 @@ TEST(SensorMonitor, OutlinesThatFitNowhereAreDoubtedUntilTheyFit) {
   EXPECT_FALSE(monitor.doubts());
 }
 
+// Depth images that are looked up by a registration are not asked any more, so that a doubt of before never ended.
+TEST(SensorMonitor, ADoubtByOutlinesEndsWhereARegistrationIsFound) {
+  const OutlineFit displaced{4, 20, 900};
+  SensorMonitor monitor(Sensor::rgbd);
+  for (int i = 0; i < 2; ++i) monitor.add_outlines(i, displaced);
+  ASSERT_TRUE(monitor.doubts_depth());
+  const ImageU8 image(64, 48);
+  const ImageF depth(64, 48);
+  DepthRegistration registration;
+  registration.shift_x = 12;
+  monitor.add_images(2, image.view(), depth.view(), registration);
+  EXPECT_FALSE(monitor.doubts_depth());
+}
+
 TEST(SensorMonitor, DepthThatNoLongerChangesIsDoubtedUntilItDoes) {
   SensorMonitor monitor(Sensor::rgbd);
   constexpr int kSide = 128;

@@ -42,13 +42,16 @@ class SnapshotTest : public testing::Test {
 // Equal cameras, which a map may hold twice, are one.
 TEST_F(SnapshotTest, KeyFramesNameTheOtherCamerasThatMadeThem) {
   const RefinedCamera wide{{1280, 720, {900, 901, 640, 360}}, {890, 891, 640, 360}};
-  MapState state = shared.read()->state();
-  for (const size_t k : {1, 2}) {
-    auto features = std::make_shared<Features>(*state.key_frames[k].features);
+  MapFixture made;
+  const auto by_wide = [&] {
+    auto features = std::make_shared<Features>(*made.features(400, false));
     features->made_by = std::make_shared<const RefinedCamera>(wide);
-    state.key_frames[k].features = std::move(features);
-  }
-  *shared.write() = std::move(*Map::from_state(std::move(state)));
+    return features;
+  };
+  const KeyFrameId first = made.frame(0), second = made.map.add_key_frame(10, 0, pose_at(1), by_wide());
+  made.link(first, second, 5, 0);
+  made.map.begin_submap(20, 200, pose_at(2), by_wide());
+  *shared.write() = std::move(made.map);
   const auto snapshot = source.get();
   EXPECT_EQ(snapshot->other_cameras, std::vector{wide});
   EXPECT_EQ(snapshot->key_frames[0].camera, 0u);

@@ -31,7 +31,9 @@ ShutterOptions shutter_of(const Camera& camera, const SystemOptions& options) {
   return {camera.height, finds_shutter(options, camera) ? RowTime::sought : RowTime::given};
 }
 
-TrackingSettings tracking_settings(const SystemOptions& o, const Camera& camera, const ImageProbe& image) {
+// A first frame is not asked for more features than there can be.
+TrackingSettings tracking_settings(SystemOptions o, const Camera& camera, const ImageProbe& image) {
+  o.tracker.start.init_features = std::min(o.tracker.start.init_features, o.orb.features / 2);
   return {.sensor = o.sensor,
           .options = o.tracker,
           .schedule = o.schedule(),

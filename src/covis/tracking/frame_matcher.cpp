@@ -41,6 +41,12 @@ FrameMatcher::FrameMatcher() {
 FrameMatcher::LastFrameMatches FrameMatcher::match_last_frame(const TrackedFrame& last, TrackedFrame& frame,
                                                               const Pinhole& camera, double window) {
   const Features& from = *last.features;
+  // A key frame may be of another pyramid: a level of this frame's that shows things as large is taken.
+  const bool same_levels =
+      from.pyramid->levels == frame.features->pyramid->levels && from.pyramid->base == frame.features->pyramid->base;
+  const auto level_here = [&](size_t i) {
+    return same_levels ? from.level[i] : frame.features->pyramid->predict_level(from.pyramid->scale[from.level[i]], 1);
+  };
   seen_.clear();
   seen_by_.clear();
   seen_angle_.clear();
@@ -48,7 +54,7 @@ FrameMatcher::LastFrameMatches FrameMatcher::match_last_frame(const TrackedFrame
   for (size_t i = 0; i < last.source.size(); ++i) {
     if (last.source[i] == PointSource::none) continue;
     if (camera.depth_noise.known()) seen_depth_.push_back((last.T_cw * last.positions[i]).z());
-    seen_.add_seen(last.points[i], last.positions[i], from.descriptor[i], from.level[i]);
+    seen_.add_seen(last.points[i], last.positions[i], from.descriptor[i], level_here(i));
     seen_by_.push_back(static_cast<uint32_t>(i));
     seen_angle_.push_back(from.angle[i]);
   }

@@ -65,6 +65,20 @@ TEST_F(FrameMatcherTest, TheLastFramesPointsAreFoundWhereTheyAreExpected) {
   expect_right(next, next_view);
 }
 
+// A key frame of a map of great images, before a frame with fewer levels.
+TEST_F(FrameMatcherTest, APyramidMayHaveMoreLevelsThanTheFrames) {
+  last_view = edited(last_view, [](Features& f) {
+    f.pyramid = std::make_shared<const ScalePyramid>(12, f.pyramid->factor);
+    for (size_t i = 0; i < f.level.size(); ++i) f.level[i] = static_cast<uint8_t>(i % 2 == 0 ? 11 : 7);
+  });
+  last.features = last_view.features;
+  const PointScene::View coarse =
+      edited(next_view, [](Features& f) { std::fill(f.level.begin(), f.level.end(), uint8_t{7}); });
+  TrackedFrame next = frame_of(coarse, scene.T_cw(5));
+  EXPECT_EQ(matcher.match_last_frame(last, next, scene.camera, kWindow).matches, expected(coarse));
+  expect_right(next, coarse);
+}
+
 TEST_F(FrameMatcherTest, NothingIsFoundWhereTheFrameIsNot) {
   TrackedFrame next = frame_of(next_view, scene.T_cw(8));  // some 50 pixels aside
   EXPECT_LT(matcher.match_last_frame(last, next, scene.camera, kWindow).matches, 10);

@@ -7,6 +7,7 @@
 
 #include "covis/core/time.h"
 #include "covis/geometry/se3.h"
+#include "covis/tracking/usual_interval.h"
 
 namespace covis {
 
@@ -15,7 +16,7 @@ class MotionModel {
   // Forgets the motion.
   void reset() { motion_.reset(); }
   // The camera moved by T_21 (first camera to second) in this time, which is not zero; it is negative where frames are
-  // followed backward.
+  // followed backward. A motion in a burst is taken together with the one before.
   void observe(const SE3& T_21, Timestamp elapsed);
   // Lengths of the map grew by this factor.
   void rescale(double growth);
@@ -34,6 +35,7 @@ class MotionModel {
     Timestamp elapsed;
   };
   std::optional<Motion> motion_;
+  UsualInterval usual_;
 };
 
 }  // namespace covis

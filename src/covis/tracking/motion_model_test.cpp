@@ -52,6 +52,15 @@ TEST_F(MotionModelTest, HalfTheTimeIsHalfTheWay) {
   EXPECT_LT(difference(half * half, T_21), 1e-9);
 }
 
+TEST_F(MotionModelTest, AMotionInABurstIsTakenWithTheOneBefore) {
+  for (int k = 0; k < 6; ++k) motion.observe(T_21, kFrame);
+  motion.observe(T_21, kFrame / 10);  // stamped nine tenths too early
+  EXPECT_FALSE(motion.is_pause(2 * kFrame));
+  EXPECT_LT(difference(*motion.predict(kFrame * 11 / 10), T_21 * T_21), 1e-9) << "two motions in that time";
+  motion.observe(T_21, 19 * kFrame / 10);
+  EXPECT_EQ(motion.predict(19 * kFrame / 10)->t(), T_21.t());
+}
+
 TEST_F(MotionModelTest, AfterAPauseTheCameraMayBeAnywhere) {
   EXPECT_FALSE(motion.is_pause(100 * kFrame)) << "nothing is known of its frames";
   motion.observe(T_21, kFrame);

@@ -17,6 +17,8 @@ constexpr double kTentativeTime = 1.0;  // seconds
 }  // namespace
 
 bool PlaceCheck::is_right(const Found& found, Arrival arrival) {
+  // In real time the same frame is judged once more where the map has moved meanwhile.
+  if (jump_ && jump_->frame == found.frame.index) jump_.reset();
   const bool jump = jumped(found, arrival);
   const Demand demand = jump || tentative() ? Demand::strict : Demand::usual;
   const Witness witness = !jump                             ? Witness::for_it
@@ -50,7 +52,12 @@ void PlaceCheck::accept(const TrackedFrame& frame, uint32_t submap) {
   Place place{frame.T_cw, submap, frame.stamp};
   if (last_ && last_->submap == submap && frame.stamp > last_->stamp) {
     place.interval = frame.stamp - last_->stamp;
-    place.velocity = frame.T_cw.R() * (frame.T_cw.centre() - last_->T_cw.centre()) / to_seconds(place.interval);
+    Eigen::Vector3d way = frame.T_cw.centre() - last_->T_cw.centre();
+    if (usual_.is_burst(place.interval) && last_->interval > 0) {
+      way += to_seconds(last_->interval) * (last_->T_cw.R().transpose() * last_->velocity);
+      place.interval += last_->interval;
+    }
+    place.velocity = frame.T_cw.R() * way / to_seconds(place.interval);
   }
   last_ = place;
   if (!tentative()) settle(place);

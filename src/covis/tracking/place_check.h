@@ -20,6 +20,7 @@
 #include "covis/tracking/local_map.h"
 #include "covis/tracking/tracked_frame.h"
 #include "covis/tracking/tracking_options.h"
+#include "covis/tracking/usual_interval.h"
 
 namespace covis {
 
@@ -77,7 +78,7 @@ class PlaceCheck {
     SE3 T_cw;
     uint32_t submap = 0;
     Timestamp stamp = 0;
-    Timestamp interval = 0;                              // since the frame before; 0: unknown
+    Timestamp interval = 0;  // since the frame before, in a burst since an earlier one; 0: unknown
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // that of the centre in the camera, metres a second
   };
   struct Jump {
@@ -108,7 +109,8 @@ class PlaceCheck {
   std::vector<MapPointId> matched_;  // map points of the frame being judged, sorted
   std::optional<Place> last_;        // place of the last frame with a pose, unless that was taken back
   std::vector<Place> settled_;       // for each submap the last place there that was not tentative
-  std::optional<Jump> jump_;         // the frame with which the camera jumped to a place that is tentative still
+  UsualInterval usual_;
+  std::optional<Jump> jump_;  // the frame with which the camera jumped to a place that is tentative still
   std::optional<int64_t> retract_from_;
 };
 

@@ -66,6 +66,16 @@ TEST_F(TentativePlaceTest, ACameraLostForAMomentMovedOnMeanwhile) {
   EXPECT_TRUE(place.tentative()) << "twice as far as it goes in that time";
 }
 
+// Every tenth frame is stamped when a burst arrives. Its way divided by next to nothing led so far on that the next
+// place was a jump.
+TEST_F(TentativePlaceTest, AFrameInABurstTellsNoVelocity) {
+  settle();
+  for (int i = 1; i < 40; ++i) {
+    find(i, 0.1 * i - (i % 10 == 0 ? 0.09 : 0), 0.4 * i, i == 21 ? Arrival::relocalised : Arrival::tracked);
+    EXPECT_FALSE(place.tentative()) << i;
+  }
+}
+
 TEST_F(TentativePlaceTest, WhereACameraLostForLongIsFoundItHasJumped) {
   settle();
   find(1, 0.1, 0.5);

@@ -56,10 +56,12 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       last_.map_changed = false;
     }
     FeaturesPtr received = current_.features;
+    const int dead_reckoned = health_.dead_reckoned_frames;
     bool found = find_pose(result, live);
     // In real time a loop may have been closed meanwhile: what was read before does not fit what was read after.
     for (int again = 0; found && realtime && map_.read()->moves() != last_.moves; ++again) {
       current_.features = received;
+      health_.dead_reckoned_frames = dead_reckoned;
       follow_map(*map_.read());
       received = current_.features;
       found = again < 2 && find_pose(result, live);

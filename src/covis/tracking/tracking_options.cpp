@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/tracking/tracking_options.h"
 
+#include "covis/geometry/camera_check.h"
+
 namespace covis {
 
 Fields fields(TrackerOptions& o) {
@@ -35,10 +37,14 @@ Fields fields(TrackerOptions& o) {
       {"tracker.min_shown_share", &o.recovery.min_shown_share,
        "where fewer match: how many points in view the image must show, and how evenly; 1: the image is not asked", 0,
        1},
-      {"tracker.readout", &o.readout,
+      {"tracker.readout",
+       &o.readout,
        "rolling shutter: seconds from the exposure of the first row to that of the last; 0: there is none; -1: it is "
        "found from the recording",
-       kFindReadout, 0.2},
+       -CameraBounds::kLongestReadout,
+       CameraBounds::kLongestReadout,
+       {},
+       kFindReadout},
       {"tracker.new_map_after", &o.start.new_map_after,
        "seconds after a loss at which a new map is begun beside the old one; 0: never", 0, 1e6},
       {"tracker.close_depth_baselines", &o.key_frame.close_depth.baselines,
@@ -69,7 +75,8 @@ Fields fields(TrackerOptions& o) {
       {"tracker.weak_inliers", &o.local_map.weak_inliers,
        "with fewer inliers the next frames get twice the features, until there are 2.5 times as many; 0: never", 0,
        10000},
-      {"tracker.init_features", &o.start.init_features, "features of a first frame (stereo, RGB-D)", 50, 30000},
+      {"tracker.init_features", &o.start.init_features,
+       "features of a first frame (stereo, RGB-D); at most half of orb.features", 50, 30000},
       {"tracker.init_min_matches", &o.start.init_min_matches, "matches of the two first views (monocular)", 20, 10000},
       {"tracker.init_window", &o.start.init_window, "how far a keypoint may move between the two first views, pixels",
        5, 1000},
