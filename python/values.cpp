@@ -237,7 +237,8 @@ void bind_results(py::module_& m) {
       .def_readonly("name", &Setting::name, "For example orb.features.")
       .def_readonly("type", &Setting::type, "The SettingType of its value.")
       .def_readonly("value", &Setting::value, "As text.")
-      .def_readonly("min", &Setting::min, "The least value allowed, of numbers.")
+      .def_readonly("min", &Setting::min,
+                    "The least value allowed, of numbers, but for one that the description names.")
       .def_readonly("max", &Setting::max, "The greatest value allowed, of numbers.")
       .def_readonly("description", &Setting::description, "Its effect, with its unit.");
 }

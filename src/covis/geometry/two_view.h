@@ -24,7 +24,7 @@ struct TwoViewOptions {
   double homography_ratio = 0.45;  // S_H / (S_H + S_F) above which the homography is used
   double min_parallax_deg = 1.0;
   int min_points = 50;          // least number of triangulated points of an accepted motion
-  double min_good_share = 0.9;  // least share of the model's inliers that an accepted motion must explain
+  double min_good_share = 0.9;  // least TwoViewMotion::share of an accepted motion
   // A motion that explains more than this share (below 1) of the matches of the best one is a rival of it.
   double clear_winner = 0.75;
   // Times min_parallax_deg: asked of a motion of a plane that only matches off the plane tell from its rivals, as a

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "tests/ceres_problems.h"
@@ -75,6 +76,20 @@ TEST(BundleAdjustment, AScaleThatNothingTellsStays) {
   EXPECT_EQ(world.problem.poses[0].t(), before.poses[0].t());
   const BundleSummary after = adjuster.solve(world.problem, {.iterations = 0});
   EXPECT_NEAR(after.initial_cost, summary.final_cost, 1e-6 * summary.final_cost) << "points are scaled with the poses";
+}
+
+// One view of it leaves a point undetermined; it stays where it was, though the others shrink and are scaled back.
+TEST(BundleAdjustment, APointThatDoesNotMoveIsNotScaled) {
+  World world = make_world(13, 10, 200, Rows::mono, 0);
+  std::fill(world.problem.fixed.begin() + 1, world.problem.fixed.end(), 0);
+  bool first = true;
+  for (BundleObservation& o : world.problem.observations) {
+    if (o.point == 5) o.active = std::exchange(first, false);
+  }
+  const Eigen::Vector3d before = world.problem.points[5], other = world.problem.points[6];
+  BundleAdjuster().solve(world.problem, {.iterations = 30});
+  EXPECT_EQ(world.problem.points[5], before);
+  EXPECT_NE(world.problem.points[6], other);
 }
 
 TEST(BundleAdjustment, AScaleThatDepthTellsIsFound) {

@@ -6,9 +6,11 @@
 namespace covis {
 
 void MotionModel::observe(const SE3& T_21, Timestamp elapsed) {
-  const bool burst = usual_.is_burst(elapsed);
-  motion_ = burst && motion_ ? Motion{(T_21 * motion_->T_21).normalized(), motion_->elapsed + elapsed}
-                             : Motion{T_21, elapsed};
+  if (!usual_.is_burst(elapsed)) {
+    motion_ = {T_21, elapsed};
+  } else if (motion_) {
+    motion_ = {(T_21 * motion_->T_21).normalized(), motion_->elapsed + elapsed};
+  }
 }
 
 void MotionModel::rescale(double growth) {

@@ -59,6 +59,9 @@ TEST_F(MotionModelTest, AMotionInABurstIsTakenWithTheOneBefore) {
   EXPECT_LT(difference(*motion.predict(kFrame * 11 / 10), T_21 * T_21), 1e-9) << "two motions in that time";
   motion.observe(T_21, 19 * kFrame / 10);
   EXPECT_EQ(motion.predict(19 * kFrame / 10)->t(), T_21.t());
+  motion.reset();
+  motion.observe(T_21, kFrame / 10);
+  EXPECT_FALSE(motion.predict(kFrame)) << "alone it tells no motion";
 }
 
 TEST_F(MotionModelTest, AfterAPauseTheCameraMayBeAnywhere) {

@@ -51,13 +51,16 @@ void PlaceCheck::accept(const TrackedFrame& frame, uint32_t submap) {
   if (jump_ && frame.stamp - jump_->stamp >= from_seconds(kTentativeTime)) jump_.reset();
   Place place{frame.T_cw, submap, frame.stamp};
   if (last_ && last_->submap == submap && frame.stamp > last_->stamp) {
-    place.interval = frame.stamp - last_->stamp;
+    const bool burst = usual_.is_burst(frame.stamp - last_->stamp);
     Eigen::Vector3d way = frame.T_cw.centre() - last_->T_cw.centre();
-    if (usual_.is_burst(place.interval) && last_->interval > 0) {
+    place.interval = frame.stamp - last_->stamp;
+    if (burst && last_->interval > 0) {
       way += to_seconds(last_->interval) * (last_->T_cw.R().transpose() * last_->velocity);
       place.interval += last_->interval;
+    } else if (burst) {
+      place.interval = 0;
     }
-    place.velocity = frame.T_cw.R() * way / to_seconds(place.interval);
+    if (place.interval > 0) place.velocity = frame.T_cw.R() * way / to_seconds(place.interval);
   }
   last_ = place;
   if (!tentative()) settle(place);
