@@ -46,8 +46,8 @@ struct BundleSummary {
   double initial_cost = 0, final_cost = 0;  // sum of rho(chi2) over the active observations
   int iterations = 0;
   bool interrupted = false;
-  bool ok =
-      true;  // false: there was nothing to solve, a value is not finite, or it was interrupted before it tried a step
+  // False: there was nothing to solve, a value is not finite, or it was interrupted before it tried a step.
+  bool ok = true;
 };
 
 // Keeps its workspace between calls. Not thread-safe.
