@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-# covis_module(NAME DEPS … [DIR …] [TEST_DEPS …] [TEST_NAME …] [APP] [ONE_TEST] [ADDRESSED FILTER] [THREADED NAME …]): a static library
+# covis_module(NAME DEPS … [DIR …] [TEST_DEPS …] [TEST_NAME …] [APP] [LIGHT] [ONE_TEST] [ADDRESSED FILTER] [THREADED NAME …]): a static library
 # covis_NAME of the *.cpp files below src/covis/NAME, and a test of the *_test.cpp files among them.
 #   DIR         the folder of the sources, from the project's root, when it is another
 #   TEST_NAME   the test's name, where it is not to be NAME_test
 #   APP         it is of the command and leaves the work to the library
+#   LIGHT       its tests compute little: under sanitizers they are compiled without optimisations
 #   ONE_TEST    the cases share what is dear to make or to load (OpenCV), so ctest runs them in one process
 #   ADDRESSED   of such a test, the cases (a GoogleTest filter) the address sanitizer is to run; without it all
 #   THREADED    NAME_test.cpp starts threads, or holds what threads share: the thread sanitizer has these alone
 function(covis_module name)
-  cmake_parse_arguments(M "APP;ONE_TEST" "DIR;TEST_NAME;ADDRESSED" "DEPS;TEST_DEPS;THREADED" ${ARGN})
+  cmake_parse_arguments(M "APP;LIGHT;ONE_TEST" "DIR;TEST_NAME;ADDRESSED" "DEPS;TEST_DEPS;THREADED" ${ARGN})
   if(NOT M_DIR)
     set(M_DIR src/covis/${name})
   endif()
@@ -33,8 +34,12 @@ function(covis_module name)
   endforeach()
   add_library(covis_${name} STATIC ${sources})
   target_link_libraries(covis_${name} PUBLIC covis_flags ${M_DEPS})
+  set(light)
+  if(M_APP OR M_LIGHT)
+    set(light LIGHT)
+  endif()
   if(M_APP)
-    covis_compile_fast(covis_${name})
+    covis_compile_fast(covis_${name} ${light})
     covis_use_headers(covis_${name} covis_app_headers)
   else()
     covis_use_headers(covis_${name} covis_library_headers)
@@ -48,8 +53,12 @@ function(covis_module name)
     target_link_libraries(${test} PRIVATE covis_${name} GTest::gmock_main ${M_TEST_DEPS})
     target_compile_definitions(${test} PRIVATE COVIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     target_include_directories(${test} PRIVATE ${PROJECT_SOURCE_DIR})
-    covis_compile_fast(${test})
-    covis_use_headers(${test} covis_test_headers)
+    covis_compile_fast(${test} ${light})
+    if(light AND COVIS_SANITIZE)
+      covis_use_headers(${test} covis_light_test_headers)
+    else()
+      covis_use_headers(${test} covis_test_headers)
+    endif()
     set_target_properties(${test} PROPERTIES UNITY_BUILD_BATCH_SIZE 16)
     if(M_ONE_TEST)
       set(filter *)
@@ -88,10 +97,15 @@ function(covis_plugin name)
   endif()
 endfunction()
 
-# covis_compile_fast(TARGET): for programs of the preset `test` that leave all work to the library, with fewer optimisations:
-# three quarters of the time to compile. So little inlined, GCC 12 takes matrices of Eigen for unset.
+# covis_compile_fast(TARGET [LIGHT]): for programs of the preset `test` that leave all work to the library, with fewer
+# optimisations: three quarters of the time to compile. So little inlined, GCC 12 takes matrices of Eigen for unset. LIGHT: under
+# sanitizers with none, half the time. Not for what computes: of a template that the library has too, the linker may keep this one.
 function(covis_compile_fast target)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1 -Wno-maybe-uninitialized>)
+  set(level -O1)
+  if(COVIS_SANITIZE AND "LIGHT" IN_LIST ARGN)
+    set(level -O0)
+  endif()
+  target_compile_options(${target} PRIVATE $<$<CONFIG:RelWithDebInfo>:${level} -Wno-maybe-uninitialized>)
 endfunction()
 
 # covis_precompile(NAME HEADER …): a library of precompiled headers. It must be compiled with the flags of what uses it.
