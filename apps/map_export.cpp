@@ -158,13 +158,23 @@ Result<void> write_poses(const std::vector<Scene>& scenes, const fs::path& file,
 }
 
 // The images go to this folder, if there are any; returns how many there are. Error: those that were named are not
-// there.
+// there, or not of key frames.
 Result<size_t> write_images(const ExportArguments& a, const fs::path& folder, std::vector<Scene>& scenes) {
   const fs::path kept = a.images.empty() ? exchange::image_folder(a.file) : fs::path(a.images);
-  size_t views = 0, images = 0;
+  std::vector<uint32_t> serials;
+  for (const Scene& scene : scenes) {
+    for (const exchange::SceneView& view : scene.views) serials.push_back(view.serial);
+  }
+  const size_t views = serials.size();
+  const bool there = !a.images.empty() || fs::is_directory(kept);
+  if (there) {
+    const auto read = exchange::KeptImages::read(kept);
+    if (!read) return tl::unexpected(read.error());
+    if (const auto named = read->check_names(serials); !named) return tl::unexpected(named.error());
+  }
+  size_t images = 0;
   for (Scene& scene : scenes) {
-    views += scene.views.size();
-    if (a.images.empty() && !fs::is_directory(kept)) continue;
+    if (!there) continue;
     const auto written = exchange::write_images(kept, folder, scene);
     if (!written) return tl::unexpected(written.error());
     images += *written;
@@ -321,8 +331,9 @@ void add_map_export(CLI::App& map_command, int& exit_code) {
       ->required()
       ->check(CLI::IsMember(keys(kFormats)));
   command->add_option("--out", a->out, "folder for colmap, nerfstudio and bundler; file for the others")->required();
-  command->add_option("--images", a->images,
-                      "folder of the key frames' images (default: FILE.images, which covis run --keep-images makes)");
+  command->add_option(
+      "--images", a->images,
+      "folder of the key frames' images, by their ids (default: FILE.images, which covis run --keep-images makes)");
   command
       ->add_option("--origin", a->origin,
                    "geojson: latitude and longitude of the first key frame, degrees, and altitude")

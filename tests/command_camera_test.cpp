@@ -48,6 +48,18 @@ TEST_F(CommandCamera, IsFoundFromAVideoAndWrittenLong) {
   EXPECT_EQ(text_of(folder / "again/trajectory.txt"), text_of(out / "trajectory.txt"));
 }
 
+TEST_F(CommandCamera, OfItsOwnerIsNotReplacedByAnEstimate) {
+  const fs::path recording = render("mono", 3), out = folder / "out";
+  fs::create_directories(out);
+  fs::rename(recording / "camera.yaml", out / "camera.yaml");
+  const std::string before = text_of(out / "camera.yaml");
+  const Outcome run = covis({"run", recording, "--quiet", "--out", out});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.error, AllOf(HasSubstr("camera.yaml: it is there and is not a camera that covis run found"),
+                               HasSubstr("give it with --camera")));
+  EXPECT_EQ(text_of(out / "camera.yaml"), before);
+}
+
 TEST_F(CommandCamera, ThatCanHardlyBeRightIsNamedByRunAsByCheck) {
   const fs::path recording = render("rgbd", 3), camera = folder / "wide.yaml";
   auto file = io::load_camera(recording / "camera.yaml");

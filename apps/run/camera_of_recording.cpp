@@ -30,14 +30,14 @@ Result<void> play(const std::string& path, const io::SequenceOptions& reading, c
 
 std::string file_text(const FoundCamera& found) {
   char head[400];
-  std::snprintf(
-      head, sizeof head,
-      "# An estimate from the recording itself, by %zu key frames: the focal length is uncertain by %.1f %% (one\n"
-      "# standard deviation), k1 by %.3f, k2 by %.3f, the principal point by %.1f and %.1f pixels.\n",
-      found.key_frames, 100 * found.sigma.focal, found.sigma.k1, found.sigma.k2, found.sigma.cx, found.sigma.cy);
+  std::snprintf(head, sizeof head,
+                ", by %zu key frames: the focal length is uncertain by %.1f %% (one\n"
+                "# standard deviation), k1 by %.3f, k2 by %.3f, the principal point by %.1f and %.1f pixels.\n",
+                found.key_frames, 100 * found.sigma.focal, found.sigma.k1, found.sigma.k2, found.sigma.cx,
+                found.sigma.cy);
   io::CameraFile file;
   file.camera = found.camera;
-  return head + io::camera_text(file);
+  return std::string(io::kCameraEstimate).append(head).append(io::camera_text(file));
 }
 
 }  // namespace
@@ -48,8 +48,8 @@ Result<CameraEstimate> find_camera_of(const std::string& path, const io::Sequenc
   const auto opened = io::open_sequence(path, reading);
   if (!opened) return tl::unexpected(opened.error());
   const std::filesystem::path file = out / "camera.yaml";
-  if (const auto fits = io::check_output(file, io::OutputKind::camera, {path}); !fits)
-    return tl::unexpected(fits.error());
+  if (const auto fits = io::check_output(file, io::OutputKind::camera_estimate, {path}); !fits)
+    return fail(fits.error().message + ", or, if it is this recording's camera, give it with --camera");
   const int width = (*opened)->camera().width, height = (*opened)->camera().height;
   const auto tell = [&](const std::string& message) {
     if (!quiet) log(LogLevel::info, message);

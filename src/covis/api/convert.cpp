@@ -266,9 +266,10 @@ std::vector<Setting> to_settings(const Fields& fields) {
   return settings;
 }
 
-std::shared_ptr<const MapSnapshot> PublicSnapshots::get(const System& system, const CameraParameters& given) {
+std::shared_ptr<const MapSnapshot> PublicSnapshots::get(const std::function<const System&()>& current,
+                                                        const CameraParameters& given) {
   const std::lock_guard lock(mutex_);
-  const std::shared_ptr<const Snapshot> source = system.snapshot();
+  const std::shared_ptr<const Snapshot> source = current().snapshot();
   if (source != source_) {
     auto made = std::make_shared<MapSnapshot>(to_public(*source));
     made->camera = made->cameras.front() = in_use(given, source->camera);

@@ -2,6 +2,7 @@
 // Values of the public interface as the system's own, and back.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -43,7 +44,8 @@ const char* member_of_options(std::string_view setting);
 // any thread.
 class PublicSnapshots {
  public:
-  std::shared_ptr<const MapSnapshot> get(const System& system, const CameraParameters& given);
+  // Asks for the system when no other thread is here: one asked before could be older than what was made last.
+  std::shared_ptr<const MapSnapshot> get(const std::function<const System&()>& current, const CameraParameters& given);
 
  private:
   std::mutex mutex_;  // guards what follows

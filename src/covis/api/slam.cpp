@@ -302,6 +302,7 @@ Expected<void> Slam::set_mode(Mode mode) {
       return Failure("localisation needs a map, and there is none yet");
     const auto reports = system.set_mode(to_tracking_mode(mode));
     if (!reports) return Failure(reports.error().message);
+    impl_->colours.give(system);
     impl_->mode = mode;
     return impl_->teller.of_end(impl_->last_stamp, *reports, system.take_warnings(), system.map());
   });
@@ -351,7 +352,12 @@ void Slam::on_event(std::function<void(const Event&)> handler) {
 }
 
 std::shared_ptr<const MapSnapshot> Slam::snapshot() const {
-  return impl_->snapshots.get(impl_->current()->system, impl_->given);
+  Impl::SessionPtr session;
+  const auto current = [&]() -> const System& {
+    session = impl_->current();
+    return session->system;
+  };
+  return impl_->snapshots.get(current, impl_->given);
 }
 
 std::vector<TrajectoryPose> Slam::trajectory() const { return to_trajectory(impl_->current()->system.trajectory()); }

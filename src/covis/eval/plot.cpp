@@ -78,6 +78,13 @@ void find_range(const Plot& plot, std::vector<double> PlotSeries::*values, std::
   range = {low - margin, high + margin};
 }
 
+// Between the ends of an axis there must be numbers for its ticks, however far from zero they are.
+void widen(std::array<double, 2>& range) {
+  constexpr double kLeast = 1e-12;
+  const double margin = kLeast * std::max(std::abs(range[0]), std::abs(range[1]));
+  range = {range[0] - margin, range[1] + margin};
+}
+
 void draw_axes(const Canvas& c, const Plot& plot) {
   const double step_x = tick_step(c.x1 - c.x0, std::max(2, static_cast<int>(c.box.width / 110)));
   const double step_y = tick_step(c.y1 - c.y0, std::max(2, static_cast<int>(c.box.height / 60)));
@@ -140,6 +147,8 @@ cv::Mat paint(const Plot& plot) {
   std::array<double, 2> xr = plot.x_range, yr = plot.y_range;
   find_range(plot, &PlotSeries::x, xr);
   find_range(plot, &PlotSeries::y, yr);
+  widen(xr);
+  widen(yr);
   if (plot.equal_aspect) {
     const double unit = std::max((xr[1] - xr[0]) / c.box.width, (yr[1] - yr[0]) / c.box.height);  // units per pixel
     for (auto [range, pixels] : {std::pair{&xr, c.box.width}, std::pair{&yr, c.box.height}}) {

@@ -23,5 +23,16 @@ TEST(PlotTest, NothingAndOnePointAndNanCanBeDrawn) {
   }
 }
 
+// A camera that stands, in the coordinates of a country: its path is as wide as the last digit of a number.
+TEST(PlotTest, AxesFarFromZeroHaveAnEnd) {
+  for (const double far : {5e6, 1e8, 1e9, 999999999999.0}) {
+    const std::vector<double> path{far, std::nextafter(far, 2 * far), far};
+    Plot plot{.title = "t", .x_label = "x", .y_label = "y", .series = {{"s", path, path, kBlue}}, .equal_aspect = true};
+    EXPECT_TRUE(draw({plot})) << far;
+    plot.x_range = {far, path[1]};
+    EXPECT_TRUE(draw({plot})) << far;
+  }
+}
+
 }  // namespace
 }  // namespace covis

@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -76,6 +77,21 @@ fs::path KeptImages::find(uint32_t serial, Timestamp stamp) const {
   for (auto at = stamps_.lower_bound(stem); at != stamps_.end() && at->first.starts_with(stem); ++at) {
     if (fs::path(at->first).stem() == stem && (!listed_ || std::abs(at->second - stamp) < kSame))
       return folder_ / at->first;
+  }
+  return {};
+}
+
+Result<void> KeptImages::check_names(const std::vector<uint32_t>& serials) const {
+  if (listed_) return {};
+  std::set<std::string> stems;
+  for (const uint32_t serial : serials) stems.insert(image_stem(serial));
+  for (const auto& [name, stamp] : stamps_) {
+    if (!stems.contains(fs::path(name).stem().string())) {
+      return fail(
+          (folder_ / name).string() +
+          ": no key frame has this number, so the images here will be numbered otherwise, as frames are; without " +
+          kList + ", which covis run --keep-images writes, each image must be named after its key frame's id");
+    }
   }
   return {};
 }

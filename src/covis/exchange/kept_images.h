@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "covis/core/error.h"
 #include "covis/core/time.h"
@@ -22,7 +23,8 @@ Result<void> copy_image(const std::filesystem::path& from, const std::filesystem
 
 class KeptImages {
  public:
-  // Error: no such folder. A folder without a list, which someone put together by hand, is taken by its names alone.
+  // Error: no such folder. A folder without a list, which someone put together by hand, is taken by its names alone
+  // (check_names()).
   static Result<KeptImages> read(const std::filesystem::path& folder);
   // Makes the folder, or takes one that was made so. Error: there is a folder with other things in it, or it can't be
   // made.
@@ -33,6 +35,9 @@ class KeptImages {
   const std::filesystem::path& folder() const { return folder_; }
   // The file of a key frame's image; empty when there is none, or it is that of another map's key frame.
   std::filesystem::path find(uint32_t serial, Timestamp stamp) const;
+  // Error: a folder without a list holds an image that is named after none of these key frames. The numbers of its
+  // names will be those of frames then.
+  Result<void> check_names(const std::vector<uint32_t>& serials) const;
   // Adds an image that lies in the folder.
   void add(const std::string& name, Timestamp stamp) { stamps_[name] = stamp; }
   // Writes the list, and removes the images that an earlier list named and this one does not.

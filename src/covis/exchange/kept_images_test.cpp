@@ -70,6 +70,19 @@ TEST(KeptImages, OfAFolderWithoutAListAreTakenByName) {
   ASSERT_TRUE(kept);
   EXPECT_EQ(kept->find(1, 77), folder / "000001.JPG");
   EXPECT_EQ(kept->find(2, 77), fs::path());
+  EXPECT_TRUE(kept->check_names({1, 2}));
+}
+
+TEST(KeptImages, FramesOfARecordingAreNotTakenForKeyFrames) {
+  const TemporaryFolder folder;
+  for (const char* name : {"000000.png", "000001.png", "000002.png"}) write_file(folder / name, "a frame");
+  const auto kept = KeptImages::read(folder.path());
+  ASSERT_TRUE(kept);
+  const auto checked = kept->check_names({0, 1});
+  ASSERT_FALSE(checked);
+  EXPECT_THAT(checked.error().message, testing::HasSubstr("000002.png: no key frame has this number"));
+  write_file(folder / "images.txt", "000001.png 7\n");
+  EXPECT_TRUE(KeptImages::read(folder.path())->check_names({0})) << "stamps tell whose they are";
 }
 
 // A copy can be written over, whatever the rights of its source.

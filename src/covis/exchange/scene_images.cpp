@@ -6,8 +6,11 @@
 #include <optional>
 #include <string>
 
+#include "covis/core/atomic_file.h"
 #include "covis/exchange/kept_images.h"
 #include "covis/features/rectification.h"
+#include "covis/io/files.h"
+#include "covis/io/image_bytes.h"
 #include "covis/io/images.h"
 
 namespace covis::exchange {
@@ -28,17 +31,21 @@ ResamplingMap undistortion(const SceneCamera& camera) {
   return map;
 }
 
+io::ExpectedSize size_by(const Camera& camera) { return {camera.width, camera.height, "its key frame"}; }
+
+Result<void> copy(const fs::path& from, const Camera& camera, const fs::path& to) {
+  std::string bytes;
+  if (auto read = io::read_bytes(from, bytes); !read) return read;
+  if (const auto problem = io::problem_of_image(bytes, size_by(camera))) return fail(from.string() + ": " + *problem);
+  return write_atomically(to, bytes);
+}
+
 // `map` is made for the first image of a camera: that there is none must cost nothing.
 Result<void> resample(const fs::path& from, const SceneCamera& camera, std::optional<ResamplingMap>& map,
                       const fs::path& to) {
   const Camera& given = camera.given;
-  auto picture = io::read_picture(from);
+  auto picture = io::read_picture(from, size_by(given));
   if (!picture) return tl::unexpected(picture.error());
-  if (picture->width != given.width || picture->height != given.height) {
-    return fail(from.string() + ": the image is " + std::to_string(picture->width) + "x" +
-                std::to_string(picture->height) + ", the camera's that made the key frame " +
-                std::to_string(given.width) + "x" + std::to_string(given.height));
-  }
   if (std::max(given.width, given.height) > ResamplingMap::kLargestSide)
     return fail(from.string() + ": images of more than " + std::to_string(ResamplingMap::kLargestSide) +
                 " pixels a side can't be undistorted");
@@ -70,7 +77,7 @@ Result<size_t> write_images(const fs::path& folder_of_kept, const fs::path& fold
       if (from.empty()) continue;
       view.image = as_taken || from.extension() == ".jpg" ? from.filename().string() : image_name(view.serial);
       const fs::path to = folder / view.image;
-      if (auto written = as_taken ? copy_image(from, to) : resample(from, camera, map, to); !written)
+      if (auto written = as_taken ? copy(from, camera.given, to) : resample(from, camera, map, to); !written)
         return tl::unexpected(written.error());
       ++count;
     }

@@ -73,10 +73,10 @@ TEST_F(SceneImages, ShowTheSameThroughACentredCameraWithARefinedFocalLength) {
 TEST_F(SceneImages, AreCopiedWhereThereIsNoDistortion) {
   camera.distortion = Distortion::none;
   use(camera);
-  write_file(folder / "kept/000007.jpeg", "any bytes");
+  ASSERT_TRUE(io::write_picture(folder / "kept/000007.jpg", ramp(80)));
   ASSERT_EQ(*write_images(folder / "kept", folder / "images", scene), 1u);
-  EXPECT_EQ(scene.views[1].image, "000007.jpeg");
-  EXPECT_EQ(read_file(folder / "images/000007.jpeg"), "any bytes");
+  EXPECT_EQ(scene.views[1].image, "000007.jpg");
+  EXPECT_EQ(read_file(folder / "images/000007.jpg"), read_file(folder / "kept/000007.jpg"));
 }
 
 TEST_F(SceneImages, EachIsThatOfItsOwnCamera) {
@@ -100,8 +100,12 @@ TEST_F(SceneImages, ThatAreMissingOrDoNotFitAreNamed) {
   EXPECT_THAT(write_images(folder / "kept", folder / "kept", scene).error().message,
               testing::HasSubstr("over those that they are made of"));
   ASSERT_TRUE(io::write_picture(folder / "kept/000003.png", ramp(50)));
-  EXPECT_THAT(error("kept"),
-              testing::HasSubstr("000003.png: the image is 50x60, the camera's that made the key frame 80x60"));
+  const auto other_size =
+      testing::HasSubstr("kept/000003.png: the image is 50x60, the camera of its key frame is 80x60");
+  EXPECT_THAT(error("kept"), other_size);
+  camera.distortion = Distortion::none;
+  use(camera);
+  EXPECT_THAT(error("kept"), other_size) << "where they are copied, too";
 }
 
 }  // namespace

@@ -63,6 +63,8 @@ bool is_of(OutputKind kind, std::string_view bytes) {
       return bytes.starts_with("# seconds of each row of ");
     case OutputKind::camera:
       return is_camera(bytes);
+    case OutputKind::camera_estimate:
+      return bytes.starts_with(kCameraEstimate);
     case OutputKind::vocabulary:
       return is_vocabulary(bytes);
     case OutputKind::geojson:
@@ -89,6 +91,7 @@ const char* name(OutputKind kind) {
                                            "a trajectory that Covis wrote",
                                            "a file of stamps that Covis wrote",
                                            "a camera file",
+                                           "a camera that covis run found from a recording",
                                            "a vocabulary",
                                            "a path in GeoJSON that Covis wrote",
                                            "a COLMAP model that Covis wrote",

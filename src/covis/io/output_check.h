@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "covis/core/error.h"
@@ -13,8 +14,8 @@
 namespace covis::io {
 
 // Kinds of files that commands write, recognised by their first bytes. Some count only as Covis writes them: a picture
-// of marked_picture(), a trajectory with our decimals, a page, a model with our first line. Of the others (png,
-// point_cloud, camera, vocabulary as text, bundler, json) a file of another program counts, too.
+// of marked_picture(), a trajectory with our decimals, a camera's estimate, a page, a model with our first line. Of the
+// others (png, point_cloud, camera, vocabulary as text, bundler, json) a file of another program counts, too.
 enum class OutputKind {
   picture,
   png,  // any, as earlier versions wrote no mark into that of a run
@@ -23,6 +24,7 @@ enum class OutputKind {
   trajectory,
   times,  // the stamps of a trajectory's rows
   camera,
+  camera_estimate,  // the camera file of a recording that it was found from
   vocabulary,
   geojson,
   colmap,      // cameras.txt
@@ -31,6 +33,9 @@ enum class OutputKind {
   scene,
   json
 };
+
+// The beginning of a camera_estimate.
+inline constexpr std::string_view kCameraEstimate = "# An estimate from the recording itself";
 
 // True where nothing of another kind is lost: a file of that kind, an empty one, none. Also where it is no regular
 // file, which writing refuses or writes into. Error: the file can't be read.

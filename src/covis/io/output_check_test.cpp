@@ -44,9 +44,11 @@ TEST_F(OutputCheck, EachKindReplacesItsOwnAlone) {
   ASSERT_TRUE(write_ply(folder / "ply", {}));
   EXPECT_EQ(replaced_by(read_file(folder / "ply")), Kinds{OutputKind::point_cloud});
   EXPECT_EQ(replaced_by("# a\n# b\n" + camera_text({})), Kinds{OutputKind::camera});
+  EXPECT_EQ(replaced_by(std::string(kCameraEstimate) + ", by 9\n" + camera_text({})),
+            (Kinds{OutputKind::camera, OutputKind::camera_estimate}));
   EXPECT_EQ(replaced_by("COVISVOC"), Kinds{OutputKind::vocabulary});
   EXPECT_EQ(replaced_by("10 5 0 0\n0 1 2"), Kinds{OutputKind::vocabulary});
-  EXPECT_EQ(replaced_by("").size(), 14u) << "nothing is lost";
+  EXPECT_EQ(replaced_by("").size(), 15u) << "nothing is lost";
 }
 
 TEST_F(OutputCheck, FilesOfOthersAreNotReplaced) {

@@ -90,11 +90,19 @@ struct Calibration {
   SE3 T_0c;  // maps from the (left) camera of the images to camera 0, whose poses the ground truth gives
 };
 
+// Where calib.txt says that a camera is, as seen from camera 0: with it, where there is none or one that can't be read.
+SE3 place_of(const fs::path& file, const std::string& camera) {
+  const auto projections = fs::exists(file) ? read_projections(file) : std::map<std::string, Projection>();
+  if (!projections || !projections->contains(camera)) return {};
+  return SE3(Eigen::Matrix3d::Identity(), -translation_of(projections->at(camera)));
+}
+
 // left, right: "P0", "P1" or "P2", "P3". bf is computed from the offset between the two.
 Result<Calibration> find_calibration(const Request& request, const std::string& left, const std::string& right,
                                      Sensor sensor) {
-  if (request.given) return Calibration{request.given->file.string(), request.given->camera, request.given->bits, {}};
   const fs::path file = request.folder / "calib.txt";
+  if (request.given)
+    return Calibration{request.given->file.string(), request.given->camera, request.given->bits, place_of(file, left)};
   if (!fs::exists(file)) {
     if (!fs::exists(request.folder / "camera.yaml"))
       return tl::unexpected(no_calibration(request.folder, "calib.txt, camera.yaml"));

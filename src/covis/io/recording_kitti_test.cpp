@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "covis/io/camera_file.h"
 #include "covis/io/test_recordings.h"
 
 namespace covis::io {
@@ -37,6 +38,15 @@ TEST_F(Sequences, ReadsKittiInColourWithItsTruth) {
   EXPECT_EQ(truth->front().stamp, 250'000'000);
   // The poses are of camera 0; camera 2 has it at x = 3 / 50, so is 0.06 m to its left.
   EXPECT_TRUE(truth->front().T_wc.t().isApprox(Eigen::Vector3d(6.94, 8, 9), 1e-9));
+
+  // A camera that is given is no reason to compare with another camera's path.
+  CameraFile given;
+  given.camera = (*opened)->camera();
+  given.baseline = 0.5;
+  write_file(folder / "given.yaml", camera_text(given));
+  opened = open_sequence((folder / "sequences/06").string(), {.camera_file = folder / "given.yaml"});
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_TRUE(load_truth(**opened)->front().T_wc.t().isApprox(Eigen::Vector3d(6.94, 8, 9), 1e-9));
 }
 
 TEST_F(Sequences, ReadsAPartOfAKittiSequence) {
