@@ -26,11 +26,15 @@ void tell_loop(const MappingReport& report, const Map& map, std::vector<Event>& 
     event.submap = static_cast<int>(place->submap);
     event.place = place->serial;
   }
-  if (report.loop.joined) event.ended = static_cast<int>(report.loop.joined->id);
   if (key_frame) {
     event.stamp = key_frame->stamp;
     event.submap = static_cast<int>(key_frame->submap);
     event.key_frame = key_frame->serial;
+  }
+  // The map knows what became of the key frames' submap since.
+  if (report.loop.joined) {
+    event.ended = static_cast<int>(report.loop.joined->id);
+    event.submap = static_cast<int>(report.loop.joined->kept);
   }
   events.push_back(event);
 }

@@ -66,7 +66,7 @@ TEST_F(EventsTest, ALoopNamesBothKeyFrames) {
     MappingReport report = mapped(c);
     report.loop.outcome = outcome;
     report.loop.loop = a;
-    if (outcome == LoopOutcome::joined) report.loop.joined = JoinedSubmap{3, 7};
+    if (outcome == LoopOutcome::joined) report.loop.joined = JoinedSubmap{3, 0, 7};
     const auto events = EventTeller::of_mapping({report}, shared);
     EXPECT_EQ(kinds(events), (std::vector{Kind::key_frame_made, kind}));
     EXPECT_EQ(events[1].key_frame, serial(c));
@@ -153,7 +153,7 @@ TEST_F(EventsTest, AfterAJoinTheCameraIsInTheSubmapThatRemains) {
   MappingReport joined = mapped(c);
   joined.loop.outcome = LoopOutcome::joined;
   joined.loop.loop = a;
-  joined.loop.joined = JoinedSubmap{1, 0};
+  joined.loop.joined = JoinedSubmap{1, 0, 0};
   for (const bool at_the_end : {false, true}) {
     EventTeller teller(TrackingState::not_initialised);
     FrameReport report;
@@ -174,6 +174,22 @@ TEST_F(EventsTest, AfterAJoinTheCameraIsInTheSubmapThatRemains) {
     EXPECT_EQ(events.end()[-2].submap, 0);
     EXPECT_EQ(events.back().submap, 0);
   }
+}
+
+// Two joins that are told at once: 2 became a part of 1, and then 1 of 0.
+TEST_F(EventsTest, AJoinTellsTheSubmapThatRemainedThen) {
+  MappingReport first = mapped(c), second = mapped(c);
+  for (MappingReport* report : {&first, &second}) {
+    report->loop.outcome = LoopOutcome::joined;
+    report->loop.loop = a;
+  }
+  first.loop.joined = JoinedSubmap{2, 1, 5};
+  second.loop.joined = JoinedSubmap{1, 0, 7};
+  std::vector<std::pair<int, int>> told;
+  for (const Event& event : EventTeller::of_mapping({first, second}, shared)) {
+    if (event.ended) told.emplace_back(*event.ended, event.submap);
+  }
+  EXPECT_EQ(told, (std::vector<std::pair<int, int>>{{2, 1}, {1, 0}}));
 }
 
 TEST_F(EventsTest, ADoubtWhileTheCameraIsLostNamesItsLastSubmap) {

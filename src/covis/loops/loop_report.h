@@ -73,7 +73,8 @@ struct LoopTimes {
 
 // A submap that was moved into the world of another and became a part of it.
 struct JoinedSubmap {
-  uint32_t id = 0;  // no submap has it any more
+  uint32_t id = 0;    // no submap has it any more
+  uint32_t kept = 0;  // the other, which may be joined to another later
   int key_frames = 0;
 };
 
