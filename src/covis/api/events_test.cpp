@@ -185,11 +185,11 @@ TEST_F(EventsTest, AJoinTellsTheSubmapThatRemainedThen) {
   }
   first.loop.joined = JoinedSubmap{2, 1, 5};
   second.loop.joined = JoinedSubmap{1, 0, 7};
-  std::vector<std::pair<int, int>> told;
+  std::vector<std::pair<int, int>> joins;
   for (const Event& event : EventTeller::of_mapping({first, second}, shared)) {
-    if (event.ended) told.emplace_back(*event.ended, event.submap);
+    if (event.ended) joins.emplace_back(*event.ended, event.submap);
   }
-  EXPECT_EQ(told, (std::vector<std::pair<int, int>>{{2, 1}, {1, 0}}));
+  EXPECT_EQ(joins, (std::vector<std::pair<int, int>>{{2, 1}, {1, 0}}));
 }
 
 TEST_F(EventsTest, ADoubtWhileTheCameraIsLostNamesItsLastSubmap) {
