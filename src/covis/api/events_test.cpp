@@ -176,7 +176,7 @@ TEST_F(EventsTest, AfterAJoinTheCameraIsInTheSubmapThatRemains) {
   }
 }
 
-// Two joins that are told at once: 2 became a part of 1, and then 1 of 0.
+// Two joins in one call: 2 became a part of 1, and then 1 of 0.
 TEST_F(EventsTest, AJoinTellsTheSubmapThatRemainedThen) {
   MappingReport first = mapped(c), second = mapped(c);
   for (MappingReport* report : {&first, &second}) {
