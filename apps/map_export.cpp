@@ -166,18 +166,16 @@ Result<size_t> write_images(const ExportArguments& a, const fs::path& folder, st
     for (const exchange::SceneView& view : scene.views) serials.push_back(view.serial);
   }
   const size_t views = serials.size();
-  const bool there = !a.images.empty() || fs::is_directory(kept);
-  if (there) {
+  size_t images = 0;
+  if (!a.images.empty() || fs::is_directory(kept)) {
     const auto read = exchange::KeptImages::read(kept);
     if (!read) return tl::unexpected(read.error());
     if (const auto named = read->check_names(serials); !named) return tl::unexpected(named.error());
-  }
-  size_t images = 0;
-  for (Scene& scene : scenes) {
-    if (!there) continue;
-    const auto written = exchange::write_images(kept, folder, scene);
-    if (!written) return tl::unexpected(written.error());
-    images += *written;
+    for (Scene& scene : scenes) {
+      const auto written = exchange::write_images(kept, folder, scene);
+      if (!written) return tl::unexpected(written.error());
+      images += *written;
+    }
   }
   if (images == views) return images;
   const std::string how = kept.string() + ": of " + std::to_string(views) + " key frames " + std::to_string(images) +

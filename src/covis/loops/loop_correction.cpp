@@ -178,7 +178,7 @@ std::optional<JoinedSubmap> join_at_loop(SharedMap& shared, KeyFrameId current, 
   const auto key_frames = static_cast<int>(map->submap(moved)->key_frames);
   const bool joined =
       kept == there ? map->join_submaps(current, place, S) : map->join_submaps(place, current, S.inverse());
-  return joined ? std::optional(JoinedSubmap{moved, kept == there ? there : here, key_frames}) : std::nullopt;
+  return joined ? std::optional(JoinedSubmap{moved, kept, key_frames}) : std::nullopt;
 }
 
 std::optional<JoinedSubmap> join_at_loop(SharedMap& shared, KeyFrameId current, const Loop& loop) {
