@@ -55,8 +55,8 @@ Result<Board> board_of(const CalibrateArguments& a) {
 
 std::string file_text(const Calibration& c) {
   char head[200];
-  std::snprintf(head, sizeof head, "# covis calibrate: %zu views, rms %.3f pixels", c.views, c.rms);
-  std::string text = head;
+  std::snprintf(head, sizeof head, "calibrate: %zu views, rms %.3f pixels", c.views, c.rms);
+  std::string text = std::string(io::kCameraFile).append(head);
   if (c.fx_sigma > 0) {
     std::snprintf(head, sizeof head, "; standard deviations: fx %.2f, cx %.2f pixels", c.fx_sigma, c.cx_sigma);
     text += head;

@@ -48,7 +48,8 @@ int import_camera(const std::string& file, const std::string& out) {
   const auto imported = exchange::import_camera(file);
   if (!imported) return fail_with(imported.error());
   if (const auto fits = check_outputs(file, out, imported->pair.has_value()); !fits) return fail_with(fits.error());
-  const std::string head = "# " + imported->format + ": " + fs::path(file).filename().string() + "\n";
+  const std::string head = std::string(io::kCameraFile) + "check --import-camera: " + imported->format + ", " +
+                           fs::path(file).filename().string() + "\n";
   if (const auto written = write_atomically(out, head + io::camera_text(imported->file)); !written)
     return fail_with(written.error());
   std::printf("read as         %s\n", imported->format.c_str());

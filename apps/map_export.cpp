@@ -139,13 +139,17 @@ void remove_left_models(Format format, const fs::path& out, size_t submaps) {
   }
 }
 
-// Calls write(scene, name of the file) for each submap.
-template <class Write>
-Result<void> each(const std::vector<Scene>& scenes, const fs::path& file, Write&& write) {
+// One file for each submap; those of an earlier export with more of them are removed.
+Result<void> write_clouds(const std::vector<Scene>& scenes, const fs::path& file, io::CloudUnit unit) {
   for (size_t k = 0; k < scenes.size(); ++k) {
-    if (auto written = write(scenes[k], of_submap(file, k)); !written) return written;
+    if (auto written = io::write_ply(of_submap(file, k), exchange::cloud_of(scenes[k]), unit); !written) return written;
   }
-  return {};
+  std::error_code error;
+  for (size_t k = scenes.size();; ++k) {
+    const fs::path left = of_submap(file, k);
+    if (!fs::is_regular_file(left, error) || !io::is_map_cloud(left)) return {};
+    fs::remove(left, error);
+  }
 }
 
 Result<void> write_poses(const std::vector<Scene>& scenes, const fs::path& file, io::TrajectoryFormat format) {
@@ -157,9 +161,18 @@ Result<void> write_poses(const std::vector<Scene>& scenes, const fs::path& file,
   return io::write_trajectories(file, trajectories, format);
 }
 
+// True where the folder holds a model of another format with the same images.
+bool shares_images(Format format, const fs::path& out) {
+  std::error_code none;
+  return std::ranges::any_of(kModels, [&](Format other) {
+    return other != format && std::string_view(images_of(other)) == images_of(format) &&
+           fs::is_regular_file(out / model_files(other, 0).front(), none);
+  });
+}
+
 // The images go to this folder, if there are any; returns how many there are. Error: those that were named are not
-// there, or not of key frames.
-Result<size_t> write_images(const ExportArguments& a, const fs::path& folder, std::vector<Scene>& scenes) {
+// there, or not of key frames; `shared`: they are others than those of the model that is there.
+Result<size_t> write_images(const ExportArguments& a, const fs::path& folder, bool shared, std::vector<Scene>& scenes) {
   const fs::path kept = a.images.empty() ? exchange::image_folder(a.file) : fs::path(a.images);
   std::vector<uint32_t> serials;
   for (const Scene& scene : scenes) {
@@ -172,7 +185,7 @@ Result<size_t> write_images(const ExportArguments& a, const fs::path& folder, st
     if (!read) return tl::unexpected(read.error());
     if (const auto named = read->check_names(serials); !named) return tl::unexpected(named.error());
     for (Scene& scene : scenes) {
-      const auto written = exchange::write_images(kept, folder, scene);
+      const auto written = exchange::write_images(kept, folder, scene, !shared);
       if (!written) return tl::unexpected(written.error());
       images += *written;
     }
@@ -213,7 +226,7 @@ Result<void> fill_folder(Format format, const ExportArguments& a, io::CloudUnit 
     for (Scene& scene : scenes) scene = exchange::centred(scene);
   }
   const fs::path out = a.out, folder_of_images = out / images_of(format);
-  const auto images = write_images(a, folder_of_images, scenes);
+  const auto images = write_images(a, folder_of_images, shares_images(format, out), scenes);
   if (!images) return tl::unexpected(images.error());
   if (has_observations(format)) {
     if (const auto made = make_tracks(a.out, *images > 0 ? folder_of_images : "", scenes); !made) return made;
@@ -266,8 +279,7 @@ Result<exchange::GeoReference> reference_of(const ExportArguments& a, io::CloudU
 Result<void> write(Format format, const ExportArguments& a, io::CloudUnit unit, std::vector<Scene>& scenes) {
   switch (format) {
     case Format::ply:
-      return each(scenes, a.out,
-                  [&](const Scene& s, const fs::path& f) { return io::write_ply(f, exchange::cloud_of(s), unit); });
+      return write_clouds(scenes, a.out, unit);
     case Format::tum:
       return write_poses(scenes, a.out, io::TrajectoryFormat::tum);
     case Format::kitti:

@@ -30,13 +30,22 @@ bool is_image_name(const fs::path& file) {
   return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
 }
 
+// As the recordings that covis run reads name folders of depth images; 7-Scenes names the images,
+// frame-000000.depth.png.
+bool holds_depth(const fs::path& folder) {
+  static constexpr std::array<std::string_view, 4> kNames = {"depth", "aligned_depth", "depth_left", "depth_right"};
+  return std::find(kNames.begin(), kNames.end(), folder.filename().string()) != kNames.end();
+}
+
 Result<void> add_folder(const fs::path& folder, std::vector<fs::path>& files) {
   std::error_code error;
   std::vector<fs::path> found;
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (it->is_directory() && it->path().filename() == "depth") {
+    std::error_code none;  // of links that lead nowhere
+    if (it->is_directory(none) && holds_depth(it->path())) {
       it.disable_recursion_pending();
-    } else if (it->is_regular_file() && is_image_name(it->path())) {
+    } else if (it->is_regular_file(none) && is_image_name(it->path()) &&
+               !it->path().stem().string().ends_with(".depth")) {
       found.push_back(it->path());
     }
   }

@@ -181,7 +181,8 @@ TEST_F(CommandOutputs, DefaultNamesReplaceWhatCovisMadeAlone) {
     const Outcome imported = covis({"check", "--import-camera", "opencv.yaml"});
     EXPECT_EQ(imported.code, 0) << imported.error;
   }
-  write("camera.yaml", "# mine\nlens: wide\n");
+  write("camera.yaml", "# mine\nwidth: 640\nheight: 480\nfx: 500\nfy: 500\ncx: 320\ncy: 240\nfps: 30\n");
+  expect_foreign(own, {"check", "--import-camera", "opencv.yaml"});
   expect_foreign(own, {"calibrate", recording / "rgb", "--board", "9x6", "--square", "0.02"});
   fs::remove(own);
   expect_foreign(map, {"calibrate", recording / "rgb", "--board", "9x6", "--square", "0.02", "--picture", map});
@@ -194,7 +195,17 @@ TEST_F(CommandOutputs, VocabulariesReplaceVocabulariesAlone) {
                                     "2",     "--quiet", "--overwrite",     "--out",       out};
   };
   expect_foreign(map, train(map));
-  for (int twice = 0; twice < 2; ++twice) EXPECT_EQ(covis(train(folder / "v")).code, 0);
+  // Depth images and links that lead nowhere are passed over.
+  const auto images = std::distance(fs::directory_iterator(recording / "rgb"), fs::directory_iterator());
+  fs::copy(recording / "depth", recording / "rgb/aligned_depth");
+  fs::create_symlink(recording / "rgb/loop.png", recording / "rgb/loop.png");
+  for (int twice = 0; twice < 2; ++twice) {
+    const Outcome trained = covis(train(folder / "v"));
+    EXPECT_EQ(trained.code, 0) << trained.error;
+    EXPECT_THAT(trained.out, testing::StartsWith(std::to_string(images) + " images "));
+  }
+  fs::remove_all(recording / "rgb/aligned_depth");
+  fs::remove(recording / "rgb/loop.png");
   const auto convert = [&](const fs::path& out) {
     return std::vector<std::string>{"vocab", "convert", folder / "v", out, "--overwrite"};
   };

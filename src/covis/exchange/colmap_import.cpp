@@ -71,6 +71,7 @@ class Importer {
         map_(map),
         key_frames_(model.images.size()) {
     map_.write()->set_camera(model.camera.pinhole);
+    reader_.leave_unturned();  // COLMAP takes images as they are stored
   }
 
   // False: the map is begun, and none of the image's partners is in it yet.

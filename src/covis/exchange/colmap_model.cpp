@@ -63,7 +63,9 @@ Result<Camera> read_camera(const fs::path& file, int& id) {
   if (!whole) values.assign(*figures, 0);
   auto camera = colmap_camera(model, width, height, values);
   if (!camera) return lines->problem(camera.error().message);
-  if (lines->next()) return lines->problem("there is a second camera; " + std::string(kOneCameraWanted));
+  while (auto more = lines->next()) {
+    if (!(*more >> std::ws).eof()) return lines->problem("there is a second camera; " + std::string(kOneCameraWanted));
+  }
   return camera;
 }
 

@@ -66,6 +66,7 @@ TEST_F(ColmapModelFiles, MayHaveLinesOfWindows) {
                   "1 1 0 0 0 0 0 0 1 a.png\r\n10 10 7\r\n2 1 0 0 0 1 0 0 1 b.png\r\n\r\n"),
             "");
   EXPECT_EQ(read_colmap(folder.path())->images[0].name, "a.png");
+  EXPECT_EQ(error("1 PINHOLE 640 480 500 500 320 240\n\n \r\n", images), "") << "an empty line is no second camera";
 }
 
 TEST_F(ColmapModelFiles, MayBeginWithAByteOrderMark) {

@@ -33,16 +33,15 @@ ResamplingMap undistortion(const SceneCamera& camera) {
 
 io::ExpectedSize size_by(const Camera& camera) { return {camera.width, camera.height, "its key frame"}; }
 
-Result<void> copy(const fs::path& from, const Camera& camera, const fs::path& to) {
+Result<std::string> copied(const fs::path& from, const Camera& camera) {
   std::string bytes;
-  if (auto read = io::read_bytes(from, bytes); !read) return read;
+  if (auto read = io::read_bytes(from, bytes); !read) return tl::unexpected(read.error());
   if (const auto problem = io::problem_of_image(bytes, size_by(camera))) return fail(from.string() + ": " + *problem);
-  return write_atomically(to, bytes);
+  return bytes;
 }
 
 // `map` is made for the first image of a camera: that there is none must cost nothing.
-Result<void> resample(const fs::path& from, const SceneCamera& camera, std::optional<ResamplingMap>& map,
-                      const fs::path& to) {
+Result<std::string> resampled(const fs::path& from, const SceneCamera& camera, std::optional<ResamplingMap>& map) {
   const Camera& given = camera.given;
   auto picture = io::read_picture(from, size_by(given));
   if (!picture) return tl::unexpected(picture.error());
@@ -51,12 +50,21 @@ Result<void> resample(const fs::path& from, const SceneCamera& camera, std::opti
                 " pixels a side can't be undistorted");
   if (!map) map = undistortion(camera);
   const auto apply = [&](ImageView<const uint8_t> image, ImageU8& made) { map->apply(image, made); };
-  return io::write_picture(to, io::resampled(*picture, apply));
+  return io::picture_bytes(from, io::resampled(*picture, apply));
+}
+
+// True where the file is not there, or holds just these bytes.
+Result<bool> is_free_for(const fs::path& file, const std::string& bytes) {
+  std::error_code none;
+  if (!fs::exists(file, none)) return true;
+  std::string there;
+  if (auto read = io::read_bytes(file, there); !read) return tl::unexpected(read.error());
+  return there == bytes;
 }
 
 }  // namespace
 
-Result<size_t> write_images(const fs::path& folder_of_kept, const fs::path& folder, Scene& scene) {
+Result<size_t> write_images(const fs::path& folder_of_kept, const fs::path& folder, Scene& scene, bool may_replace) {
   const auto kept = KeptImages::read(folder_of_kept);
   if (!kept) return tl::unexpected(kept.error());
   std::error_code error;
@@ -77,8 +85,14 @@ Result<size_t> write_images(const fs::path& folder_of_kept, const fs::path& fold
       if (from.empty()) continue;
       view.image = as_taken || from.extension() == ".jpg" ? from.filename().string() : image_name(view.serial);
       const fs::path to = folder / view.image;
-      if (auto written = as_taken ? copy(from, camera.given, to) : resample(from, camera, map, to); !written)
-        return tl::unexpected(written.error());
+      const auto bytes = as_taken ? copied(from, camera.given) : resampled(from, camera, map);
+      if (!bytes) return tl::unexpected(bytes.error());
+      const auto is_free = may_replace ? Result<bool>(true) : is_free_for(to, *bytes);
+      if (!is_free) return tl::unexpected(is_free.error());
+      if (!*is_free)
+        return fail(to.string() +
+                    ": another image is there, which another model in this folder needs; choose another folder");
+      if (auto written = write_atomically(to, *bytes); !written) return tl::unexpected(written.error());
       ++count;
     }
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "covis/exchange/scene_images.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "covis/exchange/test_scene.h"
@@ -77,6 +78,28 @@ TEST_F(SceneImages, AreCopiedWhereThereIsNoDistortion) {
   ASSERT_EQ(*write_images(folder / "kept", folder / "images", scene), 1u);
   EXPECT_EQ(scene.views[1].image, "000007.jpg");
   EXPECT_EQ(read_file(folder / "images/000007.jpg"), read_file(folder / "kept/000007.jpg"));
+}
+
+// A COLMAP and a nerfstudio model in one folder share their images.
+TEST_F(SceneImages, ThatAnotherModelNeedsAreNotReplaced) {
+  for (const bool copied : {false, true}) {
+    if (copied) camera.distortion = Distortion::none;
+    use(camera);
+    const std::filesystem::path images = folder / (copied ? "copied" : "resampled");
+    ASSERT_TRUE(io::write_picture(folder / "kept/000003.png", ramp(80)));
+    ASSERT_TRUE(write_images(folder / "kept", images, scene));
+    EXPECT_TRUE(write_images(folder / "kept", images, scene, false)) << "they are the same";
+    const std::string before = read_file(images / "000003.png");
+    io::Picture other = ramp(80);
+    std::fill(other.bytes.begin(), other.bytes.end(), uint8_t{9});
+    ASSERT_TRUE(io::write_picture(folder / "kept/000003.png", other));
+    const auto written = write_images(folder / "kept", images, scene, false);
+    ASSERT_FALSE(written);
+    EXPECT_THAT(written.error().message, testing::HasSubstr("000003.png: another image is there"));
+    EXPECT_EQ(read_file(images / "000003.png"), before);
+    EXPECT_TRUE(write_images(folder / "kept", images, scene));
+    EXPECT_NE(read_file(images / "000003.png"), before);
+  }
 }
 
 TEST_F(SceneImages, EachIsThatOfItsOwnCamera) {

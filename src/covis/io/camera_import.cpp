@@ -145,7 +145,10 @@ Result<ImportedCamera> import_ros(const fs::path& file, const YAML::Node& root) 
   const auto d = yaml_numbers(file, root, name("distortion_coefficients", "D", "d"), 0);
   if (!d) return tl::unexpected(d.error());
   info.D = *d;
-  info.model = yaml_text(root, "distortion_model", "plumb_bob");  // OpenCV does not write it
+  // OpenCV writes no distortion_model: its sample for calibration says by a number whether the lens is a fisheye.
+  const YAML::Node fisheye = root["fisheye_model"];
+  const bool is_fisheye = fisheye && fisheye.IsScalar() && fisheye.Scalar() != "0";
+  info.model = yaml_text(root, "distortion_model", is_fisheye ? "equidistant" : "plumb_bob");
   const auto camera = raw_camera(info);
   if (!camera) return fail(file.string() + ": " + camera.error().message);
   if (auto checked = check_camera_bounds(file, *camera); !checked) return tl::unexpected(checked.error());

@@ -166,6 +166,20 @@ TEST_F(CameraImport, OfRos) {
       "   dt: d\n   data: [ 500., 0., 320., 0., 501., 240., 0., 0., 1. ]\ndistortion_coefficients: !!opencv-matrix\n"
       "   rows: 5\n   cols: 1\n   dt: d\n   data: [ 0.1, -0.2, 0., 0., 0.3 ]\n");
   EXPECT_EQ(opencv.file.camera.coefficients[4], 0.3);
+  const std::string of_fisheye =
+      "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\nfisheye_model: 1\ncamera_matrix: !!opencv-matrix\n"
+      "   rows: 3\n   cols: 3\n   dt: d\n   data: [ 300., 0., 320., 0., 301., 240., 0., 0., 1. ]\n"
+      "distortion_coefficients: !!opencv-matrix\n   rows: 4\n   cols: 1\n   dt: d\n"
+      "   data: [ -0.012, 0.03, -0.025, 0.006 ]\n";
+  const ImportedCamera fisheye = imported("out_camera_data.yml", of_fisheye);
+  EXPECT_EQ(fisheye.file.camera.distortion, Distortion::kannala_brandt);
+  EXPECT_EQ(fisheye.file.camera.coefficients[1], 0.03);
+  EXPECT_EQ(imported("out_camera_data.yml", replaced(of_fisheye, "fisheye_model: 1", "fisheye_model: 0"))
+                .file.camera.distortion,
+            Distortion::brown_conrady);
+  EXPECT_EQ(imported("out_camera_data.yml", replaced(of_fisheye, "-0.012, 0.03, -0.025, 0.006", "0, 0, 0, 0"))
+                .file.camera.distortion,
+            Distortion::kannala_brandt);
   EXPECT_THAT(import_error("ost.yaml", replaced(kRos, "plumb_bob", "thin_prism")),
               AllOf(HasSubstr("ost.yaml: distortion_model 'thin_prism'")));
   EXPECT_THAT(import_error("ost.yaml", replaced(kRos, "[500", "[0")),

@@ -47,9 +47,12 @@ class ReusedMemory : public cv::MatAllocator {
 // True when the file may hold an image to be turned: it has an EXIF block that tells an orientation (tag 0x0112, a
 // short) other than 1.
 bool is_turned(std::string_view bytes) {
-  const size_t exif = bytes.substr(0, size_t{1} << 17).find(std::string_view("Exif\0\0", 6));
+  // The chunk of a PNG may also be behind its pixels.
+  const bool png = bytes.starts_with("\x89PNG");
+  const std::string_view name = png ? std::string_view("eXIf") : std::string_view("Exif\0\0", 6);
+  const size_t exif = bytes.substr(0, png ? bytes.size() : size_t{1} << 17).find(name);
   if (exif == std::string_view::npos) return bytes.starts_with("II*") || bytes.starts_with("MM");  // TIFF: not asked
-  const std::string_view block = bytes.substr(exif + 6, 4096);
+  const std::string_view block = bytes.substr(exif + name.size(), 4096);
   const bool little = block.starts_with("II");
   const std::string_view tag(little ? "\x12\x01\x03\x00" : "\x01\x12\x00\x03", 4);
   const size_t at = block.find(tag);
@@ -113,8 +116,8 @@ void depth_in_metres(const cv::Mat& stored, double scale, ImageF& depth) {
 }
 
 Result<void> ImageReader::grey(const std::filesystem::path& file, ImageU8& image) {
-  const auto decoded =
-      decode_file(file, bytes_, with_depth(cv::IMREAD_GRAYSCALE, bits_), as_mat(image, CV_8UC1), expected_);
+  const int flags = with_depth(cv::IMREAD_GRAYSCALE, bits_) | (unturned_ ? cv::IMREAD_IGNORE_ORIENTATION : 0);
+  const auto decoded = decode_file(file, bytes_, flags, as_mat(image, CV_8UC1), expected_);
   if (!decoded) return tl::unexpected(decoded.error());
   if (!image.empty() && decoded->data == image.row(0)) return {};
   image.resize(decoded->cols, decoded->rows);
@@ -139,11 +142,17 @@ bool may_have_colours(const std::filesystem::path& file) {
   return !(png && ((*head)[25] == 0 || (*head)[25] == 4));
 }
 
-Result<void> write_picture(const std::filesystem::path& file, const Picture& picture) {
+Result<std::string> picture_bytes(const std::filesystem::path& file, const Picture& picture) {
   if (picture.channels == 0) return fail(file.string() + ": there is no picture to write");
   const char* extension = file.extension() == ".jpg" ? ".jpg" : ".png";
-  const auto bytes = encode_image(extension, mat_of(picture), {cv::IMWRITE_JPEG_QUALITY, 95});
+  auto bytes = encode_image(extension, mat_of(picture), {cv::IMWRITE_JPEG_QUALITY, 95});
   if (!bytes) return fail(file.string() + ": " + bytes.error().message);
+  return bytes;
+}
+
+Result<void> write_picture(const std::filesystem::path& file, const Picture& picture) {
+  const auto bytes = picture_bytes(file, picture);
+  if (!bytes) return tl::unexpected(bytes.error());
   return write_atomically(file, *bytes);
 }
 

@@ -35,7 +35,9 @@ bool may_have_colours(const std::filesystem::path& file);
 // Images are turned upright as their EXIF orientation says, as they are for tracking. Picture::file is set where the
 // file holds the picture as it is, not turned.
 Result<Picture> read_picture(const std::filesystem::path& file, const ExpectedSize& expected = {});
-// Writes a PNG, or a JPEG of quality 95, as the name's ending says; completely or not at all.
+// The bytes of a PNG, or of a JPEG of quality 95, as the ending of this name says.
+Result<std::string> picture_bytes(const std::filesystem::path& file, const Picture& picture);
+// Writes them; completely or not at all.
 Result<void> write_picture(const std::filesystem::path& file, const Picture& picture);
 // Calls resample(from, to) for each channel, and returns what it made, of one size for all.
 template <class Resample>
@@ -81,6 +83,8 @@ class ImageReader : public ImageSource {
  public:
   void expect(const ExpectedSize& size) override { expected_ = size; }
   void use_bits(int bits) override { bits_ = bits; }
+  // From now on grey images stay as they are stored, whatever their EXIF orientation says.
+  void leave_unturned() { unturned_ = true; }
   // Colour is converted on decoding (JPEG: the stored luma). Fails for a file that is missing, truncated or no image.
   Result<void> grey(const std::filesystem::path& file, ImageU8& image) override;
   // 32-bit float files are TIFF.
@@ -94,6 +98,7 @@ class ImageReader : public ImageSource {
  private:
   ExpectedSize expected_;
   int bits_ = 16;
+  bool unturned_ = false;
   std::string bytes_;    // contents of the file
   Image<uint16_t> raw_;  // depth as stored in the file
 };

@@ -61,10 +61,12 @@ TEST_F(Images, PicturesKeepTheirColours) {
 // Pictures are turned as the images that are tracked are, and what is turned is not what the file holds.
 TEST_F(Images, AnOrientationInTheFileIsFollowed) {
   const std::string jpeg = saved("upright.jpg", noise());
-  const auto with_orientation = [&](char orientation) {
+  const auto tiff = [](char orientation) {
     const std::string entry("\x12\x01\x03\x00\x01\x00\x00\x00", 8), value{orientation, 0, 0, 0};
-    const std::string tiff = std::string("II*\0\x08\0\0\0\x01\0", 10) + entry + value + std::string(4, '\0');
-    const std::string exif = std::string("Exif\0\0", 6) + tiff;
+    return std::string("II*\0\x08\0\0\0\x01\0", 10) + entry + value + std::string(4, '\0');
+  };
+  const auto with_orientation = [&](char orientation) {
+    const std::string exif = std::string("Exif\0\0", 6) + tiff(orientation);
     const auto length = static_cast<char>(exif.size() + 2);
     return jpeg.substr(0, 2) + std::string("\xff\xe1\0", 3) + length + exif + jpeg.substr(2);
   };
@@ -78,6 +80,15 @@ TEST_F(Images, AnOrientationInTheFileIsFollowed) {
   EXPECT_EQ(same->file, folder / "same.jpg");
   ASSERT_TRUE(reader.grey(folder / "turned.jpg", grey));
   EXPECT_EQ(grey.width(), kHeight);
+  reader.leave_unturned();
+  ASSERT_TRUE(reader.grey(folder / "turned.jpg", grey));
+  EXPECT_EQ(grey.width(), kWidth);
+  // The chunk of a PNG with its checksum, behind the pixels (Extensions to the PNG specification, section 4.7).
+  const std::string png = saved("upright.png", noise()), chunk("\0\0\0\x1a\x65XIf", 8), crc = "\xb7\x48\x11\x29";
+  write("turned.png", png.substr(0, png.size() - 12) + chunk + tiff(6) + crc + png.substr(png.size() - 12));
+  const auto turned_png = read_picture(folder / "turned.png");
+  ASSERT_TRUE(turned_png) << turned_png.error().message;
+  EXPECT_EQ(turned_png->file.empty(), turned_png->width == kHeight) << "which depends on OpenCV's version";
 }
 
 TEST_F(Images, GreyIsWhatOpenCvMakesOfColour) {

@@ -33,9 +33,10 @@ bool is_trajectory(std::string_view bytes) {
   return bytes.starts_with("#timestamp [ns],p_x [m],") || is_pose(bytes.substr(0, bytes.find('\n')));
 }
 
+// A sensor file of ours begins without a comment.
 bool is_camera(std::string_view bytes) {
-  while (bytes.starts_with('#')) bytes.remove_prefix(std::min(bytes.find('\n'), bytes.size() - 1) + 1);
-  return bytes.starts_with("width:") || bytes.starts_with("sensor_type: camera");
+  return bytes.starts_with(kCameraFile) || bytes.starts_with(kCameraEstimate) ||
+         bytes.starts_with("sensor_type: camera");
 }
 
 // Binary, or as text: branching, depth, 0 0. (Four numbers of a camera are none.)
@@ -90,7 +91,7 @@ const char* name(OutputKind kind) {
                                            "a PLY point cloud",
                                            "a trajectory that Covis wrote",
                                            "a file of stamps that Covis wrote",
-                                           "a camera file",
+                                           "a camera file that Covis wrote",
                                            "a camera that covis run found from a recording",
                                            "a vocabulary",
                                            "a path in GeoJSON that Covis wrote",
@@ -140,6 +141,12 @@ Result<void> check_output(const fs::path& out, OutputKind kind, const std::vecto
 bool is_marked_picture(const fs::path& file) {
   const auto head = read_head(file, kPngHeader + kMark.size());
   return head && is_of(OutputKind::picture, *head);
+}
+
+bool is_map_cloud(const fs::path& file) {
+  constexpr size_t kHeader = 100;  // bytes
+  const auto head = read_head(file, kHeader);
+  return head && head->starts_with("ply\n") && head->find(kCloudComment) != head->npos;
 }
 
 std::string marked_picture(std::string png) { return png.insert(std::min(kPngHeader, png.size()), kMark); }

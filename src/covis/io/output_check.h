@@ -14,8 +14,8 @@
 namespace covis::io {
 
 // Kinds of files that commands write, recognised by their first bytes. Some count only as Covis writes them: a picture
-// of marked_picture(), a trajectory with our decimals, a camera's estimate, a page, a model with our first line. Of the
-// others (png, point_cloud, camera, vocabulary as text, bundler, json) a file of another program counts, too.
+// of marked_picture(), a trajectory with our decimals, a camera, a page, a model with our first line. Of the others
+// (png, point_cloud, vocabulary as text, bundler, json) a file of another program counts, too.
 enum class OutputKind {
   picture,
   png,  // any, as earlier versions wrote no mark into that of a run
@@ -34,7 +34,8 @@ enum class OutputKind {
   json
 };
 
-// The beginning of a camera_estimate.
+// The beginnings of a camera that a command was asked for, and of a camera_estimate.
+inline constexpr std::string_view kCameraFile = "# covis ";
 inline constexpr std::string_view kCameraEstimate = "# An estimate from the recording itself";
 
 // True where nothing of another kind is lost: a file of that kind, an empty one, none. Also where it is no regular
@@ -51,5 +52,8 @@ Result<void> check_output(const std::filesystem::path& out, OutputKind kind,
 // The bytes of a PNG file with a note in it that Covis made it, so that a later picture may replace it.
 std::string marked_picture(std::string png);
 bool is_marked_picture(const std::filesystem::path& file);
+// The comment by which Covis begins its PLY files. True for a file that has it.
+inline constexpr std::string_view kCloudComment = "\ncomment map points, ";
+bool is_map_cloud(const std::filesystem::path& file);
 
 }  // namespace covis::io

@@ -43,7 +43,10 @@ TEST_F(OutputCheck, EachKindReplacesItsOwnAlone) {
   }
   ASSERT_TRUE(write_ply(folder / "ply", {}));
   EXPECT_EQ(replaced_by(read_file(folder / "ply")), Kinds{OutputKind::point_cloud});
-  EXPECT_EQ(replaced_by("# a\n# b\n" + camera_text({})), Kinds{OutputKind::camera});
+  EXPECT_TRUE(is_map_cloud(folder / "ply"));
+  EXPECT_EQ(replaced_by("ply\nformat ascii 1.0\n"), Kinds{OutputKind::point_cloud});
+  EXPECT_FALSE(is_map_cloud(file));
+  EXPECT_EQ(replaced_by("# covis calibrate: 9 views\n" + camera_text({})), Kinds{OutputKind::camera});
   EXPECT_EQ(replaced_by(std::string(kCameraEstimate) + ", by 9\n" + camera_text({})),
             (Kinds{OutputKind::camera, OutputKind::camera_estimate}));
   EXPECT_EQ(replaced_by("COVISVOC"), Kinds{OutputKind::vocabulary});
@@ -55,6 +58,7 @@ TEST_F(OutputCheck, FilesOfOthersAreNotReplaced) {
   EXPECT_EQ(replaced_by("# timestamp tx ty tz qx qy qz qw\n1.5 0 0 0 0 0 0 1\n"), Kinds{});
   EXPECT_EQ(replaced_by("1305031102.1753 1.3563 0.6305 1.6380 0.6132 0.5962 -0.3311 -0.3986\n"), Kinds{});
   EXPECT_EQ(replaced_by("# my notes"), Kinds{});
+  EXPECT_EQ(replaced_by(camera_text({})), Kinds{}) << "a camera file that its owner wrote";
   EXPECT_EQ(replaced_by("# Camera list with one line of data per camera:\n"), Kinds{});
   EXPECT_EQ(replaced_by("COVISMAP"), Kinds{});
   EXPECT_EQ(replaced_by("525 525 320 240\n"), Kinds{}) << "four numbers are a camera";
@@ -79,7 +83,7 @@ TEST_F(OutputCheck, APictureKnowsItsOwn) {
 }
 
 TEST_F(OutputCheck, WhatIsGivenStaysUnderAnyName) {
-  write_file(file, camera_text({}));
+  write_file(file, std::string(kCameraFile) + "calibrate\n" + camera_text({}));
   fs::create_symlink(file, folder / "link");
   fs::create_hard_link(file, folder / "other");
   for (const char* name : {"file", "link", "other"}) {

@@ -87,7 +87,8 @@ struct Calibration {
   std::string source;
   Camera camera;
   int bits;
-  SE3 T_0c;  // maps from the (left) camera of the images to camera 0, whose poses the ground truth gives
+  double fps;  // Hz; 0: not given
+  SE3 T_0c;    // maps from the (left) camera of the images to camera 0, whose poses the ground truth gives
 };
 
 // Where calib.txt says that a camera is, as seen from camera 0: with it, where there is none or one that can't be read.
@@ -102,20 +103,21 @@ Result<Calibration> find_calibration(const Request& request, const std::string& 
                                      Sensor sensor) {
   const fs::path file = request.folder / "calib.txt";
   if (request.given)
-    return Calibration{request.given->file.string(), request.given->camera, request.given->bits, place_of(file, left)};
+    return Calibration{request.given->file.string(), request.given->camera, request.given->bits, request.given->fps,
+                       place_of(file, left)};
   if (!fs::exists(file)) {
     if (!fs::exists(request.folder / "camera.yaml"))
       return tl::unexpected(no_calibration(request.folder, "calib.txt, camera.yaml"));
     const auto loaded = load_camera(request.folder / "camera.yaml");
     if (!loaded) return tl::unexpected(loaded.error());
-    return Calibration{loaded->file.string(), loaded->camera, loaded->bits, {}};
+    return Calibration{loaded->file.string(), loaded->camera, loaded->bits, loaded->fps, {}};
   }
   const auto projections = read_projections(file);
   if (!projections) return tl::unexpected(projections.error());
   const auto found = projections->find(left);
   if (found == projections->end()) return fail(file.string() + ": '" + left + ":' is missing");
   const Projection& p = found->second;
-  Calibration result{file.string(), {}, 16, {}};
+  Calibration result{file.string(), {}, 16, 0, {}};
   result.camera.pinhole = {p[0], p[5], p[2], p[6], 0};
   result.T_0c = SE3(Eigen::Matrix3d::Identity(), -translation_of(p));
   if (sensor != Sensor::stereo) return result;
@@ -209,15 +211,16 @@ Result<Recording> read_kitti(const Request& request) {
     if (recording.sensor == Sensor::stereo) frame.right = (right / image.filename()).string();
     recording.frames.push_back(std::move(frame));
   }
+  const auto calibration = find_calibration(request, grey ? "P0" : "P2", grey ? "P1" : "P3", recording.sensor);
+  if (!calibration) return tl::unexpected(calibration.error());
   const fs::path times = folder / "times.txt";
   if (fs::exists(times)) {
     if (auto set = set_stamps(times, recording.frames); !set) return tl::unexpected(set.error());
   } else {
+    const double rate = calibration->fps > 0 ? calibration->fps : 10;
     for (size_t i = 0; i < recording.frames.size(); ++i)
-      recording.frames[i].stamp = static_cast<Timestamp>(i) * 100'000'000;  // 10 Hz
+      recording.frames[i].stamp = from_seconds(static_cast<double>(i) / rate);
   }
-  const auto calibration = find_calibration(request, grey ? "P0" : "P2", grey ? "P1" : "P3", recording.sensor);
-  if (!calibration) return tl::unexpected(calibration.error());
   recording.camera = calibration->camera;
   recording.bits = calibration->bits;
   recording.calibration = calibration->source;

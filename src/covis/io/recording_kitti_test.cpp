@@ -80,6 +80,10 @@ TEST_F(Sequences, ReadsTheKittiLayoutWithACameraFile) {
   ASSERT_TRUE(opened) << opened.error().message;
   EXPECT_EQ((*opened)->sensor(), Sensor::stereo);
   EXPECT_NEAR((*opened)->camera().pinhole.baseline(), 0.3, 1e-12);
+  camera_yaml("baseline: 0.3\nfps: 20\n");
+  EXPECT_NEAR((*open())->frame_rate(), 10, 1e-9) << "that of times.txt";
+  fs::remove(folder / "times.txt");
+  EXPECT_NEAR((*open())->frame_rate(), 20, 1e-9);
 }
 
 TEST_F(BadInput, StereoPairWithoutItsRightImage) {

@@ -63,8 +63,9 @@ Result<Camera> raw_camera(const RosCameraInfo& info) {
     return fail("K has a skew (its second number is " + std::to_string(info.K[1]) +
                 "), and must be fx 0 cx 0 fy cy 0 0 1");
   auto camera = camera_of(info, "K", {info.K[0], info.K[4], info.K[2], info.K[5], 0});
-  if (!camera || all_zero(info.D, 0)) return camera;
   const size_t count = info.D.size();
+  const bool fisheye = (info.model == "equidistant" || info.model == "fisheye") && count == 4;
+  if (!camera || (all_zero(info.D, 0) && !fisheye)) return camera;  // a fisheye lens bends rays with zeros too
   if (info.model == "plumb_bob" && (count == 4 || count == 5)) {
     camera->distortion = Distortion::brown_conrady;
   } else if ((info.model == "rational_polynomial" || info.model == "plumb_bob") && count >= 5) {
@@ -74,7 +75,7 @@ Result<Camera> raw_camera(const RosCameraInfo& info) {
                   "camera file with --camera");
     }
     camera->distortion = Distortion::brown_conrady;
-  } else if ((info.model == "equidistant" || info.model == "fisheye") && count == 4) {
+  } else if (fisheye) {
     camera->distortion = Distortion::kannala_brandt;
   } else {
     return fail("distortion_model '" + info.model + "' with " + std::to_string(count) +

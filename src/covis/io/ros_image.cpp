@@ -112,10 +112,27 @@ Result<CompressedDepth> compressed_depth(const RosCompressedImage& m) {
   return depth;
 }
 
+// The pattern of a Bayer camera whose images may be compressed as they were taken ("bayer_rggb8; png compressed "), one
+// value a pixel; empty: it is none.
+std::string_view bayer_encoding(const RosCompressedImage& m) {
+  const std::string_view encoding = m.format.substr(0, m.format.find(';'));
+  return encoding.starts_with("bayer_") ? encoding : std::string_view();
+}
+
 Result<cv::Mat> decode_compressed(const RosCompressedImage& m, int flags, cv::Mat to, const ExpectedSize& expected) {
   if (m.format.find("compressedDepth") != std::string_view::npos)
     return fail("format '" + std::string(m.format.substr(0, 60)) + "' is that of a depth image");
   return decode_image("data", m.data, flags, std::move(to), expected);
+}
+
+// A message that holds these grey values.
+RosImage message_of(const cv::Mat& grey, std::string_view encoding) {
+  return {.header = {},
+          .width = static_cast<uint32_t>(grey.cols),
+          .height = static_cast<uint32_t>(grey.rows),
+          .encoding = encoding,
+          .step = static_cast<uint32_t>(grey.step[0]),
+          .data = {grey.ptr<char>(), grey.step[0] * static_cast<size_t>(grey.rows)}};
 }
 
 }  // namespace
@@ -149,6 +166,11 @@ Result<void> RosImageDecoder::grey(const RosImage& message, ImageU8& image) {
 }
 
 Result<void> RosImageDecoder::grey(const RosCompressedImage& message, ImageU8& image) {
+  if (const std::string_view bayer = bayer_encoding(message); !bayer.empty()) {
+    const auto stored = decode_compressed(message, cv::IMREAD_ANYCOLOR, {}, expected_);
+    if (!stored) return tl::unexpected(stored.error());
+    if (stored->channels() == 1) return grey(message_of(*stored, bayer), image);
+  }
   const auto decoded =
       decode_compressed(message, with_depth(cv::IMREAD_GRAYSCALE, bits_), as_mat(image, CV_8UC1), expected_);
   if (!decoded) return tl::unexpected(decoded.error());
@@ -217,6 +239,8 @@ Result<Picture> RosImageDecoder::picture(const RosImage& message) {
 Result<Picture> RosImageDecoder::picture(const RosCompressedImage& message) {
   const auto decoded = decode_compressed(message, with_depth(cv::IMREAD_ANYCOLOR, bits_), {}, expected_);
   if (!decoded) return tl::unexpected(decoded.error());
+  const std::string_view bayer = bayer_encoding(message);
+  if (!bayer.empty() && decoded->type() == CV_8UC1) return picture(message_of(*decoded, bayer));
   return picture_of(in_eight_bits(*decoded, bits_));
 }
 

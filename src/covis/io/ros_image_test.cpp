@@ -152,6 +152,33 @@ TEST(RosImage, CompressedImages) {
   }
 }
 
+// As image_transport's plug-in compresses what a Bayer camera takes.
+TEST(RosImage, CompressedBayerPatternsAreColours) {
+  cv::Mat mosaic(8, 8, CV_8UC1, cv::Scalar(0));
+  for (int y = 0; y < 8; y += 2) {
+    for (int x = 0; x < 8; x += 2) mosaic.at<uint8_t>(y, x) = 200;
+  }
+  const std::string file = encoded(mosaic, ".png");
+  RosCompressedImage message;
+  message.format = "bayer_rggb8; png compressed ";
+  message.data = file;
+  ImageU8 grey;
+  const auto read = RosImageDecoder().grey(message, grey);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(grey(4, 4), 60);
+  EXPECT_EQ(grey(5, 5), 60);
+  const auto picture = RosImageDecoder().picture(message);
+  ASSERT_TRUE(picture) << picture.error().message;
+  EXPECT_THAT(std::vector<int>(picture->row(4) + 12, picture->row(4) + 15), ElementsAre(200, 0, 0));
+  message.format = "bayer_rggb16; png compressed ";
+  EXPECT_THAT(RosImageDecoder().grey(message, grey).error().message, HasSubstr("encoding 'bayer_rggb16'"));
+  const std::string colours = encoded(cv::Mat(8, 16, CV_8UC3, cv::Scalar(0, 0, 200)), ".png");
+  message.format = "bayer_rggb8; png compressed bgr8";
+  message.data = colours;
+  ASSERT_TRUE(RosImageDecoder().grey(message, grey));
+  EXPECT_NEAR(grey(9, 5), 60, 1) << "of three values a pixel";
+}
+
 TEST(RosImage, CompressedDepth) {
   const float parameters[] = {20, 5};  // inverse depth's
   std::string data("\0\0\0\0", 4);
