@@ -41,7 +41,7 @@ Result<void> add_folder(const fs::path& folder, std::vector<fs::path>& files) {
   std::error_code error;
   std::vector<fs::path> found;
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    std::error_code none;  // of links that lead nowhere
+    std::error_code none;  // links may lead nowhere
     if (it->is_directory(none) && holds_depth(it->path())) {
       it.disable_recursion_pending();
     } else if (it->is_regular_file(none) && is_image_name(it->path()) &&

@@ -131,6 +131,10 @@ TEST(FocalLengthWithDepth, IsRefinedForRgbdNotForStereoLong) {
       EXPECT_EQ(system.camera(), claimed.pinhole);
     } else {
       EXPECT_LT(std::abs(system.camera().fx / camera_of(recording, 1).pinhole.fx - 1), kLeft);
+      // Frames that were tracked before lay between key frames with other ways between them.
+      const auto made = system.snapshot();
+      const std::vector<PoseOfFrame> key_frames(made->key_frames.begin(), made->key_frames.end());
+      EXPECT_LT(error(made->trajectory, recording.synth, false), 1.1 * error(key_frames, recording.synth, false));
     }
   }
 }

@@ -182,6 +182,14 @@ TEST(System, LocalisationWithoutAMapBeginsNone) {
   }
 }
 
+// 160x120 pixels have room for some 150 keypoints, and a frame of good texture has 300.
+TEST(System, AMapBeginsOnSmallImagesToo) {
+  Recording& recording = shared_recording(Sensor::rgbd, 2, 30, "room", {160, 120});
+  System system(recording.synth.camera(), options_for(Sensor::rgbd));
+  for (int i = 0; i < recording.size(); ++i)
+    EXPECT_EQ(system.process(recording.frame(i)).track.state, TrackingState::tracking) << i;
+}
+
 TEST(System, StartsAndStopsAtAnyTime) {
   Recording& recording = shared_recording(Sensor::stereo, 4, 8, "desk", {160, 120});
   SystemOptions options = options_for(Sensor::stereo);

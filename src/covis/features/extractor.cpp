@@ -17,6 +17,8 @@ constexpr int kCellSize = 30;
 // same patches. While a greater budget than OrbOptions::features is wanted, there is as much more room.
 constexpr double kPixelsOfKeypoint = 144;
 
+int inside(int side) { return std::max(0, side - 2 * kEdgeBorder); }
+
 // Gives `more` keypoints to levels that have fewer than `most`, in proportion to what they lack, finest first.
 void add_shares(int more, const std::vector<int>& most, std::vector<int>& share) {
   int room = 0;
@@ -75,6 +77,16 @@ void KeyPoints::append(const KeyPoints& more) {
   add(descriptor, more.descriptor);
 }
 
+int keypoint_room(const OrbOptions& options, int width, int height) {
+  double room = 0;
+  for (int l = 0; l < pyramid_levels(options, width, height); ++l) {
+    const double scale = std::pow(options.scale_factor, l);
+    const auto side = [&](int whole) { return inside(static_cast<int>(std::lround(whole / scale))); };
+    room += side(width) * static_cast<double>(side(height)) / kPixelsOfKeypoint;
+  }
+  return static_cast<int>(std::min(room, 1e9));
+}
+
 OrbExtractor::OrbExtractor(const OrbOptions& options, double edge_ratio)
     : options_(options),
       budget_(options.features),
@@ -119,7 +131,6 @@ void OrbExtractor::share_budget() {
   const double density = budget_ / (kPixelsOfKeypoint * options_.features);
   for (size_t l = 0; l < levels_.size(); ++l) {
     available_[l] = static_cast<int>(levels_[l].corners.size());
-    const auto inside = [](int side) { return std::max(0, side - 2 * kEdgeBorder); };
     const ImageView<const uint8_t> view = levels_[l].view;
     with_room_[l] = std::min(available_[l], static_cast<int>(density * inside(view.width) * inside(view.height)));
   }

@@ -23,6 +23,10 @@ struct KeyPoints {
   size_t size() const { return x.size(); }
 };
 
+// How many keypoints an image of this size, pixels, has room for on all levels together: more of them would show much
+// the same patches.
+int keypoint_room(const OrbOptions& options, int width, int height);
+
 class OrbExtractor {
  public:
   // options.levels: 0 stands for 8. edge_ratio: corners on edges (gradients.h) are left out; 0: none are.

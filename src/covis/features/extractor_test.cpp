@@ -19,6 +19,14 @@
 namespace covis {
 namespace {
 
+TEST(KeypointRoom, IsThatOfTheLevelsInsideTheirBorders) {
+  const OrbOptions options;
+  EXPECT_EQ(keypoint_room(options, 2 * kEdgeBorder, 480), 0);
+  EXPECT_NEAR(keypoint_room(options, 160, 120), 150, 20);
+  EXPECT_GT(keypoint_room(options, 320, 240), 1000);
+  EXPECT_GT(keypoint_room(options, 640, 480), 5000);
+}
+
 TEST(Extractor, TheWantedNumberIsReached) {
   for (const auto& [width, height] : {std::pair{640, 480}, std::pair{1241, 376}, std::pair{320, 240}}) {
     const ImageU8 image = texture(width, height, 7);

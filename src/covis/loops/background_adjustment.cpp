@@ -54,7 +54,9 @@ BackgroundAdjustment::Outcome BackgroundAdjustment::apply(SharedMap& map) {
   const std::unique_ptr<AdjustmentJob> job = std::move(job_);
   Outcome outcome{.kind = job->kind(), .solved = solved_, .ms = ms_};
   if (!solved_) return outcome;
-  outcome.applied = job->apply(map);
+  std::optional<KeyFrameMoves> applied = job->apply(map);
+  outcome.applied = applied.has_value();
+  if (applied) outcome.moves = std::move(*applied);
   return outcome;
 }
 

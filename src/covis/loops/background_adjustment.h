@@ -6,8 +6,10 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <thread>
 
+#include "covis/map/key_frame_moves.h"
 #include "covis/map/shared_map.h"
 
 namespace covis {
@@ -21,9 +23,9 @@ class AdjustmentJob {
   virtual AdjustmentKind kind() const = 0;
   // On the job's thread, without the map; ends soon when `interrupt` becomes true. False: there is no result to apply.
   virtual bool run(const std::atomic<bool>& interrupt) = 0;
-  // On the mapping thread, without a guard: reads what it needs, then writes. False: the map has changed so that the
+  // On the mapping thread, without a guard: reads what it needs, then writes. Nothing: the map has changed so that the
   // result does not fit, and was left alone.
-  virtual bool apply(SharedMap& map) const = 0;
+  virtual std::optional<KeyFrameMoves> apply(SharedMap& map) const = 0;
 };
 
 class BackgroundAdjustment {
@@ -46,6 +48,7 @@ class BackgroundAdjustment {
     bool solved = false;   // there was a result
     bool applied = false;  // the map was changed
     double ms = 0;         // that the job ran
+    KeyFrameMoves moves = {};
   };
   // Waits for the result and writes it to the map. Only while running().
   Outcome apply(SharedMap& map);

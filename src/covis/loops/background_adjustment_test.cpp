@@ -19,9 +19,9 @@ class HeldJob : public AdjustmentJob {
     while (!let_go_ && !interrupt) std::this_thread::yield();
     return solved_ && !interrupt;
   }
-  bool apply(SharedMap& map) const override {
+  std::optional<KeyFrameMoves> apply(SharedMap& map) const override {
     map.write()->count_move();
-    return true;
+    return KeyFrameMoves();
   }
 
  private:

@@ -82,7 +82,7 @@ bool CameraRefinement::run(const std::atomic<bool>& interrupt) {
   return refine_focal(problem, adjuster, refinable_.given_fx, &interrupt);
 }
 
-bool CameraRefinement::apply(SharedMap& map) const {
+std::optional<KeyFrameMoves> CameraRefinement::apply(SharedMap& map) const {
   Pinhole camera = submap_.problem.camera;
   bool alone = false;
   {
@@ -90,13 +90,15 @@ bool CameraRefinement::apply(SharedMap& map) const {
     camera.depth_noise = present->camera().depth_noise;  // may have been estimated anew since
     alone = present->submaps().size() == 1;
   }
-  if (!alone || !apply_submap(submap_, map, camera)) return false;
+  if (!alone) return std::nullopt;
+  auto moves = apply_submap(submap_, map, camera, Lengths::changed);
+  if (!moves) return std::nullopt;
   const ResidualDistortion& residual = camera.residual;
   log(LogLevel::info, residual.any() ? "distortion found that the camera was given without: k1 " +
                                            std::to_string(residual.k1) + ", k2 " + std::to_string(residual.k2)
                                      : "focal length refined: " + std::to_string(camera.fx) + " pixels instead of " +
                                            std::to_string(refinable_.given_fx));
-  return true;
+  return moves;
 }
 
 }  // namespace covis

@@ -56,7 +56,7 @@ class CameraRefinement : public AdjustmentJob {
 
   AdjustmentKind kind() const override { return AdjustmentKind::camera; }
   bool run(const std::atomic<bool>& interrupt) override;
-  bool apply(SharedMap& map) const override;
+  std::optional<KeyFrameMoves> apply(SharedMap& map) const override;
 
  private:
   CameraRefinement(MapProblem submap, const RefinableCamera& refinable)

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "covis/optimization/free_scale.h"
 #include "covis/optimization/lens_adjustment.h"
 
 namespace covis {
@@ -118,6 +119,7 @@ bool refine_distortion(BundleProblem& problem, BundleAdjuster& adjuster, double 
   BundleProblem moved = problem;
   moved.poses = std::move(adjusted.poses);
   moved.points = std::move(adjusted.points);
+  restore_scale(0, distances_from(0, problem), moved);
   const auto shift = straighten(moved, camera);
   if (!shift || (*shift < kLeastShift && camera.fx == before.fx)) return false;
   const BundleSummary summary = adjuster.solve(moved, {.iterations = 20, .interrupt = interrupt});

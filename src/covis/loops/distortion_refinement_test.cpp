@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+#include <vector>
+
+#include "covis/core/quantile.h"
+#include "covis/optimization/free_scale.h"
 #include "covis/optimization/test_lens_problem.h"
 
 namespace covis {
@@ -70,7 +75,11 @@ TEST(DistortionRefinementLong, GoesOnFromWhatItFound) {
 TEST(DistortionRefinementLong, FindsAnotherFocalLengthWithIt) {
   for (const double wrong : {0.97, 1.03}) {
     BundleProblem problem = problem_of({.focal = wrong * kFocal, .k1 = -0.1, .k2 = 0.03}, 8);
+    const std::vector<double> before = distances_from(0, problem);
     ASSERT_TRUE(refine(problem)) << wrong;
+    std::vector<double> grown = distances_from(0, problem);
+    for (size_t p = 0; p < grown.size(); ++p) grown[p] /= before[p];
+    EXPECT_NEAR(quantile(std::move(grown), 0.5), 1, 0.003) << "the map keeps its unit";
     EXPECT_NEAR(problem.camera.fx, wrong * kFocal, 0.005 * kFocal);
     EXPECT_NEAR(problem.camera.residual.k1, -0.1, 0.01);
   }

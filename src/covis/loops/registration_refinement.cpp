@@ -219,18 +219,19 @@ bool RegistrationRefinement::run(const std::atomic<bool>& interrupt) {
   return adjust(interrupt);
 }
 
-bool RegistrationRefinement::apply(SharedMap& shared) const {
+std::optional<KeyFrameMoves> RegistrationRefinement::apply(SharedMap& shared) const {
   const Pinhole& camera = submap_.problem.camera;
   const auto fits = [](const Map& map) { return map.submaps().size() == 1 && can_be_looked_up(map); };
-  if (!fits(*shared.read())) return false;
-  if (!apply_submap(submap_, shared, camera)) return false;
+  if (!fits(*shared.read())) return std::nullopt;
+  auto moves = apply_submap(submap_, shared, camera, Lengths::changed);
+  if (!moves) return std::nullopt;
   {
     const auto gone = unmeasured(*shared.read());
     MapEdit map(shared);
     for (const auto& [point, key_frame] : gone) map.erase_observation(point, key_frame);
   }
   log(LogLevel::info, "depth images are not registered to the images: " + description(camera.registration));
-  return true;
+  return moves;
 }
 
 }  // namespace covis

@@ -48,7 +48,7 @@ class RegistrationRefinement : public AdjustmentJob {
 
   AdjustmentKind kind() const override { return AdjustmentKind::camera; }
   bool run(const std::atomic<bool>& interrupt) override;
-  bool apply(SharedMap& map) const override;
+  std::optional<KeyFrameMoves> apply(SharedMap& map) const override;
 
  private:
   RegistrationRefinement(MapProblem submap, const LearnedOfDepth& learned)

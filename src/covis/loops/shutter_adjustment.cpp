@@ -57,18 +57,18 @@ bool ShutterAdjustment::run(const std::atomic<bool>& interrupt) {
   return true;
 }
 
-bool ShutterAdjustment::apply(SharedMap& map) const {
+std::optional<KeyFrameMoves> ShutterAdjustment::apply(SharedMap& map) const {
   Pinhole camera = map.read()->camera();
   const bool is_first = camera.row_time == 0;
   camera.row_time = row_time_;
   bool applied = false;
-  for (const Part& part : parts_) applied |= apply_submap(part.submap, map, camera);
-  if (!applied) return false;
+  for (const Part& part : parts_) applied |= apply_submap(part.submap, map, camera).has_value();
+  if (!applied) return std::nullopt;
   std::array<char, 80> text{};
   std::snprintf(text.data(), text.size(), "rolling shutter %s: %.1f microseconds from row to row",
                 is_first ? "found" : "corrected", 1e6 * row_time_);
   log(LogLevel::info, row_time_ != 0 ? text.data() : "what was taken for a rolling shutter is none");
-  return true;
+  return KeyFrameMoves{};  // frames have ShutterResponse
 }
 
 }  // namespace covis

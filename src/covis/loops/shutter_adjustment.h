@@ -19,7 +19,7 @@ class ShutterAdjustment : public AdjustmentJob {
 
   AdjustmentKind kind() const override { return AdjustmentKind::camera; }
   bool run(const std::atomic<bool>& interrupt) override;
-  bool apply(SharedMap& map) const override;
+  std::optional<KeyFrameMoves> apply(SharedMap& map) const override;
 
  private:
   // The key frames' features and, for each observation, the one of them.

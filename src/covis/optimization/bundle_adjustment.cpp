@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "covis/core/quantile.h"
 #include "covis/optimization/bundle_workspace.h"
+#include "covis/optimization/free_scale.h"
 #include "covis/optimization/reprojection.h"
 
 namespace covis {
@@ -24,40 +24,6 @@ std::optional<size_t> only_hold(const BundleProblem& problem) {
   const auto has_depth = [](const BundleObservation& o) { return o.active && o.disparity.measured(); };
   if (std::any_of(problem.observations.begin(), problem.observations.end(), has_depth)) return std::nullopt;
   return static_cast<size_t>(std::find(problem.fixed.begin(), problem.fixed.end(), 1) - problem.fixed.begin());
-}
-
-// The median of the factors by which the moved points' distances from the centre of one pose became shorter.
-double median_shrinkage(const BundleProblem& problem, size_t pose, const std::vector<uint8_t>& moved,
-                        const std::vector<double>& distance_before) {
-  std::vector<double> shrinkage;
-  const Eigen::Vector3d centre = problem.poses[pose].centre();
-  for (size_t p = 0; p < problem.points.size(); ++p) {
-    const double now = (problem.points[p] - centre).norm();
-    if (moved[p] && now > 0 && distance_before[p] > 0) shrinkage.push_back(distance_before[p] / now);
-  }
-  return shrinkage.empty() ? 1 : quantile(std::move(shrinkage), 0.5);
-}
-
-// The distances of all points from the centre of one pose.
-std::vector<double> distances_from(size_t pose, const BundleProblem& problem) {
-  const Eigen::Vector3d centre = problem.poses[pose].centre();
-  std::vector<double> distances;
-  for (const Eigen::Vector3d& point : problem.points) distances.push_back((point - centre).norm());
-  return distances;
-}
-
-// Scales what was moved, the poses of these indices and points by a flag each, about the centre of one pose.
-void scale_about(size_t pose, double factor, const std::vector<int32_t>& moved_poses, const std::vector<uint8_t>& moved,
-                 BundleProblem& problem) {
-  const Eigen::Vector3d centre = problem.poses[pose].centre();
-  for (const int32_t k : moved_poses) {
-    SE3& T_cw = problem.poses[static_cast<size_t>(k)];
-    const Eigen::Vector3d scaled = centre + factor * (T_cw.centre() - centre);
-    T_cw = SE3(T_cw.R(), Eigen::Vector3d(-(T_cw.R() * scaled)));
-  }
-  for (size_t p = 0; p < problem.points.size(); ++p) {
-    if (moved[p]) problem.points[p] = centre + factor * (problem.points[p] - centre);
-  }
 }
 
 }  // namespace
@@ -131,8 +97,7 @@ BundleSummary BundleAdjuster::solve(BundleProblem& problem, const BundleOptions&
   }
   // The steps change the scale where nothing holds it, by some per cent at once.
   if (hold && stepped) {
-    const double shrinkage = median_shrinkage(problem, *hold, w.point_moves, distances);
-    scale_about(*hold, shrinkage, w.free_index, w.point_moves, problem);
+    restore_scale(*hold, distances, w.free_index, w.point_moves, problem);
   }
   summary.ok = std::isfinite(cost) && (stepped || cost < 1e-12 || summary.iterations > 0);
   return summary;

@@ -42,8 +42,8 @@ struct LensOptions {
 };
 
 // Adjusts the problem's poses and points and the lens, which begins as `lens`. Observations are pixels of the image as
-// it was given, not undistorted; without disparities. The first pose stays. Poses are in the order of time. What is not
-// ok leaves the problem as it was.
+// it was given, not undistorted; without disparities. The first pose stays, and the scale goes where the steps take it
+// (free_scale.h). Poses are in the order of time. What is not ok leaves the problem as it was.
 LensAdjustment adjust_lens(BundleProblem& problem, const Lens& lens, const LensOptions& options = {});
 
 }  // namespace covis

@@ -57,12 +57,13 @@ void Backend::apply_adjustment(MappingReport& report) {
   if (!background_.running()) return;
   background_.count_key_frame();
   if (options_.schedule == Schedule::realtime ? !background_.ready() : !background_.due()) return;
-  const BackgroundAdjustment::Outcome outcome = finish_adjustment();
+  BackgroundAdjustment::Outcome outcome = finish_adjustment();
   if (outcome.kind == AdjustmentKind::full) report.full_adjustment_ms = outcome.ms;
+  report.moves = std::move(outcome.moves);
 }
 
 BackgroundAdjustment::Outcome Backend::finish_adjustment() {
-  const BackgroundAdjustment::Outcome outcome = background_.apply(map_);
+  BackgroundAdjustment::Outcome outcome = background_.apply(map_);
   if (outcome.kind == AdjustmentKind::full && !outcome.solved)
     log(LogLevel::warning, "the full bundle adjustment after a loop failed; the map stays as it was");
   return outcome;
@@ -141,9 +142,7 @@ void Backend::forget_replaced_points(KeyFrameId current) {
   if (serial > kKept && serial % kEvery == 0) map_.write()->forget_forwarding(serial - kKept);
 }
 
-void Backend::finish() {
-  if (background_.running()) finish_adjustment();
-}
+KeyFrameMoves Backend::finish() { return background_.running() ? finish_adjustment().moves : KeyFrameMoves(); }
 
 void Backend::discard(uint32_t submap) {
   const auto map = map_.write();

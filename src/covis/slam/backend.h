@@ -46,7 +46,7 @@ class Backend {
   void discard(uint32_t submap);
   void forget_erased(uint64_t count) { map_.write()->forget_erased(count); }
   // Waits for the job in the background and applies its result.
-  void finish();
+  KeyFrameMoves finish();
 
  private:
   void apply_adjustment(MappingReport& report);

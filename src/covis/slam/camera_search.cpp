@@ -23,17 +23,20 @@ struct Piece {
   int64_t frames = 0;
   size_t key_frames = 0;  // that mapping made; some are culled again
 };
-constexpr Piece kShort{300, 60}, kLong{1000, 100};
+constexpr Piece kShort{300, 60}, kLong{1000, 100}, kClosing{1000, 200};
 constexpr int64_t kLatestBegin = 3000;  // frames without a map, after which there will be none
 
 // Focal lengths over the longer side of the image: 96, 75, 58 and 42 degrees.
 constexpr std::array<double, 4> kGuesses{0.45, 0.65, 0.9, 1.3};
 
 // Logarithms of the focal length.
-constexpr double kNear = 0.04;           // change after which longer pieces are tracked
-constexpr double kAside = 0.06;          // how far to both sides it is looked at then
-constexpr double kLittleAside = 0.01;    // the same at last, when matches are aligned
-constexpr double kAlike = 4.0 / 3;       // aligned places of neighbours err alike: times the deviations of others
+constexpr double kNear = 0.04;         // change after which longer pieces are tracked
+constexpr double kAside = 0.06;        // how far to both sides it is looked at then
+constexpr double kLittleAside = 0.01;  // the same at last, when matches are aligned
+constexpr double kAlike = 4.0 / 3;     // aligned places of neighbours err alike: times the deviations of others
+// At last a key frame is made wherever the view changed a little (KeyFrameOptions), and all are kept: each shows the
+// lens anew.
+constexpr double kLittleParallax = 0.05, kMuchLeft = 0.9, kNotRedundant = 1;
 constexpr double kSettledChange = 0.02;  // change after which it is taken for found
 constexpr double kSure = 0.04;           // standard deviation up to which it is known
 constexpr int kMostRounds = 6;
@@ -149,7 +152,7 @@ class CameraSearch {
     }
     SettledLens settled{.lens = lens, .sigma = {}};
     for (int i = 0; i < kMostRounds; ++i) {
-      const auto next = between(settled.lens, kAside);
+      const auto next = between(settled.lens, kAside, kLong);
       if (!next) return next;
       settled = *next;
       if (settled.change < kSettledChange && !settled.repeats) return sharpened(settled);
@@ -181,8 +184,11 @@ class CameraSearch {
   Result<SettledLens> sharpened(const SettledLens& settled) {
     if (!aligning_) return settled;
     options_.orb.patches = true;
+    options_.tracker.key_frame.key_frame_parallax_mono = kLittleParallax;
+    options_.tracker.key_frame.key_frame_ratio_mono = kMuchLeft;
+    options_.mapper.cull_redundancy = kNotRedundant;
     std::vector<LensAnswer> before = std::exchange(answers_, {});
-    auto sharper = between(settled.lens, kLittleAside, settled.fall);
+    auto sharper = between(settled.lens, kLittleAside, kClosing, settled.fall);
     if (interrupt_ && *interrupt_) return fail("interrupted");
     if (sharper && sharper->change < kSettledChange) return sharper;
     answers_ = std::move(before);
@@ -190,11 +196,12 @@ class CameraSearch {
   }
 
   // The recording is tracked with a shorter and with a longer focal length than that of `lens`.
-  Result<SettledLens> between(const Lens& lens, double apart, std::optional<double> fall = std::nullopt) {
+  Result<SettledLens> between(const Lens& lens, double apart, const Piece& piece,
+                              std::optional<double> fall = std::nullopt) {
     for (const double aside : {-apart, apart}) {
       Lens given = lens;
       given.focal *= std::exp(aside);
-      auto made = answer(given, kLong);
+      auto made = answer(given, piece);
       if (!made) return tl::unexpected(made.error());
       if (!believed(*made)) return fail(kNotTold);
       say(*made);

@@ -45,10 +45,11 @@ void MappingActor::discard(uint32_t submap) {
   rethrow_failure();
 }
 
-void MappingActor::finish() {
+KeyFrameMoves MappingActor::finish() {
   push(FinishAdjustment{});
   wait_idle();
   rethrow_failure();
+  return std::exchange(finished_, {});
 }
 
 MappingReport MappingActor::wait() {
@@ -76,7 +77,7 @@ std::optional<MappingReport> MappingActor::work_on(const BackendRequest& request
   if (const auto* initial = std::get_if<InitialMapRequest>(&request)) return backend_.initialise(*initial);
   if (const auto* discarded = std::get_if<DiscardSubmap>(&request)) backend_.discard(discarded->submap);
   if (const auto* erased = std::get_if<ForgetErased>(&request)) backend_.forget_erased(erased->count);
-  if (std::holds_alternative<FinishAdjustment>(request)) backend_.finish();
+  if (std::holds_alternative<FinishAdjustment>(request)) finished_ = backend_.finish();
   return std::nullopt;
 }
 

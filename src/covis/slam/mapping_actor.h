@@ -28,7 +28,7 @@ class MappingActor {
   // The map forgets the first `count` erased key frames. Does not wait for that, as nobody refers to them.
   void forget_erased(uint64_t count) { push(ForgetErased{count}); }
   // Waits until all requests are worked off, and the job in the background has ended and its result is applied.
-  void finish();
+  KeyFrameMoves finish();
 
   // The next report; waits for it. Call only when pending() > 0. Throws what ended the work on a request, as a lack of
   // memory: no request is worked on from then on, and it throws whenever it is called again.
@@ -58,6 +58,7 @@ class MappingActor {
   std::atomic<int> waiting_{0};                      // submitted and not finished
   std::atomic<bool> interrupt_{false};               // another request waits
   std::atomic<bool> failed_{false};
+  KeyFrameMoves finished_;      // the mapping thread's until it is idle
   std::exception_ptr failure_;  // written before failed_ is set and the outbox closed, read after
   int pending_ = 0;
   std::jthread thread_;

@@ -7,6 +7,7 @@
 
 #include "covis/core/log.h"
 #include "covis/core/time.h"
+#include "covis/features/extractor.h"
 #include "covis/map/camera_change.h"
 #include "covis/map/map_state.h"
 #include "covis/slam/map_camera.h"
@@ -33,7 +34,8 @@ ShutterOptions shutter_of(const Camera& camera, const SystemOptions& options) {
 
 // A first frame is not asked for more features than there can be.
 TrackingSettings tracking_settings(SystemOptions o, const Camera& camera, const ImageProbe& image) {
-  o.tracker.start.init_features = std::min(o.tracker.start.init_features, o.orb.features / 2);
+  o.tracker.start.init_features =
+      std::min({o.tracker.start.init_features, o.orb.features / 2, keypoint_room(o.orb, camera.width, camera.height)});
   return {.sensor = o.sensor,
           .options = o.tracker,
           .schedule = o.schedule(),
@@ -156,7 +158,7 @@ std::vector<MappingReport> System::finish() {
   FrameReport report;
   apply_all_mapping(report);
   if (tracker_.state() != TrackingState::not_initialised) {
-    mapping_.finish();
+    log_.follow(*map_.read(), mapping_.finish());
     tracker_.map_moved();
     const BacktrackSettings settings{options_.sensor, options_.tracker, options_.seed};
     take(backtrack(map_, settings, tracker_.take_unlocated()));
@@ -292,6 +294,7 @@ void System::apply(MappingReport made, FrameReport& report) {
   tracker_.key_frame_made(made);
   for (const DepthAgainstMotion& check : made.depth_checks) monitor_.add_comparison(made.frame, check);
   if (made.key_frame.valid()) anchor(made);
+  if (!made.moves.of.empty()) log_.follow(*map_.read(), std::exchange(made.moves, {}));
   take(std::move(made.earlier));
   report.mapping.push_back(std::move(made));
 }
@@ -341,6 +344,7 @@ void System::record(const Input& input, const Tracker::Outcome& outcome, FrameRe
   if (result.state == TrackingState::tracking && result.method != TrackMethod::initialised) {
     record.pose = result.pose;
     record.shutter = result.shutter;
+    record.moves = result.moves;
     record.online = SubmapPose{result.T_cw.inverse(), result.submap};
   }
   log_.append(record);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "covis/slam/frames_between.h"
+
 namespace covis {
 namespace {
 
@@ -69,6 +71,23 @@ void TrajectoryLog::forget(const Map& map, uint32_t submap) {
     if (!record.pose) continue;
     const auto resolved = record.pose->resolved(map);
     if (resolved && map.at(resolved->key_frame).submap == submap) take_back(record);
+  }
+  records_.page_out();
+}
+
+void TrajectoryLog::follow(const Map& map, const KeyFrameMoves& moves) {
+  if (moves.of.empty()) return;
+  const std::lock_guard lock(mutex_);
+  ++revision_;
+  std::vector<KeyFrameMove> own = moves.of;
+  std::erase_if(own, [&](const KeyFrameMove& move) {  // an older recording's frames had numbers of their own
+    const FrameRecord* record = find(move.frame);
+    return !record || !record->pose || record->pose->key_frame != move.key_frame;
+  });
+  const FramesBetween between(moves.of, std::move(own));
+  for (FrameRecord& record : records_.all()) {
+    if (!record.pose || record.moves >= moves.moves) continue;
+    if (const auto carried = between.carried(map, record.frame, *record.pose)) record.pose = carried;
   }
   records_.page_out();
 }

@@ -14,6 +14,7 @@
 
 #include "covis/core/spilled_array.h"
 #include "covis/core/time.h"
+#include "covis/map/key_frame_moves.h"
 #include "covis/map/map_requests.h"
 
 namespace covis {
@@ -29,6 +30,7 @@ struct FrameRecord {
   Timestamp stamp = 0;
   std::optional<RelativePose> pose;  // with every correction; nothing: the frame has no pose in the map
   ShutterResponse shutter = {};      // the correction of `pose` that is left to the reader
+  uint64_t moves = 0;                // Map::moves() of the map that it was tracked in
   // The pose as it was when the frame was tracked; nothing: there was none. (The first view of a monocular submap gets
   // its pose later.)
   std::optional<SubmapPose> online;
@@ -53,6 +55,11 @@ class TrajectoryLog {
   std::optional<Timestamp> retract(int64_t from);
   // Takes back the poses of all frames that are in this submap. Call before the submap is erased.
   void forget(const Map& map, uint32_t submap);
+
+  // Key frames moved with another camera. Frames that were tracked before stay between those that they were between:
+  // where the last one before, the next one after and the reference would each carry a frame, the nearer ones count
+  // more.
+  void follow(const Map& map, const KeyFrameMoves& moves);
 
   // Every so many erased key frames, gives each pose relative to a key frame that lives, and returns how many erasures
   // the map may forget (Map::forget_erased()): those before the last time, to which no request or frame on its way

@@ -91,6 +91,7 @@ struct TrackResult : TrackFigures {
   Matrix6d information = Matrix6d::Zero();   // of T_cw, given the map; 0 for the frame that begins a submap
   RelativePose pose;                         // the same relative to its reference key frame
   ShutterResponse shutter;                   // corrects `pose`
+  uint64_t moves = 0;                        // Map::moves() when it was tracked
   uint32_t submap = 0;                       // id of its submap: poses of different submaps have different worlds
 };
 

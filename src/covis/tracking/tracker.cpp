@@ -111,6 +111,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
   }
   if (state_ != TrackingState::tracking || result.method == TrackMethod::initialised) backlog_.keep(current_);
   result.state = state_;
+  result.moves = last_.moves;
   constexpr int kNearLoss = 2;  // times the inliers that a pose needs
   health_.near_loss = result.inliers < kNearLoss * settings_.options.local_map.min_inliers;
   std::swap(last_.frame, current_);
