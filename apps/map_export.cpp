@@ -139,17 +139,14 @@ void remove_left_models(Format format, const fs::path& out, size_t submaps) {
   }
 }
 
-// One file for each submap; those of an earlier export with more of them are removed.
+// One file for each submap. One that an earlier map left is named, not removed: its name may be somebody's own.
 Result<void> write_clouds(const std::vector<Scene>& scenes, const fs::path& file, io::CloudUnit unit) {
   for (size_t k = 0; k < scenes.size(); ++k) {
     if (auto written = io::write_ply(of_submap(file, k), exchange::cloud_of(scenes[k]), unit); !written) return written;
   }
-  std::error_code error;
-  for (size_t k = scenes.size();; ++k) {
-    const fs::path left = of_submap(file, k);
-    if (!fs::is_regular_file(left, error) || !io::is_map_cloud(left)) return {};
-    fs::remove(left, error);
-  }
+  const fs::path left = of_submap(file, scenes.size());
+  if (fs::exists(left)) log(LogLevel::warning, left.string() + ": it was there before, and is no part of this map");
+  return {};
 }
 
 Result<void> write_poses(const std::vector<Scene>& scenes, const fs::path& file, io::TrajectoryFormat format) {

@@ -278,13 +278,11 @@ class OtherFormats(unittest.TestCase):
             self.assertTrue((out / first).exists())
             self.assertFalse((out / second).exists(), to)
         self.assertTrue((WORK / 'left_colmap/sparse/2/cameras.txt').exists())
-        cloud, second, third = (WORK / f'left{end}.ply' for end in ('', '_map1', '_map2'))
+        cloud, second = (WORK / f'left{end}.ply' for end in ('', '_map1'))
         run(COVIS, 'map', 'export', MAP, '--to', 'ply', '--out', cloud)
         shutil.copy(cloud, second)
-        third.write_text('ply\nformat ascii 1.0\n')
-        run(COVIS, 'map', 'export', MAP, '--to', 'ply', '--out', cloud)
-        self.assertFalse(second.exists())
-        self.assertTrue(third.exists(), 'of another program')
+        self.assertIn('left_map1.ply: it was there before', run(COVIS, 'map', 'export', MAP, '--to', 'ply', '--out', cloud))
+        self.assertTrue(second.exists(), 'a cloud may be of another map')
 
     def test_the_command_counts_what_is_written(self):
         for to, more in (('tum', ()), ('geojson', ('--origin', '48', '16'))):

@@ -91,7 +91,8 @@ Result<size_t> write_images(const fs::path& folder_of_kept, const fs::path& fold
       if (!is_free) return tl::unexpected(is_free.error());
       if (!*is_free)
         return fail(to.string() +
-                    ": another image is there, which another model in this folder needs; choose another folder");
+                    ": another image is there, which another model in this folder needs; remove that model or choose "
+                    "another folder");
       if (auto written = write_atomically(to, *bytes); !written) return tl::unexpected(written.error());
       ++count;
     }

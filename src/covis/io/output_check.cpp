@@ -143,12 +143,6 @@ bool is_marked_picture(const fs::path& file) {
   return head && is_of(OutputKind::picture, *head);
 }
 
-bool is_map_cloud(const fs::path& file) {
-  constexpr size_t kHeader = 100;  // bytes
-  const auto head = read_head(file, kHeader);
-  return head && head->starts_with("ply\n") && head->find(kCloudComment) != head->npos;
-}
-
 std::string marked_picture(std::string png) { return png.insert(std::min(kPngHeader, png.size()), kMark); }
 
 }  // namespace covis::io

@@ -52,8 +52,5 @@ Result<void> check_output(const std::filesystem::path& out, OutputKind kind,
 // The bytes of a PNG file with a note in it that Covis made it, so that a later picture may replace it.
 std::string marked_picture(std::string png);
 bool is_marked_picture(const std::filesystem::path& file);
-// The comment by which Covis begins its PLY files. True for a file that has it.
-inline constexpr std::string_view kCloudComment = "\ncomment map points, ";
-bool is_map_cloud(const std::filesystem::path& file);
 
 }  // namespace covis::io

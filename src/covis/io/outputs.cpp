@@ -6,7 +6,6 @@
 #include <string>
 
 #include "covis/core/atomic_file.h"
-#include "covis/io/output_check.h"
 
 namespace covis::io {
 namespace {
@@ -25,7 +24,7 @@ Result<void> write_ply(const std::filesystem::path& file, const std::vector<Clou
       std::any_of(points.begin(), points.end(), [](const CloudPoint& p) { return !p.normal.isZero(); });
   const bool colours =
       normals || std::any_of(points.begin(), points.end(), [](const CloudPoint& p) { return p.colour != kNoColour; });
-  std::string text = "ply\nformat binary_little_endian 1.0" + std::string(kCloudComment) +
+  std::string text = "ply\nformat binary_little_endian 1.0\ncomment map points, " +
                      std::string(unit == CloudUnit::metres ? "metres" : "units of the map") + "\nelement vertex " +
                      std::to_string(points.size()) + "\nproperty float x\nproperty float y\nproperty float z\n";
   if (normals) text += "property float nx\nproperty float ny\nproperty float nz\n";

@@ -112,11 +112,13 @@ Result<CompressedDepth> compressed_depth(const RosCompressedImage& m) {
   return depth;
 }
 
-// The pattern of a Bayer camera whose images may be compressed as they were taken ("bayer_rggb8; png compressed "), one
-// value a pixel; empty: it is none.
-std::string_view bayer_encoding(const RosCompressedImage& m) {
-  const std::string_view encoding = m.format.substr(0, m.format.find(';'));
-  return encoding.starts_with("bayer_") ? encoding : std::string_view();
+// The pattern of a Bayer camera whose images may be compressed as they were taken ("bayer_rggb16; png compressed "),
+// one value a pixel, as that of 8 bits; empty: it is none.
+std::string bayer_encoding(const RosCompressedImage& m) {
+  std::string encoding(m.format.substr(0, m.format.find(';')));
+  if (!encoding.starts_with("bayer_")) return "";
+  if (encoding.ends_with("16")) encoding.replace(encoding.size() - 2, 2, "8");
+  return encoding;
 }
 
 Result<cv::Mat> decode_compressed(const RosCompressedImage& m, int flags, cv::Mat to, const ExpectedSize& expected) {
@@ -166,10 +168,10 @@ Result<void> RosImageDecoder::grey(const RosImage& message, ImageU8& image) {
 }
 
 Result<void> RosImageDecoder::grey(const RosCompressedImage& message, ImageU8& image) {
-  if (const std::string_view bayer = bayer_encoding(message); !bayer.empty()) {
-    const auto stored = decode_compressed(message, cv::IMREAD_ANYCOLOR, {}, expected_);
+  if (const std::string bayer = bayer_encoding(message); !bayer.empty()) {
+    const auto stored = decode_compressed(message, with_depth(cv::IMREAD_ANYCOLOR, bits_), {}, expected_);
     if (!stored) return tl::unexpected(stored.error());
-    if (stored->channels() == 1) return grey(message_of(*stored, bayer), image);
+    if (stored->channels() == 1) return grey(message_of(in_eight_bits(*stored, bits_), bayer), image);
   }
   const auto decoded =
       decode_compressed(message, with_depth(cv::IMREAD_GRAYSCALE, bits_), as_mat(image, CV_8UC1), expected_);
@@ -239,9 +241,9 @@ Result<Picture> RosImageDecoder::picture(const RosImage& message) {
 Result<Picture> RosImageDecoder::picture(const RosCompressedImage& message) {
   const auto decoded = decode_compressed(message, with_depth(cv::IMREAD_ANYCOLOR, bits_), {}, expected_);
   if (!decoded) return tl::unexpected(decoded.error());
-  const std::string_view bayer = bayer_encoding(message);
-  if (!bayer.empty() && decoded->type() == CV_8UC1) return picture(message_of(*decoded, bayer));
-  return picture_of(in_eight_bits(*decoded, bits_));
+  const cv::Mat pixels = in_eight_bits(*decoded, bits_);
+  const std::string bayer = bayer_encoding(message);
+  return bayer.empty() || pixels.channels() != 1 ? picture_of(pixels) : picture(message_of(pixels, bayer));
 }
 
 bool may_have_colours(const RosImage& message) {

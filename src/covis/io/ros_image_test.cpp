@@ -170,8 +170,17 @@ TEST(RosImage, CompressedBayerPatternsAreColours) {
   const auto picture = RosImageDecoder().picture(message);
   ASSERT_TRUE(picture) << picture.error().message;
   EXPECT_THAT(std::vector<int>(picture->row(4) + 12, picture->row(4) + 15), ElementsAre(200, 0, 0));
+  cv::Mat wide;
+  mosaic.convertTo(wide, CV_16UC1, 256);
+  const std::string of_16_bits = encoded(wide, ".png");
   message.format = "bayer_rggb16; png compressed ";
-  EXPECT_THAT(RosImageDecoder().grey(message, grey).error().message, HasSubstr("encoding 'bayer_rggb16'"));
+  message.data = of_16_bits;
+  ASSERT_TRUE(RosImageDecoder().grey(message, grey));
+  EXPECT_EQ(grey(5, 5), 60);
+  ASSERT_TRUE(RosImageDecoder().picture(message));
+  EXPECT_TRUE(RosImageDecoder().picture(message)->coloured());
+  message.format = "bayer_odd; png compressed ";
+  EXPECT_THAT(RosImageDecoder().grey(message, grey).error().message, HasSubstr("encoding 'bayer_odd'"));
   const std::string colours = encoded(cv::Mat(8, 16, CV_8UC3, cv::Scalar(0, 0, 200)), ".png");
   message.format = "bayer_rggb8; png compressed bgr8";
   message.data = colours;

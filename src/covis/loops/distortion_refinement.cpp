@@ -116,10 +116,10 @@ bool refine_distortion(BundleProblem& problem, BundleAdjuster& adjuster, double 
   camera.fx = found.lens.focal;
   camera.fy = before.fy / before.fx * camera.fx;
   camera.residual = {found.lens.k1, found.lens.k2};
+  restore_scale(0, distances_from(0, problem), adjusted);
   BundleProblem moved = problem;
   moved.poses = std::move(adjusted.poses);
   moved.points = std::move(adjusted.points);
-  restore_scale(0, distances_from(0, problem), moved);
   const auto shift = straighten(moved, camera);
   if (!shift || (*shift < kLeastShift && camera.fx == before.fx)) return false;
   const BundleSummary summary = adjuster.solve(moved, {.iterations = 20, .interrupt = interrupt});

@@ -27,6 +27,19 @@ BundleProblem problem_of(const Lens& lens, uint64_t seed, int views = kManyViews
   return problem;
 }
 
+// As many more as there are.
+void add_points_of_two_views(BundleProblem& problem) {
+  const size_t points = problem.points.size();
+  std::vector<int> taken(points, 0);
+  for (const BundleObservation& o : std::vector<BundleObservation>(problem.observations)) {
+    const auto point = static_cast<size_t>(o.point);
+    if (++taken[point] > 2) continue;
+    problem.observations.push_back(o);
+    problem.observations.back().point += static_cast<int32_t>(points);
+  }
+  for (size_t p = 0; p < points; ++p) problem.points.push_back(problem.points[p]);
+}
+
 bool refine(BundleProblem& problem) {
   BundleAdjuster adjuster;
   return refine_distortion(problem, adjuster, kFocal);
@@ -75,6 +88,7 @@ TEST(DistortionRefinementLong, GoesOnFromWhatItFound) {
 TEST(DistortionRefinementLong, FindsAnotherFocalLengthWithIt) {
   for (const double wrong : {0.97, 1.03}) {
     BundleProblem problem = problem_of({.focal = wrong * kFocal, .k1 = -0.1, .k2 = 0.03}, 8);
+    add_points_of_two_views(problem);
     const std::vector<double> before = distances_from(0, problem);
     ASSERT_TRUE(refine(problem)) << wrong;
     std::vector<double> grown = distances_from(0, problem);

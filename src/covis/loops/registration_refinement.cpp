@@ -223,7 +223,7 @@ std::optional<KeyFrameMoves> RegistrationRefinement::apply(SharedMap& shared) co
   const Pinhole& camera = submap_.problem.camera;
   const auto fits = [](const Map& map) { return map.submaps().size() == 1 && can_be_looked_up(map); };
   if (!fits(*shared.read())) return std::nullopt;
-  auto moves = apply_submap(submap_, shared, camera, Lengths::changed);
+  auto moves = apply_submap(submap_, shared, camera);
   if (!moves) return std::nullopt;
   {
     const auto gone = unmeasured(*shared.read());

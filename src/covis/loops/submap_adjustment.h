@@ -17,11 +17,9 @@ std::optional<MapProblem> copy_submap(const Map& map, KeyFrameId key_frame);
 // Writes an adjusted submap to the map, and its camera where that was adjusted too. What came meanwhile moves along:
 // key frames keep their poses relative to their parents in the spanning tree, points relative to their reference key
 // frames. Works out all places under a read guard before it takes the write guard. Nothing (and nothing done) when the
-// submap was given up meanwhile. Where lengths changed, and from place to place, the scales of key frames follow, and
-// the moves say what else is to.
-enum class Lengths { kept, changed };
+// submap was given up meanwhile.
 std::optional<KeyFrameMoves> apply_submap(const MapProblem& adjusted, SharedMap& shared,
-                                          const std::optional<Pinhole>& camera = {}, Lengths lengths = Lengths::kept);
+                                          const std::optional<Pinhole>& camera = {});
 
 // Full bundle adjustment, after a loop.
 class FullAdjustment : public AdjustmentJob {
@@ -31,7 +29,7 @@ class FullAdjustment : public AdjustmentJob {
 
   AdjustmentKind kind() const override { return AdjustmentKind::full; }
   bool run(const std::atomic<bool>& interrupt) override;
-  std::optional<KeyFrameMoves> apply(SharedMap& map) const override { return apply_submap(submap_, map); }
+  std::optional<KeyFrameMoves> apply(SharedMap& map) const override;
 
  private:
   FullAdjustment(MapProblem submap, int iterations) : submap_(std::move(submap)), iterations_(iterations) {}

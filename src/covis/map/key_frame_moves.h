@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the adjustment of a submap with its camera moved the key frames. A pose that was given relative to one of them
-// before was measured with another camera: lengths around it were others, and the way to the next key frame as well.
+// How the adjustment of a submap with its camera moved the key frames. Poses that were given relative to them before
+// were measured with another camera: the way from one key frame to the next was another one.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@ namespace covis {
 
 struct KeyFrameMove {
   KeyFrameId key_frame;
-  int64_t frame = 0;                         // KeyFrame::frame
-  SE3 before, after;                         // T_cw
-  double scale_before = 1, scale_after = 1;  // KeyFrame::scale
+  int64_t frame = 0;  // KeyFrame::frame
+  double scale = 1;   // KeyFrame::scale then
+  SE3 before, after;  // T_cw
 };
 
 struct KeyFrameMoves {

@@ -94,7 +94,7 @@ struct KeyFrame {
   std::vector<KeyFrameId> children;    // sorted by handle
   std::vector<KeyFrameId> loop_edges;  // sorted by handle
   ColoursPtr colours;                  // null: its image came without colours
-  double scale = 1;  // product of the changes of scale that loops and cameras brought to this key frame: poses given
+  double scale = 1;  // product of the changes of scale that loop closing brought to this key frame: poses given
                      // relative to it before a change have translations in the old unit
 };
 
@@ -135,8 +135,8 @@ class Map {
   bool set_features(KeyFrameId id, FeaturesPtr features);
   // One for each feature (asserted). False (nothing done) when stale.
   bool set_colours(KeyFrameId id, ColoursPtr colours);
-  // The correction of a loop or a camera: the pose, and the factor by which lengths near this key frame grew. Counted
-  // by moves(), as is join_submaps(): what was read of the map before such a move does not fit what is read after it.
+  // The correction of a loop: the pose, and the factor by which lengths near this key frame grew. Counted by moves(),
+  // as is join_submaps(): what was read of the map before such a move does not fit what is read after it.
   bool correct_pose(KeyFrameId id, const SE3& T_cw, double growth);
   void add_loop_edge(KeyFrameId a, KeyFrameId b);
   const KeyFrameDatabase& database() const { return database_; }

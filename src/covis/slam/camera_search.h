@@ -3,9 +3,9 @@
 // and the principal point. The recording's beginning is tracked with a few guesses of the focal length. The map of each
 // is adjusted together with the lens (lens_adjustment.h). From the guess whose map fits best afterwards on it is
 // tracked with less and with more, until the focal length that gives back itself is known (lens_answers.h). At last it
-// is tracked twice close beside that with matches that are aligned, which tell it more closely. What does not show is
-// left out: no distortion, the principal point in the middle of the image. Pixels are square. The same frames give the
-// same camera. Measured: docs/notes/039-a-camera-found.md.
+// is tracked twice close beside that with aligned matches and many key frames, which tell it more closely. What does
+// not show is left out: no distortion, the principal point in the middle of the image. Pixels are square. The same
+// frames give the same camera. Measured: docs/notes/039-a-camera-found.md.
 #pragma once
 
 #include <atomic>

@@ -8,10 +8,11 @@
 namespace covis {
 namespace {
 
-// Moves a camera at T_cw with a key frame.
-SE3 moved(const SE3& T_cw, const KeyFrameMove& by) {
-  const SE3 T_ck = T_cw * by.before.inverse();
-  return SE3(T_ck.R(), Eigen::Vector3d(by.scale_after / by.scale_before * T_ck.t())) * by.after;
+SE3 in_lengths(double factor, const SE3& T) { return SE3(T.R(), Eigen::Vector3d(factor * T.t())); }
+
+// Moves a camera at T_cw with a key frame, around which lengths grew.
+SE3 moved(const SE3& T_cw, const KeyFrameMove& by, double growth) {
+  return in_lengths(growth, T_cw * by.before.inverse()) * by.after;
 }
 
 double turn(const SE3& a, const SE3& b) { return so3_log(a.R() * b.R().transpose()).norm(); }
@@ -26,30 +27,37 @@ FramesBetween::FramesBetween(const std::vector<KeyFrameMove>& moves, std::vector
 }
 
 std::optional<RelativePose> FramesBetween::carried(const Map& map, int64_t frame, const RelativePose& pose) const {
-  const auto living = map.resolve(pose.key_frame);
-  const auto found = living ? of_.find(living->key_frame) : of_.end();
+  // The reference may have been erased since it moved; one that was erased before is followed to the one that lives.
+  auto found = of_.find(pose.key_frame);
+  std::optional<Map::Resolved> living;
+  if (found == of_.end()) {
+    living = map.resolve(pose.key_frame);
+    found = living ? of_.find(living->key_frame) : of_.end();
+  }
   if (found == of_.end()) return std::nullopt;
   const KeyFrameMove& reference = found->second;
-  const SE3 T_cr_now = living->carry(pose.T_cr, pose.scale);
-  const double shrinkage = reference.scale_before / map.at(living->key_frame).scale;
-  const SE3 T_cw = SE3(T_cr_now.R(), Eigen::Vector3d(shrinkage * T_cr_now.t())) * reference.before;
-  const SE3 by_reference = moved(T_cw, reference);
+  const SE3 T_cr =
+      living ? in_lengths(reference.scale / map.at(living->key_frame).scale, living->carry(pose.T_cr, pose.scale))
+             : in_lengths(reference.scale / pose.scale, pose.T_cr);
+  const SE3 T_cw = T_cr * reference.before;
   const auto made = [&](const SE3& now) {
-    return RelativePose{living->key_frame, reference.scale_after, now * reference.after.inverse()};
+    return RelativePose{reference.key_frame, reference.scale, now * reference.after.inverse()};
   };
   const auto next = std::ranges::upper_bound(own_, frame, {}, &KeyFrameMove::frame);
-  if (next == own_.begin() || next == own_.end()) return made(by_reference);
+  if (next == own_.begin() || next == own_.end()) return made(moved(T_cw, reference, 1));
 
+  constexpr double kTiny = 1e-9, kMostGrowth = 2;  // a camera that hardly moved says nothing of lengths
   const KeyFrameMove &before = *std::prev(next), &after = *next;
-  constexpr double kTiny = 1e-9;
   const double length = std::max(way(before.before, after.before), kTiny),
-               angle = std::max(turn(before.before, after.before), kTiny);
+               angle = std::max(turn(before.before, after.before), kTiny),
+               growth = std::clamp(way(before.after, after.after) / length, 1 / kMostGrowth, kMostGrowth);
+  const SE3 by_reference = moved(T_cw, reference, growth);
   double weights = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero(), rotation = Eigen::Vector3d::Zero();
   const auto add = [&](const KeyFrameMove& key_frame) {
     const double distance = way(T_cw, key_frame.before) / length + turn(T_cw, key_frame.before) / angle;
     const double weight = 1 / (distance * distance + kTiny);
-    const SE3 now = moved(T_cw, key_frame);
+    const SE3 now = moved(T_cw, key_frame, growth);
     centre += weight * now.centre();
     rotation += weight * so3_log(now.R() * by_reference.R().transpose());
     weights += weight;

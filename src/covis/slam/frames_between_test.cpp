@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "covis/map/test_map.h"
 
@@ -16,13 +18,12 @@ class FramesBetweenTest : public testing::Test, protected MapFixture {
   FramesBetweenTest() {
     for (const double x : {0.0, 1.0, 2.0}) {
       const KeyFrameId id = frame(x);
-      moves.push_back({id, map.at(id).frame, map.at(id).T_cw, map.at(id).T_cw, 1, 1});
+      moves.push_back({id, map.at(id).frame, 1, map.at(id).T_cw, map.at(id).T_cw});
     }
   }
-  void move(size_t k, const SE3& T_cw, double growth = 1) {
+  void move(size_t k, const SE3& T_cw) {
     moves[k].after = T_cw;
-    moves[k].scale_after = growth;
-    map.correct_pose(moves[k].key_frame, T_cw, growth);
+    map.set_pose(moves[k].key_frame, T_cw);
   }
   // Where a frame is that was at x, given relative to the k-th key frame.
   SE3 carried(int64_t frame, double x, size_t k) const {
@@ -39,12 +40,9 @@ TEST_F(FramesBetweenTest, WhereEverythingGrewAndTurnedFramesDoToo) {
     const SE3 T_wc = SE3::exp((Vector6d() << 0, 0, 0, 0.1, 0.4, -0.2).finished()) * pose_at(2 * x).inverse();
     return T_wc.inverse();
   };
-  for (size_t k = 0; k < 3; ++k) move(k, moved_place(static_cast<double>(k)), 2);
-  for (const auto& [at, x, k] : {std::tuple{3, 0.3, size_t{0}},
-                                 {3, 0.3, size_t{2}},
-                                 {15, 1.5, size_t{1}},
-                                 {25, 2.5, size_t{2}},
-                                 {10, 1.0, size_t{0}}})
+  for (size_t k = 0; k < 3; ++k) move(k, moved_place(static_cast<double>(k)));
+  for (const auto& [at, x, k] :
+       {std::tuple{3, 0.3, size_t{0}}, {3, 0.3, size_t{2}}, {15, 1.5, size_t{1}}, {10, 1.0, size_t{0}}})
     EXPECT_LT((carried(at, x, k) * moved_place(x).inverse()).log().norm(), 1e-9) << at;
 }
 
@@ -73,21 +71,37 @@ TEST_F(FramesBetweenTest, AReferenceThatIsNearCountsMost) {
 }
 
 TEST_F(FramesBetweenTest, BeyondTheLastKeyFrameTheReferenceCarriesThem) {
-  move(2, pose_at(3), 2);
-  EXPECT_NEAR(carried(25, 2.5, 2).centre().x(), 4, 1e-9);
+  move(2, pose_at(3));
+  EXPECT_NEAR(carried(25, 2.5, 2).centre().x(), 3.5, 1e-9);
 }
 
-TEST_F(FramesBetweenTest, AnErasedReferenceIsFollowedToTheOneThatLives) {
+// Before it moved, or after.
+TEST_F(FramesBetweenTest, AnErasedReferenceIsFollowed) {
   for (const KeyFrameMove& of : moves) map.attach_to_tree(of.key_frame);
   const RelativePose pose{moves[1].key_frame, 1, pose_at(0.5)};
   ASSERT_TRUE(map.erase_key_frame(moves[1].key_frame));
-  const KeyFrameMove erased = moves[1];
-  moves.erase(moves.begin() + 1);
-  for (size_t k = 0; k < 2; ++k) move(k, pose_at(3 * static_cast<double>(2 * k)), 3);
+  for (const bool before : {true, false}) {
+    std::vector<KeyFrameMove> known = moves;
+    if (before) known.erase(known.begin() + 1);
+    for (KeyFrameMove& of : known) of.after = pose_at(2 * of.before.centre().x());
+    for (const KeyFrameMove& of : known) map.set_pose(of.key_frame, of.after);
+    const auto now = FramesBetween(known, known).carried(map, 15, pose);
+    ASSERT_TRUE(now);
+    EXPECT_EQ(now->key_frame == moves[1].key_frame, !before);
+    const KeyFrameMove& by = *std::ranges::find(known, now->key_frame, &KeyFrameMove::key_frame);
+    EXPECT_NEAR((now->T_cr * by.after).centre().x(), 3, 1e-9);
+  }
+}
+
+// A loop that was closed since grew the lengths around the reference.
+TEST_F(FramesBetweenTest, LaterChangesOfScaleStayWithTheReader) {
+  for (size_t k = 0; k < 3; ++k) move(k, pose_at(2 * static_cast<double>(k)));
+  const RelativePose pose{moves[1].key_frame, 1, pose_at(0.5)};
+  map.correct_pose(moves[1].key_frame, pose_at(9), 4);
   const auto now = FramesBetween(moves, moves).carried(map, 15, pose);
   ASSERT_TRUE(now);
-  EXPECT_NE(now->key_frame, erased.key_frame);
-  EXPECT_NEAR(now->T_cw(map).centre().x(), 4.5, 1e-9);
+  EXPECT_EQ(now->scale, 1);
+  EXPECT_NEAR(now->resolved(map)->T_cw(map).centre().x(), 9 + 4 * 1, 1e-9);
 }
 
 TEST_F(FramesBetweenTest, WithoutAReferenceThatMovedThereIsNothing) {

@@ -158,10 +158,10 @@ std::vector<MappingReport> System::finish() {
   FrameReport report;
   apply_all_mapping(report);
   if (tracker_.state() != TrackingState::not_initialised) {
-    log_.follow(*map_.read(), mapping_.finish());
+    const KeyFrameMoves moves = mapping_.finish();  // before the map is read, as it waits for a writer
+    log_.follow(*map_.read(), moves);
     tracker_.map_moved();
-    const BacktrackSettings settings{options_.sensor, options_.tracker, options_.seed};
-    take(backtrack(map_, settings, tracker_.take_unlocated()));
+    take(backtrack(map_, {options_.sensor, options_.tracker, options_.seed}, tracker_.take_unlocated()));
     if (!frames_.late.empty()) {
       Relocaliser relocaliser(map_, options_.tracker, options_.seed, vocabulary_);
       for (const LocatedFrame& located : frames_.late.locate(std::move(relocaliser), trajectory()))
