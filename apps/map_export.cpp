@@ -144,8 +144,10 @@ Result<void> write_clouds(const std::vector<Scene>& scenes, const fs::path& file
   for (size_t k = 0; k < scenes.size(); ++k) {
     if (auto written = io::write_ply(of_submap(file, k), exchange::cloud_of(scenes[k]), unit); !written) return written;
   }
+  std::error_code none;
   const fs::path left = of_submap(file, scenes.size());
-  if (fs::exists(left)) log(LogLevel::warning, left.string() + ": it was there before, and is no part of this map");
+  if (fs::exists(left, none))
+    log(LogLevel::warning, left.string() + ": it was there before, and is no part of this map");
   return {};
 }
 

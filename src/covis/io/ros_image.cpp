@@ -112,11 +112,12 @@ Result<CompressedDepth> compressed_depth(const RosCompressedImage& m) {
   return depth;
 }
 
-// The pattern of a Bayer camera whose images may be compressed as they were taken ("bayer_rggb16; png compressed "),
-// one value a pixel, as that of 8 bits; empty: it is none.
+// The pattern of a Bayer camera whose images are compressed as they were taken ("bayer_rggb16; png compressed "), one
+// value a pixel, as that of 8 bits; empty: it is none, or they were made colours ("bayer_rggb8; png compressed bgr8").
 std::string bayer_encoding(const RosCompressedImage& m) {
   std::string encoding(m.format.substr(0, m.format.find(';')));
-  if (!encoding.starts_with("bayer_")) return "";
+  const std::string_view last = m.format.substr(m.format.find_last_of(' ') + 1);
+  if (!encoding.starts_with("bayer_") || last == "bgr8" || last == "rgb8") return "";
   if (encoding.ends_with("16")) encoding.replace(encoding.size() - 2, 2, "8");
   return encoding;
 }

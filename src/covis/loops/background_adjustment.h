@@ -45,10 +45,10 @@ class BackgroundAdjustment {
 
   struct Outcome {
     AdjustmentKind kind = AdjustmentKind::full;
-    bool solved = false;   // there was a result
-    bool applied = false;  // the map was changed
-    double ms = 0;         // that the job ran
-    KeyFrameMoves moves = {};
+    bool solved = false;       // there was a result
+    bool applied = false;      // the map was changed
+    double ms = 0;             // that the job ran
+    KeyFrameMoves moves = {};  // poses relative to key frames are to follow
   };
   // Waits for the result and writes it to the map. Only while running().
   Outcome apply(SharedMap& map);

@@ -129,7 +129,9 @@ bool FullAdjustment::run(const std::atomic<bool>& interrupt) {
 
 // Frames stay beside their references: following the key frames on both sides gained nothing (note 60).
 std::optional<KeyFrameMoves> FullAdjustment::apply(SharedMap& map) const {
-  return apply_submap(submap_, map) ? std::optional<KeyFrameMoves>(KeyFrameMoves{}) : std::nullopt;
+  std::optional<KeyFrameMoves> moves = apply_submap(submap_, map);
+  if (moves) moves->of.clear();
+  return moves;
 }
 
 }  // namespace covis

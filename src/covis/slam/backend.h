@@ -45,7 +45,7 @@ class Backend {
   MappingReport initialise(const InitialMapRequest& request);
   void discard(uint32_t submap);
   void forget_erased(uint64_t count) { map_.write()->forget_erased(count); }
-  // Waits for the job in the background and applies its result.
+  // Waits for the job in the background and applies its result. Returns how that moved key frames.
   KeyFrameMoves finish();
 
  private:

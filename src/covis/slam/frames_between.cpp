@@ -46,7 +46,7 @@ std::optional<RelativePose> FramesBetween::carried(const Map& map, int64_t frame
   const auto next = std::ranges::upper_bound(own_, frame, {}, &KeyFrameMove::frame);
   if (next == own_.begin() || next == own_.end()) return made(moved(T_cw, reference, 1));
 
-  constexpr double kTiny = 1e-9, kMostGrowth = 2;  // a camera that hardly moved says nothing of lengths
+  constexpr double kTiny = 1e-9, kMostGrowth = 2;  // bounds what a camera that hardly moved would say of lengths
   const KeyFrameMove &before = *std::prev(next), &after = *next;
   const double length = std::max(way(before.before, after.before), kTiny),
                angle = std::max(turn(before.before, after.before), kTiny),

@@ -27,7 +27,8 @@ class MappingActor {
   void discard(uint32_t submap);
   // The map forgets the first `count` erased key frames. Does not wait for that, as nobody refers to them.
   void forget_erased(uint64_t count) { push(ForgetErased{count}); }
-  // Waits until all requests are worked off, and the job in the background has ended and its result is applied.
+  // Waits until all requests are worked off, and the job in the background has ended and its result is applied. Returns
+  // how that moved key frames.
   KeyFrameMoves finish();
 
   // The next report; waits for it. Call only when pending() > 0. Throws what ended the work on a request, as a lack of

@@ -32,7 +32,7 @@ using BackendRequest = std::variant<KeyFrameRequest, InitialMapRequest, DiscardS
 struct MappingReport : MapperReport {
   LoopReport loop;
   Backtracked earlier;            // frames without a pose that came with the request
-  KeyFrameMoves moves = {};       // by the job in the background whose result was applied with this key frame
+  KeyFrameMoves moves = {};       // as the job in the background moved key frames
   double loop_ms = 0;             // loop closing, and applying and starting jobs in the background
   double full_adjustment_ms = 0;  // the full bundle adjustment whose result was applied with this key frame
   double total_ms = 0;
