@@ -3,18 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "covis/core/random.h"
 #include "synth/render/lighting.h"
 #include "synth/render/renderer.h"
 #include "synth/render/sensor_effects.h"
+#include "synth/things/moving_things.h"
 #include "synth/worlds/world.h"
 
 namespace covis {
 
 namespace {
 // Stages for hash_seed.
-enum Stage : uint64_t { kLens = 11, kExposure, kNoise, kRightNoise, kDepthNoise, kLight };
+enum Stage : uint64_t { kLens = 11, kExposure, kNoise, kRightNoise, kDepthNoise, kLight, kMoving };
 }  // namespace
 
 struct Synth::State {
@@ -23,6 +25,7 @@ struct Synth::State {
   Camera camera;
   synth::World world;
   synth::Renderer renderer;
+  std::optional<synth::MovingThings> moving;
   ImageF tone, depth, scratch;
 
   // Renders the image of the camera at T_camera in the frame of the left one; its depth is left in `depth`.
@@ -36,6 +39,8 @@ Fields fields(SynthOptions& o) {
       {"synth.seed", &o.seed, "seed of the world, the path and all noise", 0, 2147483647},
       {"synth.light", &o.light, "light over the world; 0: as painted, 1 and more: others (sun, lamps, shadows)", 0,
        2147483647},
+      {"synth.moving", &o.moving, "things that move before the camera: people, on the street cars, over the desk books",
+       0, 50},
       {"synth.frames", &o.frames, "number of frames; 0: as many as the world's path takes", 0, 1000000},
       {"synth.way", &o.way, "approximate length of the street's loop, metres; 0: the default, some 310", 0, 20000},
       {"synth.fps", &o.fps, "frames per second; 0: the world's default (30; street 10)", 0, 1000},
@@ -115,6 +120,12 @@ synth::World make_world(const SynthOptions& options) {
   return synth::make_room(seed);
 }
 
+synth::Traffic traffic_of(const std::string& world) {
+  if (world == "room") return synth::Traffic::people_around;
+  if (world == "desk") return synth::Traffic::hands;
+  return world == "street" ? synth::Traffic::cars : synth::Traffic::people_along;
+}
+
 }  // namespace
 
 Result<Synth> Synth::create(const SynthOptions& given) {
@@ -138,8 +149,13 @@ Result<Synth> Synth::create(const SynthOptions& given) {
     return fail(renderer.error().message + "; take a synth.distortion below " + std::to_string(options.distortion) +
                 " or a longer synth.focal");
   }
-  return Synth(
-      std::unique_ptr<State>(new State{options, *sensor, camera, std::move(world), std::move(*renderer), {}, {}, {}}));
+  std::optional<synth::MovingThings> moving;
+  if (options.moving > 0) {
+    const uint64_t seed = hash_seed(static_cast<uint64_t>(options.seed), kMoving);
+    moving.emplace(world.scene, traffic_of(options.world), options.moving, seed);
+  }
+  return Synth(std::unique_ptr<State>(
+      new State{options, *sensor, camera, std::move(world), std::move(*renderer), std::move(moving), {}, {}, {}}));
 }
 
 Synth::Synth(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -170,6 +186,7 @@ void brighten(ImageF& tone, double gain, double offset) {
 void Synth::State::take(double seconds, const SE3& T_camera, Stage noise_stage, int frame, ImageU8& image) {
   const auto pose = [&](double t) { return world.path.at(t).T_wc() * T_camera; };
   const SE3 T_wc = pose(seconds);
+  if (moving) moving->place(world.path, seconds, world.scene);
   renderer.render(world.scene, T_wc, tone, depth);
   if (options.blur > 0) {
     const double half = 0.0005 * options.blur;

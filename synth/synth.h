@@ -30,6 +30,7 @@ struct SynthOptions {
   std::string sensor = "rgbd";  // mono, stereo, rgbd
   int seed = 1;                 // seed of the world, the path and all noise
   int light = 0;                // 0: as painted; else number of another light over the same world
+  int moving = 0;               // number of things that move before the camera: people, cars, books
   int frames = 0;               // 0: the whole path of the world, a little more than one round or up to its end
   double way = 0;               // approximate length of the street's loop, metres; 0: the default; other worlds: 0
   double fps = 0;               // Hz; 0: the world's default (30; street 10)

@@ -86,6 +86,35 @@ TEST(Synth, AnotherLightIsOverTheSamePlace) {
   EXPECT_NE(hash(lit_image), first);
 }
 
+// Things that move hide some of the world and change nothing else.
+TEST(Synth, ThingsMoveBeforeTheSamePlace) {
+  for (const char* name : {"room", "desk", "corridor", "street"}) {
+    SynthOptions options = small(name);
+    options.moving = 3;
+    Synth busy = make(options);
+    Synth& empty = world(name);
+    ImageU8 image, busy_image;
+    ImageF depth, busy_depth;
+    int hidden = 0, farther = 0;
+    for (const int i : {60, 20}) {
+      empty.render(i, image, nullptr, &depth);
+      busy.render(i, busy_image, nullptr, &busy_depth);
+      for (int y = 0; y < depth.height(); ++y) {
+        for (int x = 0; x < depth.width(); ++x) {
+          hidden += busy_depth(x, y) > 0 && (depth(x, y) == 0 || busy_depth(x, y) < 0.99f * depth(x, y));
+          farther += depth(x, y) > 0 && busy_depth(x, y) > depth(x, y);
+        }
+      }
+    }
+    EXPECT_EQ(farther, 0) << name;
+    EXPECT_GT(hidden, 0.01 * 2 * 320 * 240) << name;
+    EXPECT_LT(hidden, 0.6 * 2 * 320 * 240) << name;
+    busy.render(60, image, nullptr, nullptr);
+    busy.render(20, image, nullptr, nullptr);
+    EXPECT_EQ(hash(image), hash(busy_image)) << name << ": in any order";
+  }
+}
+
 TEST(Synth, StampsAndDefaults) {
   const Synth room = make(SynthOptions{});
   EXPECT_EQ(room.camera().width, 640);
@@ -119,6 +148,7 @@ TEST(Synth, SaysWhatIsWrongWithTheOptions) {
   EXPECT_THAT(message([](auto& o) { o.noise = std::nan(""); }), HasSubstr("synth.noise"));
   EXPECT_THAT(message([](auto& o) { o.light = -1; }), HasSubstr("synth.light"));
   EXPECT_THAT(message([](auto& o) { o.frames = -5; }), HasSubstr("synth.frames"));
+  EXPECT_THAT(message([](auto& o) { o.moving = -1; }), HasSubstr("synth.moving"));
   EXPECT_THAT(message([](auto& o) {
                 o.sensor = "stereo";
                 o.distortion = 1;

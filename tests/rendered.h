@@ -31,8 +31,9 @@ struct Size {
 class Recording {
  public:
   explicit Recording(Sensor sensor, int frames, double fps = 8, const std::string& world = "room", Size size = {},
-                     double distortion = 0, int light = 0)
-      : synth(make(sensor, world, frames, fps, size, distortion, light)), frames_(static_cast<size_t>(frames)) {}
+                     double distortion = 0, int light = 0, int moving = 0)
+      : synth(make(sensor, world, frames, fps, size, distortion, light, moving)),
+        frames_(static_cast<size_t>(frames)) {}
 
   int size() const { return static_cast<int>(frames_.size()); }
   System::Input frame(int i) {
@@ -58,8 +59,9 @@ class Recording {
   };
 
   static Synth make(Sensor sensor, const std::string& world, int frames, double fps, Size size, double distortion,
-                    int light) {
+                    int light, int moving) {
     SynthOptions options;
+    options.moving = moving;
     options.distortion = distortion;
     options.light = light;
     options.world = world;

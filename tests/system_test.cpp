@@ -182,6 +182,16 @@ TEST(System, LocalisationWithoutAMapBeginsNone) {
   }
 }
 
+// The depths of somebody two metres ahead are so precise that they said the camera stood: it was 0.15 m off, of 8 m.
+TEST(System, APersonWalkingAheadDoesNotHoldTheCameraBack) {
+  Recording recording(Sensor::rgbd, 90, 15, "corridor", {}, 0, 0, 1);
+  System system(recording.synth.camera(), options_for(Sensor::rgbd));
+  for (int i = 0; i < recording.size(); ++i)
+    EXPECT_EQ(system.process(recording.frame(i)).track.state, TrackingState::tracking) << i;
+  system.finish();
+  EXPECT_LT(error(system.trajectory(), recording.synth, false), 0.03);
+}
+
 // 160x120 pixels have room for some 150 keypoints, and a frame of good texture has 300.
 TEST(System, AMapBeginsOnSmallImagesToo) {
   Recording& recording = shared_recording(Sensor::rgbd, 2, 30, "room", {160, 120});

@@ -2,6 +2,7 @@
 #include "covis/optimization/pose_optimization.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -94,6 +95,9 @@ struct Residual {
   }
 };
 
+// The part of an observation that a round takes: nothing (0), its pixel, or its depth as well.
+enum Part : uint8_t { kPixel = 1, kDepth = 2 };
+
 // Sums residuals and Jacobians of all observations with use[i] != 0, in their order.
 template <bool kWithJacobian>
 PoseSystem accumulate(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera,
@@ -105,7 +109,7 @@ PoseSystem accumulate(const SE3& T_cw, const PoseObservations& o, const Pinhole&
     if (!use[i]) continue;
     const Residual residual(T_cw, o, camera, i);
     if (!residual.usable) continue;
-    const Disparity& disparity = o.disparity[i];
+    const Disparity disparity = use[i] & kDepth ? o.disparity[i] : Disparity{};
     const RobustCost robust = robust_cost(Chi2(residual.r, o.inv_sigma2[i], disparity), camera, disparity, loss);
     s.cost += robust.cost;
     ++s.used;
@@ -141,17 +145,30 @@ bool finite(const PoseObservations& o, size_t i) {
          std::isfinite(o.py[i]) && std::isfinite(o.pz[i]);
 }
 
-int classify(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera, std::vector<uint8_t>& inlier) {
+// Fills `use` with what agrees with the pose, of the leading observations or of all, and returns how many do.
+enum class Who { leading, all };
+int classify(const SE3& T_cw, const PoseObservations& o, const Pinhole& camera, Who who, std::vector<uint8_t>& use) {
   int count = 0;
-  for (size_t i = 0; i < inlier.size(); ++i) {
-    inlier[i] = 0;
-    if (!finite(o, i)) continue;
+  for (size_t i = 0; i < use.size(); ++i) {
+    use[i] = 0;
+    if (!finite(o, i) || (who == Who::leading && !o.leads[i])) continue;
     const Residual residual(T_cw, o, camera, i);
-    inlier[i] =
-        residual.usable && within_bound(Chi2(residual.r, o.inv_sigma2[i], o.disparity[i]), camera, o.disparity[i]);
-    count += inlier[i];
+    if (!residual.usable) continue;
+    const Disparity& disparity = o.disparity[i];
+    const Chi2 chi2(residual.r, o.inv_sigma2[i], disparity);
+    if (!within_bound(chi2, camera, disparity)) continue;
+    const bool depth_agrees = !camera.depth_noise.known() || chi2.disparity <= kChi2One;
+    use[i] = depth_agrees ? kPixel | kDepth : kPixel;
+    ++count;
   }
   return count;
+}
+
+// Few pixels do not hold a pose as well as their depths do.
+uint8_t first_part(const PoseObservations& o) {
+  constexpr auto kEnoughPixels = 100;
+  const bool enough = std::count(o.leads.begin(), o.leads.end(), 1) >= kEnoughPixels;
+  return enough ? kPixel : kPixel | kDepth;
 }
 
 }  // namespace
@@ -160,16 +177,18 @@ void PoseObservations::clear() {
   for (auto* array : {&u, &v, &inv_sigma2}) array->clear();
   disparity.clear();
   for (auto* array : {&px, &py, &pz}) array->clear();
+  leads.clear();
 }
 
 void PoseObservations::reserve(size_t n) {
   for (auto* array : {&u, &v, &inv_sigma2}) array->reserve(n);
   disparity.reserve(n);
   for (auto* array : {&px, &py, &pz}) array->reserve(n);
+  leads.reserve(n);
 }
 
 void PoseObservations::add(const Eigen::Vector3d& p_w, float u_, float v_, float inv_sigma2_,
-                           const Disparity& disparity_) {
+                           const Disparity& disparity_, bool leading) {
   u.push_back(u_);
   v.push_back(v_);
   inv_sigma2.push_back(inv_sigma2_);
@@ -177,6 +196,7 @@ void PoseObservations::add(const Eigen::Vector3d& p_w, float u_, float v_, float
   px.push_back(p_w.x());
   py.push_back(p_w.y());
   pz.push_back(p_w.z());
+  leads.push_back(leading);
 }
 
 PoseResult optimize_pose(const SE3& T_cw_start, const PoseObservations& observations, const Pinhole& camera,
@@ -185,7 +205,8 @@ PoseResult optimize_pose(const SE3& T_cw_start, const PoseObservations& observat
   result.T_cw = T_cw_start;
   const auto n = static_cast<size_t>(observations.size());
   inlier.resize(n);
-  for (size_t i = 0; i < n; ++i) inlier[i] = finite(observations, i);
+  const uint8_t first = first_part(observations);
+  for (size_t i = 0; i < n; ++i) inlier[i] = finite(observations, i) && observations.leads[i] ? first : 0;
   SE3 T = T_cw_start;
   for (int round = 0; round < options.rounds; ++round) {
     const Loss loss = round + 1 < options.rounds ? Loss::huber : Loss::squared;
@@ -212,12 +233,14 @@ PoseResult optimize_pose(const SE3& T_cw_start, const PoseObservations& observat
     }
     T = T.normalized();
     result.information = s.H;
-    const int count = classify(T, observations, camera, inlier);
+    const Who who = round + 2 < options.rounds ? Who::leading : Who::all;
+    const int count = classify(T, observations, camera, who, inlier);
     if (count < 3) return result;
     result.inliers = count;
   }
   result.T_cw = T;
   result.cost = accumulate<false>(T, observations, camera, inlier, Loss::squared).cost;
+  for (uint8_t& use : inlier) use = use != 0;
   result.ok = true;
   return result;
 }

@@ -2,7 +2,10 @@
 // Pose of one camera from known points: 6 unknowns, robust, with repeated outlier classification.
 // Source: Mur-Artal and Tardós, "ORB-SLAM2", T-RO 2017, section III-C ("motion-only BA"); chi-square bounds at 95 %.
 // The cost is  sum rho( |z - h(T_cw p)|^2 / sigma^2 )  with 2 rows (u, v), or 3 when a disparity was measured; rho is
-// robust_cost() of reprojection.h; xi perturbs on the left: T <- exp(xi) T.
+// robust_cost() of reprojection.h; xi perturbs on the left: T <- exp(xi) T. The first round is of pixels alone, where
+// there are many, and later ones leave out the depths of a depth sensor that are off by more than their bound: near
+// depths are so precise that those of a few things which move by themselves would outvote all others
+// (docs/notes/061-things-that-move.md).
 #pragma once
 
 #include <cstdint>
@@ -20,11 +23,13 @@ struct PoseObservations {
   AlignedVector<float> inv_sigma2;  // weight of u and v, 1 / pixels^2
   AlignedVector<Disparity> disparity;
   AlignedVector<double> px, py, pz;  // world point, metres
+  AlignedVector<uint8_t> leads;      // 0: takes part in the last round alone, at the pose that the others found
 
   int size() const { return static_cast<int>(u.size()); }
   void clear();
   void reserve(size_t n);
-  void add(const Eigen::Vector3d& p_w, float u, float v, float inv_sigma2, const Disparity& disparity = {});
+  void add(const Eigen::Vector3d& p_w, float u, float v, float inv_sigma2, const Disparity& disparity = {},
+           bool leading = true);
 };
 
 struct PoseOptions {

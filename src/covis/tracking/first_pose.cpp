@@ -28,7 +28,7 @@ FirstPose::Hypothesis FirstPose::around(const TrackedFrame& last, TrackedFrame& 
     h.reason = NoPoseReason::few_matches_with_last_frame;
     return h;
   }
-  const int on_map = search.matcher.fit_pose(frame, camera);
+  const int on_map = search.matcher.fit_pose(frame, search.local_map, camera);
   h.inliers = frame.matches();
   h.share = found.in_view > 0 ? static_cast<double>(h.inliers) / found.in_view : 0;
   if ((support_ == Support::all_points ? h.inliers : on_map) < options_.motion_min_inliers)
@@ -97,7 +97,7 @@ FirstPose::Hypothesis FirstPose::by_reference(const TrackedFrame& last, TrackedF
     h.reason = NoPoseReason::few_matches_with_key_frame;
     return h;
   }
-  h.inliers = search.matcher.fit_pose(frame, search.camera);
+  h.inliers = search.matcher.fit_pose(frame, search.local_map, search.camera);
   if (h.inliers < options_.motion_min_inliers) h.reason = NoPoseReason::few_agree_with_key_frame;
   return h;
 }

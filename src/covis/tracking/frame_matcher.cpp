@@ -133,14 +133,38 @@ bool FrameMatcher::find_pose(TrackedFrame& frame, const Pinhole& camera, int see
   return true;
 }
 
-int FrameMatcher::fit_pose(TrackedFrame& frame, const Pinhole& camera) {
+namespace {
+
+// The matches that a pose is first fitted to.
+enum class Leading { settled, map, all };  // settled: those of the map's points that are not new
+
+// Two key frames seldom agree on a point that moves, and fewer such points are in the map than among the last frame's
+// depths, which a motion of a pixel a frame does not contradict (docs/notes/061-things-that-move.md).
+Leading leading(const TrackedFrame& frame, const LocalMap& local_map) {
+  constexpr int kEnough = 50;
+  int settled = 0, on_map = 0;
+  for (size_t i = 0; i < frame.source.size(); ++i) {
+    if (!frame.on_map(i)) continue;
+    ++on_map;
+    settled += !local_map.is_new(frame.points[i]);
+  }
+  if (settled >= kEnough) return Leading::settled;
+  return on_map >= kEnough ? Leading::map : Leading::all;
+}
+
+}  // namespace
+
+int FrameMatcher::fit_pose(TrackedFrame& frame, const LocalMap& local_map, const Pinhole& camera) {
   observations_.clear();
   observed_by_.clear();
   const Features& f = *frame.features;
+  const Leading who = leading(frame, local_map);
   for (size_t i = 0; i < frame.source.size(); ++i) {
     if (frame.source[i] == PointSource::none) continue;
-    observations_.add(frame.positions[i], f.x[i], f.y[i], f.pyramid->inv_sigma2[f.level[i]],
-                      disparity_of(f, i, camera));
+    const bool leads =
+        who == Leading::all || (frame.on_map(i) && (who == Leading::map || !local_map.is_new(frame.points[i])));
+    observations_.add(frame.positions[i], f.x[i], f.y[i], f.pyramid->inv_sigma2[f.level[i]], disparity_of(f, i, camera),
+                      leads);
     observed_by_.push_back(static_cast<uint32_t>(i));
   }
   reserve_ahead(inlier_, observed_by_.size());

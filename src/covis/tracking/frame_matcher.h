@@ -40,8 +40,8 @@ class FrameMatcher {
   // Finds frame.T_cw from its matches alone, by P3P in RANSAC, and drops those that disagree. False when too few agree.
   static bool find_pose(TrackedFrame& frame, const Pinhole& camera, int seed);
   // Optimises frame.T_cw over its matches and drops those that disagree. Returns how many map points agree; 0 without a
-  // pose.
-  int fit_pose(TrackedFrame& frame, const Pinhole& camera);
+  // pose. The map's points lead, without the new ones where enough are left.
+  int fit_pose(TrackedFrame& frame, const LocalMap& local_map, const Pinhole& camera);
 
   // A flag for each point of the local map: it was in view of the last match_local_map().
   const std::vector<uint8_t>& in_view() const { return projection_.in_view(); }

@@ -189,12 +189,13 @@ class FitPoseTest : public FrameMatcherTest {
   FitPoseTest() { match_points(frame, last_view, world); }
 
   const SE3 truth = scene.T_cw(4);
+  const LocalMap local_map;
   TrackedFrame frame = frame_of(last_view, SE3(so3_exp({0.01, -0.02, 0.01}), {0.05, -0.05, 0.1}) * truth);
 };
 
 TEST_F(FitPoseTest, ThePoseIsTheOneTheMatchesAgreeOn) {
   const int matches = frame.matches();
-  const int on_map = matcher.fit_pose(frame, scene.camera);
+  const int on_map = matcher.fit_pose(frame, local_map, scene.camera);
   EXPECT_LT(distance(frame.T_cw, truth), 1e-4);
   EXPECT_EQ(on_map, matches);
   EXPECT_GT(frame.information.determinant(), 0);
@@ -203,7 +204,7 @@ TEST_F(FitPoseTest, ThePoseIsTheOneTheMatchesAgreeOn) {
 TEST_F(FitPoseTest, MatchesThatDisagreeAreDropped) {
   for (size_t f = 0; f < 60; f += 2) std::swap(frame.positions[f], frame.positions[f + 1]);
   const int matches = frame.matches();
-  const int on_map = matcher.fit_pose(frame, scene.camera);
+  const int on_map = matcher.fit_pose(frame, local_map, scene.camera);
   EXPECT_LT(distance(frame.T_cw, truth), 1e-4);
   EXPECT_EQ(frame.matches(), on_map);
   EXPECT_LE(on_map, matches - 50);
@@ -216,14 +217,35 @@ TEST_F(FitPoseTest, DepthHoldsThePoseAndIsNotReportedOnTheMap) {
   for (size_t f = 0; f < frame.source.size(); f += 3)
     frame.set_match(f, {}, scene.points[last_view.point[f]].position_w, PointSource::depth);
   frame.set_match(1, world.handles[last_view.point[1]], scene.points[last_view.point[1]].position_w, PointSource::map);
-  EXPECT_EQ(matcher.fit_pose(frame, scene.camera), 1);
+  EXPECT_EQ(matcher.fit_pose(frame, local_map, scene.camera), 1);
   EXPECT_LT(distance(frame.T_cw, truth), 1e-4);
+}
+
+// Most of what the frame shows has moved by 30 cm, with the depths that the last frame gave it.
+TEST_F(FitPoseTest, SettledPointsLeadBeforeOthers) {
+  LocalMap settled;
+  settled.update(*world.shared.read(), {}, world.frames.back(), 80);
+  int still = 0, moved = 0;
+  for (size_t f = 0; f < frame.source.size(); ++f) {
+    if (!frame.on_map(f)) continue;
+    if (still < 60 && !settled.is_new(frame.points[f])) {
+      ++still;
+    } else {
+      frame.set_match(f, {}, frame.positions[f] + Eigen::Vector3d(0.3, 0, 0), PointSource::depth);
+      ++moved;
+    }
+  }
+  ASSERT_EQ(still, 60);
+  ASSERT_GT(moved, 90);
+  TrackedFrame led = frame;
+  EXPECT_EQ(matcher.fit_pose(led, settled, scene.camera), 60);
+  EXPECT_LT(distance(led.T_cw, truth), 1e-4);
 }
 
 TEST_F(FitPoseTest, TooFewMatchesLeaveThePoseAsItWas) {
   for (size_t f = 2; f < frame.source.size(); ++f) frame.drop_match(f);
   const SE3 before = frame.T_cw;
-  const int on_map = matcher.fit_pose(frame, scene.camera);
+  const int on_map = matcher.fit_pose(frame, local_map, scene.camera);
   EXPECT_EQ(on_map, 0);
   EXPECT_TRUE(frame.information.isZero());
   EXPECT_EQ(frame.T_cw.t(), before.t());
@@ -235,9 +257,9 @@ TEST_F(LocalMapSearchTest, ASteadyStateAllocatesNothing) {
     next.start(next_view.features, 5, 5);
     next.T_cw = scene.T_cw(5);
     matcher.match_last_frame(last, next, scene.camera, kWindow);
-    matcher.fit_pose(next, scene.camera);
+    matcher.fit_pose(next, local_map, scene.camera);
     matcher.match_local_map(local_map, next, scene.camera, gate);
-    return matcher.fit_pose(next, scene.camera);
+    return matcher.fit_pose(next, local_map, scene.camera);
   };
   track();
   const long before = own_allocations;

@@ -27,6 +27,7 @@ LocalMap::LocalMap() {
   points.reserve(kPoints);
   match_ratio.reserve(kPoints);
   point_seen_.reserve(kPointSlots);
+  new_.reserve(kPointSlots);
   key_frame_seen_.reserve(kKeyFrameSlots);
   votes_.reserve(kKeyFrameSlots);
   voted_.reserve(kKeyFrameSlots);
@@ -35,6 +36,7 @@ LocalMap::LocalMap() {
 }
 
 void LocalMap::clear() {
+  ++epoch_;
   points.clear();
   match_ratio.clear();
   key_frames.clear();
@@ -107,7 +109,11 @@ void LocalMap::copy_points(const Map& map) {
   points.copy(map);
   reserve_ahead(match_ratio, points.size());
   match_ratio.resize(points.size());
-  for (size_t k = 0; k < points.size(); ++k) match_ratio[k] = expected_match_ratio(map.at(points.id[k]));
+  for (size_t k = 0; k < points.size(); ++k) {
+    const MapPoint& point = map.at(points.id[k]);
+    match_ratio[k] = expected_match_ratio(point);
+    if (point.observations.size() < 2) at_slot(new_, points.id[k].slot) = epoch_;
+  }
 }
 
 }  // namespace covis

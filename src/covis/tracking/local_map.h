@@ -28,6 +28,8 @@ class LocalMap {
   int reference_points = 0;      // points of the reference key frame with enough observers (3, or 2 in a young map)
 
   int size() const { return static_cast<int>(points.size()); }
+  // True of its points that one key frame alone observes: nothing has shown yet that they do not move.
+  bool is_new(MapPointId point) const { return point.slot < new_.size() && new_[point.slot] == epoch_; }
 
  private:
   void select_key_frames(const Map& map, const std::vector<MapPointId>& matched, KeyFrameId fallback,
@@ -36,6 +38,7 @@ class LocalMap {
 
   uint32_t epoch_ = 0;
   std::vector<uint32_t> point_seen_, key_frame_seen_;  // by slot: the epoch in which the point or key frame was added
+  std::vector<uint32_t> new_;                          // by point slot: the epoch in which the point was new
   std::vector<int> votes_;                             // by key-frame slot: matched points it observes
   std::vector<KeyFrameId> voted_;
   std::vector<Neighbour> neighbours_;

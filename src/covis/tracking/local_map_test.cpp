@@ -55,6 +55,15 @@ TEST_F(LocalMapTest, HoldsTheObserversTheirNeighboursAndTheTree) {
   EXPECT_EQ(local.reference_all_points, 40);
 }
 
+TEST_F(LocalMapTest, PointsOfOneKeyFrameAreNew) {
+  local.update(map, shared[2], {}, 80);
+  EXPECT_FALSE(local.is_new(shared[2].front()));
+  EXPECT_TRUE(local.is_new(own));
+  EXPECT_FALSE(local.is_new({}));
+  local.clear();
+  EXPECT_FALSE(local.is_new(own));
+}
+
 TEST_F(LocalMapTest, MostVotesMakeTheReference) {
   std::vector<MapPointId> matched(shared[2].begin(), shared[2].end());
   matched.insert(matched.end(), shared[1].begin(), shared[1].begin() + 5);

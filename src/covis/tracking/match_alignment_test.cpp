@@ -22,7 +22,7 @@ struct MatchAlignmentTest : testing::Test {
     const PointScene::View view = noisy.view(scene.T_cw(3), Sensor::monocular, seed);
     TrackedFrame frame = frame_of(view, scene.T_cw(3));
     match_points(frame, view, world);
-    matcher.fit_pose(frame, scene.camera);
+    matcher.fit_pose(frame, LocalMap(), scene.camera);
     return frame;
   }
   void refine(TrackedFrame& frame) { alignment.refine_pose(&world.shared, scene.camera, {}, frame); }

@@ -53,7 +53,7 @@ struct PoseSearch {
     figures.local_in_view = matcher.match_local_map(local_map, frame, camera, gate);
     figures.local_points = local_map.size();
     figures.ms.local_search += watch.lap();
-    figures.inliers = matcher.fit_pose(frame, camera);
+    figures.inliers = matcher.fit_pose(frame, local_map, camera);
     figures.ms.pose += watch.ms();
     figures.local_expected = look(frame);
   }

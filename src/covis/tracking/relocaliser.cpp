@@ -80,7 +80,7 @@ std::vector<KeyFrameId> Relocaliser::candidates(const Map& map, const Words* wor
 bool Relocaliser::find_first_pose(const KeyFrameView& view, TrackedFrame& frame, PoseSearch& search) const {
   if (FrameMatcher::match_key_frame(view, frame, kForRansac) < options_.first_pose.reference_min_matches) return false;
   if (!FrameMatcher::find_pose(frame, search.camera, seed_)) return false;
-  return search.matcher.fit_pose(frame, search.camera) >= kMinInliers;
+  return search.matcher.fit_pose(frame, search.local_map, search.camera) >= kMinInliers;
 }
 
 bool Relocaliser::find_at(const KeyFrameView& view, TrackedFrame& frame, PoseSearch& search, const SharedMap* live,
@@ -95,7 +95,7 @@ bool Relocaliser::find_at(const KeyFrameView& view, TrackedFrame& frame, PoseSea
         MatchGate::local_map(o.local_window * factor, o.local_window_frontal * factor, o.local_ratio);
     figures.local_in_view = search.matcher.match_local_map(search.local_map, frame, search.camera, gate);
     figures.local_points = search.local_map.size();
-    figures.inliers = search.matcher.fit_pose(frame, search.camera);
+    figures.inliers = search.matcher.fit_pose(frame, search.local_map, search.camera);
     if (figures.inliers >= options_.recovery.min_inliers_recovered &&
         figures.inliers >= options_.recovery.min_recovered_share * figures.local_in_view) {
       figures.local_expected = search.look(frame);

@@ -70,7 +70,7 @@ struct SwayingCamera {
       frame = frame_of(straight, T_cw(k), k, stamp);
       match_points(frame, straight, world);
       if (poses == Poses::fitted) {
-        matcher.fit_pose(frame, given);
+        matcher.fit_pose(frame, LocalMap(), given);
         if (k % every == 0) world.shared.write()->set_pose(world.frames.back(), frame.T_cw);
       }
       refuse_far_rows();
