@@ -142,13 +142,14 @@ enum class Leading { settled, map, all };  // settled: those of the map's points
 // depths, which a motion of a pixel a frame does not contradict (docs/notes/061-things-that-move.md).
 Leading leading(const TrackedFrame& frame, const LocalMap& local_map) {
   constexpr int kEnough = 50;
+  constexpr double kShare = 0.3;  // a few settled points side by side would make the pose less sure
   int settled = 0, on_map = 0;
   for (size_t i = 0; i < frame.source.size(); ++i) {
     if (!frame.on_map(i)) continue;
     ++on_map;
     settled += !local_map.is_new(frame.points[i]);
   }
-  if (settled >= kEnough) return Leading::settled;
+  if (settled >= kEnough && settled >= kShare * on_map) return Leading::settled;
   return on_map >= kEnough ? Leading::map : Leading::all;
 }
 
