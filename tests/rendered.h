@@ -31,9 +31,10 @@ struct Size {
 class Recording {
  public:
   explicit Recording(Sensor sensor, int frames, double fps = 8, const std::string& world = "room", Size size = {},
-                     double distortion = 0, int light = 0, int moving = 0)
-      : synth(make(sensor, world, frames, fps, size, distortion, light, moving)),
-        frames_(static_cast<size_t>(frames)) {}
+                     double distortion = 0, int light = 0)
+      : Recording(options(sensor, world, frames, fps, size, distortion, light)) {}
+  explicit Recording(const SynthOptions& options)
+      : synth(std::move(Synth::create(options).value())), frames_(static_cast<size_t>(synth.frames())) {}
 
   int size() const { return static_cast<int>(frames_.size()); }
   System::Input frame(int i) {
@@ -58,10 +59,9 @@ class Recording {
     ImageF depth;
   };
 
-  static Synth make(Sensor sensor, const std::string& world, int frames, double fps, Size size, double distortion,
-                    int light, int moving) {
+  static SynthOptions options(Sensor sensor, const std::string& world, int frames, double fps, Size size,
+                              double distortion, int light) {
     SynthOptions options;
-    options.moving = moving;
     options.distortion = distortion;
     options.light = light;
     options.world = world;
@@ -71,7 +71,7 @@ class Recording {
     options.width = size.width;
     options.height = size.height;
     options.noise = 2;
-    return std::move(Synth::create(options).value());
+    return options;
   }
   void render(int i, Images& images) {
     synth.render(i, images.left, synth.sensor() == Sensor::stereo ? &images.right : nullptr,

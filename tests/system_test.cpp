@@ -184,7 +184,14 @@ TEST(System, LocalisationWithoutAMapBeginsNone) {
 
 // The depths of somebody two metres ahead are so precise that they said the camera stood: it was 0.15 m off, of 8 m.
 TEST(System, APersonWalkingAheadDoesNotHoldTheCameraBack) {
-  Recording recording(Sensor::rgbd, 90, 15, "corridor", {}, 0, 0, 1);
+  SynthOptions options;
+  options.world = "corridor";
+  options.moving = 1;
+  options.frames = 90;
+  options.fps = 15;
+  options.width = 320;
+  options.height = 240;
+  Recording recording(options);
   System system(recording.synth.camera(), options_for(Sensor::rgbd));
   for (int i = 0; i < recording.size(); ++i)
     EXPECT_EQ(system.process(recording.frame(i)).track.state, TrackingState::tracking) << i;

@@ -34,7 +34,6 @@ void add_person(Scene& scene) {
 void add_book(Scene& scene) {
   Random& random = scene.random;
   BoxSkin skin(painted(scene, book_row(random, 0.2, 0.04, 400)));
-  skin.top = painted(scene, book_cover(random, 0.15, 0.21, 600));
   skin.front = painted(scene, book_cover(random, 0.15, 0.21, 600));
   skin.back = painted(scene, book_cover(random, 0.15, 0.21, 600));
   add_box(scene, Place(), 0.03, 0.15, 0.21, skin, Bottom::closed);
