@@ -45,29 +45,32 @@ class PairExtractor {
 
 namespace {
 
-// Bounding box of the undistorted image border.
+// Bounding box of the undistorted image. Its border tells, unless a part of that is seen at a right angle to the axis
+// or beyond, as by a fisheye lens whose circle the image shows: then the pixels within do.
 ImageBounds find_bounds(const Camera& camera) {
   const auto w = static_cast<float>(camera.width), h = static_cast<float>(camera.height);
   if (camera.distortion == Distortion::none) return {0, 0, w, h};
-  ImageBounds box{w, h, 0, 0};
-  bool any = false;
   constexpr int kSteps = 32;
+  std::optional<ImageBounds> box;
+  const auto take = [&](int across, int down) {  // False: the pixel has no place in an undistorted image.
+    const auto u = camera.undistort({static_cast<double>(across) / kSteps * w, static_cast<double>(down) / kSteps * h});
+    if (!u) return false;
+    const auto x = static_cast<float>(u->x()), y = static_cast<float>(u->y());
+    if (!box) box = {x, y, x, y};
+    box = {std::min(box->min_x, x), std::min(box->min_y, y), std::max(box->max_x, x), std::max(box->max_y, y)};
+    return true;
+  };
+  bool whole = true;
   for (int k = 0; k <= kSteps; ++k) {
-    const double s = static_cast<double>(k) / kSteps;
-    for (const Eigen::Vector2d& p :
-         {Eigen::Vector2d(s * w, 0), Eigen::Vector2d(s * w, h), Eigen::Vector2d(0, s * h), Eigen::Vector2d(w, s * h)}) {
-      const auto u = camera.undistort(p);
-      if (!u) continue;
-      any = true;
-      box.min_x = std::min(box.min_x, static_cast<float>(u->x()));
-      box.max_x = std::max(box.max_x, static_cast<float>(u->x()));
-      box.min_y = std::min(box.min_y, static_cast<float>(u->y()));
-      box.max_y = std::max(box.max_y, static_cast<float>(u->y()));
-    }
+    for (const auto& [across, down] : std::array<std::pair<int, int>, 4>{{{k, 0}, {k, kSteps}, {0, k}, {kSteps, k}}})
+      whole &= take(across, down);
   }
-  if (!any) return {0, 0, w, h};
+  for (int k = 0; !whole && k <= kSteps; ++k) {
+    for (int m = 0; m <= kSteps; ++m) take(m, k);
+  }
+  if (!box) return {0, 0, w, h};
   // The corners of a fisheye image map very far out; bounds more than an image size outside are useless.
-  return {std::max(box.min_x, -w), std::max(box.min_y, -h), std::min(box.max_x, 2 * w), std::min(box.max_y, 2 * h)};
+  return {std::max(box->min_x, -w), std::max(box->min_y, -h), std::min(box->max_x, 2 * w), std::min(box->max_y, 2 * h)};
 }
 
 OrbOptions for_images_of(const Camera& camera, OrbOptions options) {

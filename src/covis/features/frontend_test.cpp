@@ -173,5 +173,25 @@ TEST(Frontend, KeyPointsAreUndistorted) {
   EXPECT_GT(moved, 20);
 }
 
+// The bounds were those of the border where that is seen at less than a right angle: half of the image, or a line.
+TEST(Frontend, AFisheyeLensKeepsWhatItSeesFarOut) {
+  const auto greatest_degrees = [](int width, int height, double f) {
+    Camera camera = pinhole_camera(f, 0);
+    camera.width = width, camera.height = height;
+    camera.pinhole = {f, f, width / 2.0, height / 2.0, 0};
+    camera.distortion = Distortion::kannala_brandt;
+    const FeaturesPtr found = Frontend(camera, {}, Sensor::monocular).monocular(texture(width, height, 14).view());
+    double most = 0;
+    for (size_t i = 0; i < found->x.size(); ++i) {
+      const Eigen::Vector3d ray = camera.pinhole.unproject(found->x[i], found->y[i]);
+      most = std::max(most, 57.29578 * std::atan(ray.head<2>().norm()));
+    }
+    return most;
+  };
+  EXPECT_GT(greatest_degrees(640, 640, 210), 70) << "87 degrees at the border";
+  EXPECT_GT(greatest_degrees(640, 640, 200), 70) << "a circle of 180 degrees within the image";
+  EXPECT_GT(greatest_degrees(640, 480, 480 / 3.1415), 70) << "one that touches its top and bottom";
+}
+
 }  // namespace
 }  // namespace covis

@@ -104,7 +104,8 @@ std::optional<PnpResult> ransac_pnp(const PnpProblem& problem, const Pinhole& ca
       best.T_cw = poses[static_cast<size_t>(k)];
       const double share = static_cast<double>(inliers) / static_cast<double>(n);
       const double miss = std::log(std::max(1e-12, 1 - share * share * share));
-      if (miss < 0) tries = std::min(kTries, static_cast<int>(std::ceil(std::log(1 - kConfidence) / miss)));
+      // With three inliers of thousands the quotient is beyond an int.
+      if (miss < 0) tries = static_cast<int>(std::min<double>(kTries, std::ceil(std::log(1 - kConfidence) / miss)));
     }
   }
   if (best.inliers < min_inliers) return std::nullopt;

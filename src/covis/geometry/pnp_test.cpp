@@ -37,6 +37,25 @@ TEST(Pnp, MinimalSolverFindsTheTruth) {
             0);
 }
 
+// The tries that three inliers of thousands ask for are beyond an int: the search ended after the first sample.
+TEST(Pnp, RansacFindsThePoseAmongThousands) {
+  const Pinhole camera{500, 500, 320, 240, 0};
+  Random random(7);
+  const SE3 T_cw(so3_exp({0.1, 0.2, 0.3}), {1, 2, 3});
+  PnpProblem problem;
+  for (int i = 0; i < 6000; ++i) {
+    const Vector3d p_c(random.uniform(-2, 2), random.uniform(-1.5, 1.5), random.uniform(2, 8));
+    const bool wrong = i % 2 == 0;
+    const Vector2d pixel = wrong ? Vector2d(random.uniform(0, 640), random.uniform(0, 480)) : camera.project(p_c);
+    problem.add(T_cw.inverse() * p_c, camera.unproject(pixel.x(), pixel.y()), 1);
+  }
+  for (uint64_t seed = 0; seed < 20; ++seed) {
+    const auto result = ransac_pnp(problem, camera, seed);
+    ASSERT_TRUE(result) << seed;
+    EXPECT_GE(result->inliers, 3000) << seed;
+  }
+}
+
 TEST(Pnp, RansacStandsOutliers) {
   const Pinhole camera{500, 500, 320, 240, 0};
   Random random(6);

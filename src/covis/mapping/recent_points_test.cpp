@@ -64,5 +64,20 @@ TEST_F(RecentPointsTest, ThoseObservedAgainStay) {
   EXPECT_EQ(recent.size(), 0u) << "three key frames later none is on probation";
 }
 
+// A point that is rarely found is triangulated anew now and then; as it takes the place of the new one, it is not on
+// probation.
+TEST_F(RecentPointsTest, AnOldPointInTheirPlaceStays) {
+  RecentPoints young;
+  young.add(points[0], 0);
+  {
+    const auto map = world.shared.write();
+    map->count_visible(points[1], 20);
+    map->replace_point(points[0], points[1]);
+  }
+  EXPECT_EQ(young.cull(world.shared, world.frames.back(), Sensor::rgbd, 0.25), 0);
+  EXPECT_EQ(young.size(), 0u);
+  EXPECT_NE(world.shared.read()->find(points[1]), nullptr);
+}
+
 }  // namespace
 }  // namespace covis

@@ -28,7 +28,7 @@ std::vector<FeatureMatch> match_epipolar(const Pinhole& camera, const Features& 
   const size_t n = to.size();
   const Eigen::Matrix3d F = fundamental(camera, T_ba);
   std::optional<Eigen::Vector2d> epipole;
-  if (T_ba.t().z() > 0) epipole = camera.project(T_ba.t());
+  if (T_ba.t().z() != 0) epipole = camera.project(T_ba.t());
 
   // The line first: it rejects most, and costs less than comparing descriptors.
   LinePoints points(n);

@@ -59,6 +59,7 @@ TEST(EpipolarMatch, StaysAwayFromTheEpipole) {
   add(b, 322, 240, 0, d);
   EXPECT_TRUE(match_epipolar(kCamera, a, {}, b, {}, T_ba, {}).empty());
   EXPECT_EQ(match_epipolar(kCamera, a, {}, b, {}, T_ba, {.epipole_margin = 1}).size(), 1u);
+  EXPECT_TRUE(match_epipolar(kCamera, a, {}, b, {}, T_ba.inverse(), {}).empty()) << "straight back";
 }
 
 }  // namespace

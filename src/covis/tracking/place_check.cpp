@@ -50,7 +50,8 @@ void PlaceCheck::doubt(const TrackedFrame& frame) { jump_ = {jump_ ? jump_->fram
 void PlaceCheck::accept(const TrackedFrame& frame, uint32_t submap) {
   if (jump_ && frame.stamp - jump_->stamp >= from_seconds(kTentativeTime)) jump_.reset();
   Place place{frame.T_cw, submap, frame.stamp};
-  if (last_ && last_->submap == submap && frame.stamp > last_->stamp) {
+  const bool moved_here = last_ && last_->submap == submap && tentative_since() != frame.stamp;
+  if (moved_here && frame.stamp > last_->stamp) {
     const bool burst = usual_.is_burst(frame.stamp - last_->stamp);
     Eigen::Vector3d way = frame.T_cw.centre() - last_->T_cw.centre();
     place.interval = frame.stamp - last_->stamp;
@@ -112,24 +113,30 @@ const PlaceCheck::Place* PlaceCheck::came_from(uint32_t submap, Timestamp now) c
   return nullptr;
 }
 
-// True when the camera is too far from its last place to have just moved there. One that was lost for a moment moved on
-// meanwhile: about as fast as before, and it may have turned with every frame. Things that the last frame saw too show
-// how far it turned in one.
+// True when the camera is too far from its last place to have just moved there. With few frames a second it goes
+// farther in one. A camera that was lost for a moment moved on meanwhile: about as fast as before, and it may have
+// turned with every frame. Things that the last frame saw too show how far it turned in one.
 bool PlaceCheck::jumped(const Found& found, Arrival arrival) const {
   constexpr double kTurn = std::numbers::pi / 12, kMostTurn = std::numbers::pi / 3;  // a frame, and in all
-  constexpr double kWay = 0.2;     // share of the mean depth of what it sees
-  constexpr double kSlack = 0.5;   // share of the way gone while lost
+  constexpr double kWay = 0.2, kMostWay = 0.5;  // share of the mean depth, a frame and at most
+  constexpr double kQuickFrame = 0.1;           // seconds
+  constexpr double kSlack = 0.5;                // share of the way gone while lost
   constexpr double kMoment = 0.5;  // seconds; where a camera lost for longer is found says nothing of how it went there
   const Place* from = came_from(found.local_map.reference.submap, found.frame.stamp);
   if (!from) return true;
   const SE3 T_cl = found.frame.T_cw * from->T_cw.inverse();
-  double lost = from->interval > 0 ? to_seconds(found.frame.stamp - from->stamp - from->interval) : 0;  // seconds
+  const Timestamp elapsed = found.frame.stamp - from->stamp;
+  double lost = from->interval > 0 ? to_seconds(elapsed - from->interval) : 0;  // seconds
   if (lost < 0 || lost > kMoment) lost = 0;
   const Eigen::Vector3d on_the_way = lost * (from->T_cw.R().transpose() * from->velocity);
   const Eigen::Vector3d off = found.frame.T_cw.centre() - from->T_cw.centre() - on_the_way;
   const double frames = lost > 0 ? 1 + lost / to_seconds(from->interval) : 1;
-  const double turn = arrival == Arrival::recognised ? kMostTurn : std::min(kTurn * frames, kMostTurn);
-  return off.norm() > kWay * found.frame.mean_depth() + kSlack * on_the_way.norm() ||
+  const bool lost_at_once = from->interval == 0 && arrival == Arrival::relocalised;
+  const Timestamp step = from->interval > 0 ? std::min(elapsed, from->interval) : lost_at_once ? 0 : elapsed;
+  const double slow = std::max(1.0, to_seconds(step) / kQuickFrame);
+  const double turn = arrival == Arrival::recognised ? kMostTurn : std::min(kTurn * slow * frames, kMostTurn);
+  const double way = std::min(kWay * slow, kMostWay);
+  return off.norm() > way * found.frame.mean_depth() + kSlack * on_the_way.norm() ||
          (T_cl.R().trace() - 1) / 2 < std::cos(turn);
 }
 

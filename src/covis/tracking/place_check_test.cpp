@@ -132,6 +132,23 @@ TEST_F(TentativePlaceTest, AQuickTurnIsAJump) {
   }
 }
 
+// Each step of a camera of two frames a second was a jump, which took back the one before, for as long as it went on.
+TEST_F(TentativePlaceTest, ASlowCameraSettlesWhileItMoves) {
+  for (int i = 0; i < 5; ++i) find(i, 0.5 * i, 1.2 * i, i == 0 ? Arrival::relocalised : Arrival::tracked);
+  EXPECT_FALSE(place.tentative()) << "2.4 m/s before a wall 5 m away";
+  EXPECT_FALSE(place.take_retraction());
+  find(5, 2.5, 1.2 * 4 + 2.6);
+  EXPECT_TRUE(place.tentative()) << "half of the depth in one step";
+}
+
+// The step to the first pose there was no motion of the camera.
+TEST_F(TentativePlaceTest, AJumpTellsNoVelocity) {
+  settle();
+  find(1, 0.1, 4, Arrival::relocalised);
+  find(3, 0.3, 4);  // a frame was left out
+  EXPECT_FALSE(place.take_retraction()) << "it stood where it was found";
+}
+
 TEST_F(TentativePlaceTest, TheFirstPlaceIsTentativeForASecond) {
   find(7, 3.0, 0, Arrival::relocalised);
   EXPECT_TRUE(place.tentative());

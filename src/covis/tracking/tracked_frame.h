@@ -13,7 +13,7 @@ namespace covis {
 enum class PointSource : uint8_t {
   none,
   map,    // a map point
-  depth,  // the frame's own depth: good for one frame
+  depth,  // a measured depth: the last frame's, or one from before where that has none
 };
 
 struct TrackedFrame {

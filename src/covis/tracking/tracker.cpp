@@ -75,7 +75,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
       if (result.method != TrackMethod::initialised) {
         const Stopwatch watch;
         if (state_ == TrackingState::tracking && search_.local_map.reference.submap == last_.submap &&
-            !result.doubts.torn)
+            search_.place.tentative_since() != current_.stamp && !result.doubts.torn)
           search_.shutter.follow({last_.frame.T_cw, last_.frame.stamp}, search_.camera, current_);
         search_.alignment.refine_pose(live, search_.camera, moves(), current_);
         result.ms.align = watch.ms();
@@ -221,11 +221,14 @@ bool Tracker::relocalise(TrackResult& result, const SharedMap* live, std::option
 
 void Tracker::accept(TrackResult& result) {
   const KeyFrameView& reference = search_.local_map.reference;
-  key_frames_.count(current_, search_.local_map, search_.matcher.in_view());
-  if (state_ == TrackingState::tracking && current_.stamp > last_.frame.stamp && reference.submap == last_.submap) {
-    motion_.observe((current_.T_cw * last_.frame.T_cw.inverse()).normalized(), current_.stamp - last_.frame.stamp);
-  } else {
+  if (!result.doubts.torn && !search_.place.tentative())
+    key_frames_.count(current_, search_.local_map, search_.matcher.in_view());
+  const Timestamp elapsed = current_.stamp - last_.frame.stamp;
+  if (state_ != TrackingState::tracking || elapsed <= 0 || reference.submap != last_.submap) {
     motion_.reset();
+  } else if (search_.place.tentative_since() !=
+             current_.stamp) {  // a step from a wrong place to a right one is no motion
+    motion_.observe((current_.T_cw * last_.frame.T_cw.inverse()).normalized(), elapsed);
   }
   state_ = TrackingState::tracking;
   if (result.method != TrackMethod::dead_reckoned && !result.doubts.torn) belief_.accept(result);
@@ -380,7 +383,8 @@ bool Tracker::wants_more_features() const {
   const bool monocular = settings_.sensor == Sensor::monocular;
   if (state_ == TrackingState::not_initialised) return monocular;
   // A tentative place was found with twice the features, and is held against what that showed.
-  return health_.weak || search_.place.tentative() || (starter_.is_beginning() && monocular);
+  const bool holds_place = settings_.options.local_map.weak_inliers > 0 && search_.place.tentative();
+  return health_.weak || holds_place || (starter_.is_beginning() && monocular);
 }
 
 }  // namespace covis

@@ -165,6 +165,20 @@ TEST_P(TurningTest, AKeyFrameIsDueWhereTheViewHasTurnedAwayFromItsReference) {
   EXPECT_EQ(due >= 2, GetParam() < 1) << due;
 }
 
+TEST_P(TurningTest, ATornImageDoesNotTellThatItsPointsAreNotFound) {
+  uint32_t frames_counted = 0;  // since the last key frame
+  for (int i = 0; i < frames.count(); ++i) {
+    const bool is_torn = i >= 4 && i < 10;
+    const Tracker::Outcome outcome = track_alone(is_torn ? torn(*frames.features(i)) : frames.features(i), i);
+    frames_counted += !outcome.result.doubts.torn;
+    if (const KeyFrameRequest* key_frame = key_frame_of(outcome)) {
+      for (const PointCount& count : key_frame->counts) EXPECT_LE(count.visible, frames_counted) << "frame " << i;
+      frames_counted = 0;
+    }
+    do_mapping(outcome);
+  }
+}
+
 class NewPointsTest : public TrackerTest, public testing::WithParamInterface<double> {
  protected:
   NewPointsTest() : TrackerTest(by_new_points_alone()) {}
