@@ -226,8 +226,8 @@ void Tracker::accept(TrackResult& result) {
   const Timestamp elapsed = current_.stamp - last_.frame.stamp;
   if (state_ != TrackingState::tracking || elapsed <= 0 || reference.submap != last_.submap) {
     motion_.reset();
-  } else if (search_.place.tentative_since() !=
-             current_.stamp) {  // a step from a wrong place to a right one is no motion
+  } else if (search_.place.tentative_since() != current_.stamp) {
+    // A step from a wrong place to the right one is no motion; the motion before goes on.
     motion_.observe((current_.T_cw * last_.frame.T_cw.inverse()).normalized(), elapsed);
   }
   state_ = TrackingState::tracking;
