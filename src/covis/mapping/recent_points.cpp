@@ -25,7 +25,7 @@ int RecentPoints::cull(SharedMap& shared, KeyFrameId current, Sensor sensor, dou
     const uint32_t serial = map->at(current).serial, submap = map->at(current).submap;
     std::erase_if(recent_, [&](Recent& recent) {
       const MapPoint* point = map->find(recent.point);
-      if (!point) return true;  // erased, or replaced by a point that has shown itself, or is recent itself
+      if (!point) return true;  // erased, or replaced by a point that is not new, or that has its own entry here
       // The camera went elsewhere before the point could be observed again.
       if (map->at(point->observations.front().key_frame).submap != submap) return true;
       const bool rarely_found = static_cast<double>(point->found) < min_found_ratio * point->visible;

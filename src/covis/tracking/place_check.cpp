@@ -131,8 +131,8 @@ bool PlaceCheck::jumped(const Found& found, Arrival arrival) const {
   const Eigen::Vector3d on_the_way = lost * (from->T_cw.R().transpose() * from->velocity);
   const Eigen::Vector3d off = found.frame.T_cw.centre() - from->T_cw.centre() - on_the_way;
   const double frames = lost > 0 ? 1 + lost / to_seconds(from->interval) : 1;
-  const bool lost_at_once = from->interval == 0 && arrival == Arrival::relocalised;
-  const Timestamp step = from->interval > 0 ? std::min(elapsed, from->interval) : lost_at_once ? 0 : elapsed;
+  const bool steady = from->interval > 0 || arrival == Arrival::relocalised;  // else the interval is this one
+  const Timestamp step = steady ? std::min(elapsed, from->interval) : elapsed;
   const double slow = std::max(1.0, to_seconds(step) / kQuickFrame);
   const double turn = arrival == Arrival::recognised ? kMostTurn : std::min(kTurn * slow * frames, kMostTurn);
   const double way = std::min(kWay * slow, kMostWay);

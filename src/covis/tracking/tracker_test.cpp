@@ -167,6 +167,7 @@ TEST_P(TurningTest, AKeyFrameIsDueWhereTheViewHasTurnedAwayFromItsReference) {
 
 TEST_P(TurningTest, ATornImageDoesNotTellThatItsPointsAreNotFound) {
   uint32_t frames_counted = 0;  // since the last key frame
+  int due_after = 0;
   for (int i = 0; i < frames.count(); ++i) {
     const bool is_torn = i >= 4 && i < 10;
     const Tracker::Outcome outcome = track_alone(is_torn ? torn(*frames.features(i)) : frames.features(i), i);
@@ -174,9 +175,11 @@ TEST_P(TurningTest, ATornImageDoesNotTellThatItsPointsAreNotFound) {
     if (const KeyFrameRequest* key_frame = key_frame_of(outcome)) {
       for (const PointCount& count : key_frame->counts) EXPECT_LE(count.visible, frames_counted) << "frame " << i;
       frames_counted = 0;
+      due_after += i > 10;
     }
     do_mapping(outcome);
   }
+  EXPECT_EQ(due_after >= 1, GetParam() < 1) << due_after;
 }
 
 class NewPointsTest : public TrackerTest, public testing::WithParamInterface<double> {
