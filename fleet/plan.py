@@ -91,10 +91,21 @@ def content_of(path: pathlib.Path) -> tuple[str, int]:
     return hash_of([[str(p.relative_to(path)), h] for p, h in zip(files, hashes)]), sum(p.stat().st_size for p in files)
 
 
+def split_option(word: str) -> tuple[str, str]:
+    """What a word of the options begins with, '--camera=' of '--camera=FILE' or nothing, and the rest, which may name a file."""
+    name, equals, value = word.partition('=') if word.startswith('--') else ('', '', word)
+    return (name + equals, value) if equals else ('', word)
+
+
+def absolute(word: str) -> str:
+    begin, rest = split_option(word)
+    return begin + os.path.abspath(rest) if os.path.isfile(rest) else word
+
+
 def add(site: pathlib.Path, paths: list[str], options: list[str]) -> list[str]:
     """Adds recordings as one batch, all or none. Returns what there is to say."""
     manifest = Manifest.load(site) if (site / MANIFEST).exists() else Manifest()
-    options = [os.path.abspath(word) if os.path.isfile(word) else word for word in options]
+    options = [absolute(word) for word in options]
     names = {r.name: r for r in manifest.recordings()}
     contents = {(r.id, r.options): r for r in manifest.recordings()}
     batch: list[Recording] = []
@@ -145,7 +156,8 @@ def identity_of(covis: pathlib.Path) -> str:
 
 def options_hash(options: list[str]) -> list[str]:
     """Options as they count for a result: a file by its content."""
-    return [hash_of_file(pathlib.Path(word)) if os.path.isfile(word) else word for word in options]
+    parts = [split_option(word) for word in options]
+    return [begin + (hash_of_file(pathlib.Path(rest)) if os.path.isfile(rest) else rest) for begin, rest in parts]
 
 
 def plan_of(manifest: Manifest, command: str) -> Plan:

@@ -126,6 +126,18 @@ class PlanTest(FleetTest):
         self.covis.write_text('another one')
         self.assertFalse(self.plan().nodes.keys() & before.nodes.keys(), 'and so does the command')
 
+    def test_a_file_behind_an_equals_sign_is_a_file(self) -> None:
+        camera = self.folder / 'camera.yaml'
+        camera.write_text('fx: 1')
+        options = ['--camera=' + os.path.relpath(camera), '--set=a.b=1', '--skip-bad']
+        plan.add(self.site, [self.record('a')], options)
+        recording = plan.Manifest.load(self.site).recordings()[0]
+        self.assertEqual(recording.options, (f'--camera={camera.absolute()}', '--set=a.b=1', '--skip-bad'))
+        before = self.plan()
+        self.assertEqual(self.plan().root, before.root)
+        camera.write_text('fx: 2')
+        self.assertNotEqual(self.plan().root, before.root, 'the content counts')
+
     def test_what_is_added_twice(self) -> None:
         path = self.record('a')
         plan.add(self.site, [path], [])
