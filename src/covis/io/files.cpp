@@ -248,26 +248,68 @@ bool come_as_of_camera(const std::vector<Timestamp>& stamps) {
   return !rate || is_rate_of_camera(*rate);
 }
 
+namespace {
+
+// A column of a list, read both as seconds and as whole nanoseconds until a row does not fit.
+class StampColumn {
+ public:
+  void add(std::string_view text, int line) {
+    const bool whole = text.find_first_not_of("+-0123456789") == text.npos;
+    append(parse_stamp(text), seconds_);
+    append(whole ? parse_stamp(text, WholeStamp::nanoseconds) : std::nullopt, nanoseconds_);
+    if (unusable_line_ == 0 && !seconds_ && !nanoseconds_) unusable_line_ = line;
+    numeric_ = numeric_ && parse_double(text);
+    ++size_;
+  }
+  size_t size() const { return size_; }
+  bool is_numeric() const { return numeric_; }
+  // Returns the line of the row from which on no unit fits the column; 0: one fits all rows.
+  int unusable_line() const { return unusable_line_; }
+  // Returns the stamps of a column that is usable.
+  const std::vector<Timestamp>& stamps() const {
+    if (!seconds_) return *nanoseconds_;
+    return nanoseconds_ && !come_as_of_camera(*seconds_) && come_as_of_camera(*nanoseconds_) ? *nanoseconds_
+                                                                                             : *seconds_;
+  }
+
+ private:
+  using Stamps = std::optional<std::vector<Timestamp>>;
+
+  static void append(std::optional<Timestamp> stamp, Stamps& stamps) {
+    if (!stamp) stamps.reset();
+    if (stamps) stamps->push_back(*stamp);
+  }
+
+  Stamps seconds_{std::in_place}, nanoseconds_{std::in_place};
+  size_t size_ = 0;
+  int unusable_line_ = 0;
+  bool numeric_ = true;
+};
+
+}  // namespace
+
 Result<std::vector<Timestamp>> read_stamps(const std::filesystem::path& file) {
   const auto text = read_text(file);
   if (!text) return tl::unexpected(text.error());
-  std::vector<Timestamp> stamps, second, nanoseconds;
+  StampColumn first, second;
   std::string problem;
+  const auto unusable = [&](std::string_view written, int line) {
+    return place(file, line) + ": '" + std::string(written) + "' is not a stamp in seconds or whole nanoseconds";
+  };
+  std::string problem_behind;  // why the second column can't be used
   for_each_line(*text, [&](std::string_view line, int number) {
     const auto parts = split(line);
-    const auto stamp = parts.empty() ? std::nullopt : parse_stamp(parts.front());
-    if (const auto behind = parts.size() > 1 ? parse_stamp(parts[1]) : std::nullopt) second.push_back(*behind);
-    if (!stamp) {
-      problem = place(file, number) + ": '" + std::string(line) + "' is not a stamp in seconds";
-      return false;
-    }
-    stamps.push_back(*stamp);
-    nanoseconds.push_back(parse_stamp(parts.front(), WholeStamp::nanoseconds).value_or(*stamp));
-    return true;
+    first.add(parts.empty() ? line : parts[0], number);
+    if (parts.size() > 1) second.add(parts[1], number);
+    if (parts.size() > 1 && second.unusable_line() == number) problem_behind = unusable(parts[1], number);
+    if (first.unusable_line() > 0) problem = unusable(line, number);
+    return problem.empty();
   });
   if (!problem.empty()) return fail(problem);
-  if (!come_as_of_camera(stamps) && come_as_of_camera(nanoseconds)) return nanoseconds;
-  return are_row_numbers(stamps) && second.size() == stamps.size() && rises(second) ? second : stamps;
+  if (!are_row_numbers(first.stamps()) || second.size() != first.size()) return first.stamps();
+  if (second.is_numeric() && !problem_behind.empty())
+    return fail(problem_behind + ", and the numbers before it are those of the rows");
+  return problem_behind.empty() && rises(second.stamps()) ? second.stamps() : first.stamps();
 }
 
 std::string stamp_text(Timestamp stamp) {

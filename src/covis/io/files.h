@@ -75,7 +75,8 @@ std::optional<double> rate_of(const std::vector<Timestamp>& stamps);
 // True for stamps whose rate is_rate_of_camera(), or of which there are fewer than two.
 bool come_as_of_camera(const std::vector<Timestamp>& stamps);
 // Reads a list of stamps, one per row: in the first column or, where that numbers the rows from 0 or 1 on and stamps
-// that rise are behind it, in the second. Whole numbers that come as of no camera and would as nanoseconds are such.
+// that rise are behind it, in the second; numbers behind it that can't be stamps are an error. A column of whole
+// numbers is in nanoseconds where it can't be in seconds, or would come as of no camera so and does as nanoseconds.
 Result<std::vector<Timestamp>> read_stamps(const std::filesystem::path& file);
 // Formats seconds with 9 decimals.
 std::string stamp_text(Timestamp stamp);

@@ -102,6 +102,39 @@ TEST_F(Files, ListStampsInTheFirstColumnOrBehindNumbersOfFrames) {
   EXPECT_THAT(stamps("0 0.5\n2 0.7\n"), ElementsAre(0, 2'000'000'000)) << "the first are not the rows' numbers";
 }
 
+// Whatever has 11, 12, 14 or 15 digits, or 10 of more than 146 years, can't be seconds.
+TEST_F(Files, ListStampsInNanosecondsOfAnyNumberOfDigits) {
+  using testing::ElementsAre;
+  const auto stamps = [&](const std::string& text) {
+    write("times.txt", text);
+    const auto read = read_stamps(folder / "times.txt");
+    EXPECT_TRUE(read) << read.error().message;
+    return read ? *read : std::vector<Timestamp>{};
+  };
+  EXPECT_THAT(stamps("140007602161411\n140007652161411\n"), ElementsAre(140007602161411, 140007652161411));
+  EXPECT_THAT(stamps("14000760216\n14050760216\n"), ElementsAre(14000760216, 14050760216));
+  EXPECT_THAT(stamps("4590000000\n4640000000\n"), ElementsAre(4590000000, 4640000000)) << "one could be seconds";
+  EXPECT_THAT(stamps("0\n999950000000\n999999999999\n"), ElementsAre(0, 999950000000, 999999999999));
+  EXPECT_THAT(stamps("140007602161411\n"), ElementsAre(140007602161411));
+  EXPECT_THAT(stamps("0 140007602161411\n1 140007652161411\n2 140007702161411\n"),
+              ElementsAre(140007602161411, 140007652161411, 140007702161411));
+  EXPECT_THAT(stamps("0 1400076021614\n1 1400126021614\n"), ElementsAre(1400076021614, 1400126021614))
+      << "20 Hz in nanoseconds, and 14 hours apart as milliseconds";
+}
+
+TEST_F(Files, NumbersThatCanNotBeStampsAreRefused) {
+  const auto problem = [&](const std::string& text) {
+    write("times.txt", text);
+    const auto read = read_stamps(folder / "times.txt");
+    return read ? "" : read.error().message;
+  };
+  EXPECT_THAT(problem("0.5\n100000000000\n"), AllOf(HasSubstr("times.txt:2"), HasSubstr("'100000000000'")));
+  EXPECT_THAT(problem("140007602161411\nx\n"), AllOf(HasSubstr("times.txt:2"), HasSubstr("'x'")));
+  EXPECT_THAT(problem("0 100000000000.5\n1 100000000000.6\n"),
+              AllOf(HasSubstr("times.txt:1"), HasSubstr("'100000000000.5' is not a stamp"), HasSubstr("the rows")));
+  EXPECT_THAT(problem("0 0.5\n1 99999999999999999999\n"), HasSubstr("times.txt:2: '99999999999999999999'"));
+}
+
 TEST(Stamps, GoThroughTextUnchanged) {
   Random random(1);
   for (int i = 0; i < 2000; ++i) {
