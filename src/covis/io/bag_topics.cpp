@@ -2,12 +2,22 @@
 #include "covis/io/bag_topics.h"
 
 #include <algorithm>
+#include <cctype>
+#include <string_view>
 #include <tuple>
+#include <utility>
 
 namespace covis::io {
 namespace {
 
-bool contains(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+// True when a name has a part, which is given in lower case, in any case.
+bool contains(const std::string& name, const char* part) { return lower_case(name).find(part) != std::string::npos; }
 
 bool is_compressed(const BagTopic& topic) { return topic.type == "sensor_msgs/CompressedImage"; }
 
@@ -16,10 +26,21 @@ std::string image_name(const BagTopic& topic) {
   return is_compressed(topic) ? topic.name.substr(0, topic.name.rfind('/')) : topic.name;
 }
 
-bool is_depth(const BagTopic& topic) { return contains(topic.name, "depth"); }
+// The name of the calibration beside the images of a name.
+std::string name_beside(const std::string& image) {
+  const size_t slash = image.rfind('/');
+  return (slash == std::string::npos ? "" : image.substr(0, slash)) + "/camera_info";
+}
+
+// Colour that was registered to depth ("rgb_to_depth") is no depth.
+bool is_depth(const BagTopic& topic) { return contains(topic.name, "depth") && !contains(topic.name, "_to_depth"); }
+
+bool is_registered_to_colour(const BagTopic& topic) {
+  return contains(topic.name, "depth_to_color") || contains(topic.name, "depth_to_rgb");
+}
 
 bool is_registered(const BagTopic& topic) {
-  return contains(topic.name, "aligned_depth") || contains(topic.name, "registered");
+  return is_registered_to_colour(topic) || contains(topic.name, "aligned_depth") || contains(topic.name, "registered");
 }
 
 bool is_colour(const BagTopic& topic) { return contains(topic.name, "color") || contains(topic.name, "rgb"); }
@@ -32,8 +53,8 @@ bool can_be_depth(const BagTopic& topic) {
 auto image_rank(const BagTopic& topic) { return std::tuple(!is_colour(topic), is_compressed(topic), topic.name); }
 
 auto depth_rank(const BagTopic& topic) {
-  return std::tuple(!contains(topic.name, "aligned_depth_to_color"), !contains(topic.name, "aligned_depth"),
-                    !is_registered(topic), is_compressed(topic), topic.name);
+  return std::tuple(!is_registered_to_colour(topic), !contains(topic.name, "aligned_depth"), !is_registered(topic),
+                    is_compressed(topic), topic.name);
 }
 
 using Topics = std::vector<const BagTopic*>;
@@ -65,12 +86,16 @@ const BagTopic* named(const Topics& topics, const std::string& name) {
 // The topic of the right camera that belongs to one of the left; nullptr: there is none.
 const BagTopic* right_of(const Topics& topics, const BagTopic& left) {
   using Names = std::pair<const char*, const char*>;
-  for (const auto& [from, to] : {Names{"left", "right"}, Names{"infra1", "infra2"}, Names{"cam0", "cam1"}}) {
-    std::string name = left.name;
+  for (const auto& [from, to] :
+       {Names{"left", "right"}, Names{"infra1", "infra2"}, Names{"infrared_1", "infrared_2"}, Names{"cam0", "cam1"}}) {
+    const std::string left_name = lower_case(left.name);
+    std::string name = left_name;
     for (size_t at = name.find(from); at != std::string::npos; at = name.find(from, at + 1))
       name.replace(at, std::string(from).size(), to);
-    if (name == left.name) continue;
-    if (const BagTopic* right = named(topics, name)) return right;
+    if (name == left_name) continue;
+    for (const BagTopic* right : topics) {
+      if (lower_case(right->name) == name) return right;
+    }
   }
   return nullptr;
 }
@@ -163,14 +188,16 @@ bool has_images(const BagTopic& topic) {
 
 std::string camera_info_name(const BagTopic& image) {
   const std::string name = image_name(image);
-  const size_t slash = name.rfind('/');
-  return (slash == std::string::npos ? "" : name.substr(0, slash)) + "/camera_info";
+  constexpr std::string_view kRealSense = "/image/data";
+  if (name.ends_with(kRealSense)) return name.substr(0, name.size() - kRealSense.size()) + "/info/camera_info";
+  return name_beside(name);
 }
 
 const BagTopic* camera_info_of(const std::vector<BagTopic>& topics, const BagTopic& image) {
-  const std::string name = camera_info_name(image);
-  for (const BagTopic& topic : topics) {
-    if (topic.name == name && topic.type == "sensor_msgs/CameraInfo" && !topic.messages.empty()) return &topic;
+  for (const std::string& name : {camera_info_name(image), name_beside(image_name(image))}) {
+    for (const BagTopic& topic : topics) {
+      if (topic.name == name && topic.type == "sensor_msgs/CameraInfo" && !topic.messages.empty()) return &topic;
+    }
   }
   return nullptr;
 }

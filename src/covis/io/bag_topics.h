@@ -28,9 +28,10 @@ Result<ChosenTopics> choose_topics(const std::vector<BagTopic>& topics, const To
 
 // True for a topic of images that has messages.
 bool has_images(const BagTopic& topic);
-// Returns the topic of the camera's calibration, which lies beside the image's; nullptr: there is none.
+// Returns the topic of the camera's calibration, which lies beside the image's or, as recorders of RealSense's SDK have
+// it, in X/info for X/image/data; nullptr: there is none.
 const BagTopic* camera_info_of(const std::vector<BagTopic>& topics, const BagTopic& image);
-// Returns the name that the topic would have beside the image's: "/camera/color/camera_info".
+// Returns the name that the topic would have: "/camera/color/camera_info".
 std::string camera_info_name(const BagTopic& image);
 // True when the topic's name is that of rectified images, such as image_rect_color.
 bool is_rectified(const BagTopic& image);

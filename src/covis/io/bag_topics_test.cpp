@@ -61,6 +61,35 @@ TEST(BagTopics, FoundByTheirNames) {
   EXPECT_EQ(chosen({"/usb_cam/image_raw", "/zoo/image"}), "mono /usb_cam/image_raw");
 }
 
+const std::vector<std::string> kRealSenseSdk{
+    "/device_0/sensor_0/Depth_0/image/data", "/device_0/sensor_0/Depth_0/info/camera_info",
+    "/device_0/sensor_1/Color_0/image/data", "/device_0/sensor_1/Color_0/info/camera_info"};
+
+TEST(BagTopics, OfRealSensesSdkAreFoundInAnyCase) {
+  EXPECT_EQ(chosen(kRealSenseSdk), "rgbd /device_0/sensor_1/Color_0/image/data /device_0/sensor_0/Depth_0/image/data");
+  EXPECT_EQ(chosen(kRealSenseSdk, {}, Sensor::monocular), "mono /device_0/sensor_1/Color_0/image/data");
+  EXPECT_EQ(chosen({"/device_0/sensor_0/Infrared_1/image/data", "/device_0/sensor_0/Infrared_2/image/data"}),
+            "stereo /device_0/sensor_0/Infrared_1/image/data /device_0/sensor_0/Infrared_2/image/data");
+  EXPECT_EQ(chosen({"/Left/image", "/Right/image"}), "stereo /Left/image /Right/image");
+  const auto topics = topics_of(kRealSenseSdk);
+  ASSERT_NE(camera_info_of(topics, topics[2]), nullptr);
+  EXPECT_EQ(camera_info_of(topics, topics[2])->name, "/device_0/sensor_1/Color_0/info/camera_info");
+  const auto beside = topics_of({"/a/image/data", "/a/image/camera_info"});
+  ASSERT_NE(camera_info_of(beside, beside[0]), nullptr);
+  EXPECT_EQ(camera_info_of(beside, beside[0])->name, "/a/image/camera_info") << "as of any other images";
+}
+
+TEST(BagTopics, DepthThatAzureKinectRegisteredToColourIsTaken) {
+  EXPECT_EQ(chosen({"/depth/image_raw", "/depth_to_rgb/image_raw", "/ir/image_raw", "/rgb/image_raw",
+                    "/rgb_to_depth/image_raw"}),
+            "rgbd /rgb/image_raw /depth_to_rgb/image_raw");
+  EXPECT_EQ(chosen({"/depth/image_raw", "/rgb/image_raw", "/z_depth_to_color/image_raw"}),
+            "rgbd /rgb/image_raw /z_depth_to_color/image_raw");
+  EXPECT_EQ(chosen({"/depth_to_rgb/image_raw", "/left/image_raw", "/rgb/image_raw", "/right/image_raw"}),
+            "rgbd /rgb/image_raw /depth_to_rgb/image_raw")
+      << "it is registered, and so comes before a pair";
+}
+
 TEST(BagTopics, NamedOnesAreTaken) {
   EXPECT_EQ(chosen(kRealSense, {.image = "/camera/infra2/image_rect_raw"}), "mono /camera/infra2/image_rect_raw");
   EXPECT_EQ(chosen(kRealSense, {.image = "/camera/infra1/image_rect_raw"}, Sensor::stereo),

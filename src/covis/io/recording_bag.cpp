@@ -211,7 +211,7 @@ Result<void> find_bag_camera(const Request& request, const OpenBag& bag, const C
   recording.depth_scale = kMillimetres;
   const auto info = read_camera_info(bag, *topics.image);
   if (!info) return tl::unexpected(info.error());
-  recording.calibration = bag.path.string() + camera_info_name(*topics.image);
+  recording.calibration = bag.path.string() + camera_info_of(bag.bag->topics(), *topics.image)->name;
   if (!topics.right) {
     const auto camera = is_rectified(*topics.image) && info->P[0] > 0 ? rectified_camera(*info) : raw_camera(*info);
     if (!camera) return tl::unexpected(named(recording.calibration, camera.error()));
