@@ -62,7 +62,7 @@ Result<Camera> read_kalibr_camera(const fs::path& file, const YAML::Node& node, 
   if (!distortion) return wrong("distortion_model", lens, "radtan, equidistant or none");
   const auto size = yaml_numbers(file, node, "resolution", 2);
   if (!size) return of_camera(size.error());
-  const auto k = yaml_numbers(file, node, "intrinsics", 4);
+  const auto k = read_intrinsics(file, node);
   if (!k) return of_camera(k.error());
   Camera camera;
   if (!(std::abs((*size)[0]) < 1e6 && std::abs((*size)[1]) < 1e6))
@@ -72,9 +72,9 @@ Result<Camera> read_kalibr_camera(const fs::path& file, const YAML::Node& node, 
   camera.pinhole = {(*k)[0], (*k)[1], (*k)[2], (*k)[3], 0};
   camera.distortion = *distortion;
   if (camera.distortion != Distortion::none) {
-    const auto d = yaml_numbers(file, node, "distortion_coeffs", 4);
-    if (!d) return of_camera(d.error());
-    std::copy_n(d->begin(), 4, camera.coefficients.begin());
+    const auto coefficients = read_coefficients(file, node, "distortion_coeffs", camera.distortion);
+    if (!coefficients) return of_camera(coefficients.error());
+    camera.coefficients = *coefficients;
   }
   if (auto checked = check_camera_bounds(file, camera); !checked) return of_camera(checked.error());
   return camera;

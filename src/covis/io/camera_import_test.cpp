@@ -110,6 +110,10 @@ TEST_F(CameraImport, OfKalibrNamesTheFieldThatIsWrong) {
   EXPECT_THAT(import_error("c.yaml", replaced(left, "458", "nan")), AllOf(HasSubstr("c.yaml:6"), HasSubstr("'nan'")));
   EXPECT_THAT(import_error("c.yaml", replaced(left, "[752, 480]", "[752]")),
               HasSubstr("resolution needs 2 numbers (cam0)"));
+  EXPECT_THAT(import_error("c.yaml", replaced(left, "[458", "[0.7, 458")),
+              AllOf(HasSubstr("c.yaml:6: intrinsics has 5 numbers"), HasSubstr("(cam0)")));
+  EXPECT_THAT(import_error("c.yaml", replaced(left, "1.7e-05]", "1.7e-05, 0, 0.3]")),
+              AllOf(HasSubstr("c.yaml:4: distortion_coeffs has 6 numbers"), HasSubstr("(cam0)")));
   EXPECT_THAT(import_error("c.yaml", replaced(left, "367", "3670")), HasSubstr("principal point"));
   EXPECT_THAT(import_error("c.yaml", replaced(left, "458", "-458")),
               AllOf(HasSubstr("c.yaml: fx, the focal length"), HasSubstr("(cam0)")));

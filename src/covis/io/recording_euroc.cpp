@@ -2,6 +2,7 @@
 // EuRoC sequences (Burri et al., "The EuRoC micro aerial vehicle datasets", IJRR 2016): mav0/cam0, cam1 with data.csv
 // and sensor.yaml.
 #include <map>
+#include <optional>
 
 #include "covis/io/bad_frames.h"
 #include "covis/io/files.h"
@@ -96,24 +97,43 @@ Result<void> list_frames(const fs::path& base, BadFrames bad_frames, Recording& 
   return {};
 }
 
-// Reads the camera (rectified, when stereo) and returns T_bc, its pose in the body frame. A given camera file means
-// that the images are rectified already.
-Result<SE3> find_camera(const Request& request, const fs::path& base, Recording& recording) {
+// The camera's pose in the body frame, or why nobody says it.
+struct OnBody {
+  std::optional<SE3> T_bc;
+  std::string problem = {};
+};
+
+// Of a sensor.yaml beside a camera file that is given, the pose alone counts.
+OnBody pose_beside_given_camera(const fs::path& sensor_file) {
+  if (!fs::exists(sensor_file)) return {std::nullopt, sensor_file.string() + ": it is not there"};
+  const auto pose = read_sensor_pose(sensor_file);
+  return pose ? OnBody{*pose} : OnBody{std::nullopt, pose.error().message};
+}
+
+// A file that is there and can't be used is noted always, one that is not there where it is missed.
+void note_unknown_pose(const OnBody& camera, const fs::path& sensor_file, Recording& recording) {
+  if (camera.T_bc || (!recording.truth && !fs::exists(sensor_file))) return;
+  std::string note = camera.problem + "; where the camera is on the body is not known";
+  if (recording.truth)
+    note += ", and errors will hold the arm between the two, as " + recording.truth->file.string() + " is of the body";
+  recording.notes.push_back(std::move(note));
+}
+
+// Reads the camera (rectified, when stereo). A given camera file means that the images are rectified already.
+Result<OnBody> find_camera(const Request& request, const fs::path& base, Recording& recording) {
   const fs::path left_file = base / "cam0" / "sensor.yaml", right_file = base / "cam1" / "sensor.yaml";
   if (request.given) {
     recording.camera = request.given->camera;
     recording.bits = request.given->bits;
     recording.calibration = request.given->file.string();
-    if (!fs::exists(left_file)) return SE3();
-  } else if (!fs::exists(left_file)) {
-    return tl::unexpected(no_calibration(request.folder, left_file.string()));
+    return pose_beside_given_camera(left_file);
   }
+  if (!fs::exists(left_file)) return tl::unexpected(no_calibration(request.folder, left_file.string()));
   const auto left = read_sensor_file(left_file);
   if (!left) return tl::unexpected(left.error());
-  if (request.given) return left->T_bs;
   recording.camera = left->camera;
   recording.calibration = left_file.string();
-  if (recording.sensor != Sensor::stereo) return left->T_bs;
+  if (recording.sensor != Sensor::stereo) return OnBody{left->T_bs};
   const auto right = read_sensor_file(right_file);
   if (!right) return tl::unexpected(right.error());
   auto rectification = StereoRectification::create(left->camera, right->camera, right->T_bs.inverse() * left->T_bs);
@@ -121,7 +141,7 @@ Result<SE3> find_camera(const Request& request, const fs::path& base, Recording&
     return fail(left_file.string() + ", " + right_file.string() + ": " + rectification.error().message);
   recording.rectification = std::move(*rectification);
   recording.camera = recording.rectification->camera();
-  return left->T_bs * recording.rectification->T_left_rectified();
+  return OnBody{left->T_bs * recording.rectification->T_left_rectified()};
 }
 
 }  // namespace
@@ -137,14 +157,15 @@ Result<Recording> read_euroc(const Request& request) {
     return fail(request.folder.string() + ": a EuRoC sequence has no depth images; --sensor must be stereo or mono");
   if (recording.sensor == Sensor::stereo && !has_right)
     return fail((base / "cam1").string() + ": the right camera is missing; without it use --sensor mono");
-  const auto T_bc = find_camera(request, base, recording);
-  if (!T_bc) return tl::unexpected(T_bc.error());
+  const auto on_body = find_camera(request, base, recording);
+  if (!on_body) return tl::unexpected(on_body.error());
   if (auto listed = list_frames(base, request.bad_frames, recording); !listed) return tl::unexpected(listed.error());
   // TUM VI names its ground truth, which is also that of the body, mocap0.
   for (const char* source : {"state_groundtruth_estimate0", "mocap0"}) {
     const fs::path truth = base / source / "data.csv";
-    if (!recording.truth && fs::exists(truth)) recording.truth = Truth{truth, *T_bc};
+    if (!recording.truth && fs::exists(truth)) recording.truth = Truth{truth, on_body->T_bc};
   }
+  note_unknown_pose(*on_body, base / "cam0" / "sensor.yaml", recording);
   return recording;
 }
 

@@ -60,6 +60,63 @@ TEST_F(Sequences, ReadsEurocImagesThatAreRectifiedAlready) {
   EXPECT_EQ((*(*opened)->next())->right(0, 0), 51) << "taken as it is, without the black border of a rectified image";
 }
 
+// Reading a part of what describes a camera makes another camera of it.
+TEST_F(Sequences, ReadsEurocWithAGivenCameraWhateverItsOwnFileSays) {
+  euroc();
+  camera_yaml("baseline: 0.2\n");
+  const auto x_of_truth = [&](Sequence& sequence) { return load_truth(sequence)->front().T_wc.t().x(); };
+  auto opened = open({.camera_file = folder / "camera.yaml"});
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_THAT((*opened)->notes(), testing::IsEmpty());
+  EXPECT_NEAR(x_of_truth(**opened), 1.5, 1e-9);
+  const std::string sensor = *read_text(folder / "mav0/cam0/sensor.yaml");
+  write("mav0/cam0/sensor.yaml", sensor + "camera_model: omni\n");
+  opened = open({.camera_file = folder / "camera.yaml"});
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_THAT((*opened)->notes(), testing::IsEmpty());
+  EXPECT_NEAR(x_of_truth(**opened), 1.5, 1e-9) << "where the camera is on the body can be read all the same";
+  write("mav0/cam0/sensor.yaml", "T_BS: 5\n");
+  opened = open({.camera_file = folder / "camera.yaml"});
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_NEAR((*opened)->camera().pinhole.baseline(), 0.2, 1e-12);
+  EXPECT_NEAR(x_of_truth(**opened), 1, 1e-9) << "the body's";
+  EXPECT_THAT((*opened)->notes(), testing::ElementsAre(AllOf(HasSubstr("cam0/sensor.yaml"), HasSubstr("'T_BS'"),
+                                                             HasSubstr("on the body is not known"),
+                                                             HasSubstr("state_groundtruth_estimate0"))));
+  fs::remove(folder / "mav0/cam0/sensor.yaml");
+  opened = open({.camera_file = folder / "camera.yaml"});
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_THAT((*opened)->notes(), testing::ElementsAre(AllOf(HasSubstr("cam0/sensor.yaml: it is not there"),
+                                                             HasSubstr("on the body is not known"),
+                                                             HasSubstr("state_groundtruth_estimate0"))));
+  fs::remove_all(folder / "mav0/state_groundtruth_estimate0");
+  opened = open({.camera_file = folder / "camera.yaml"});
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_THAT((*opened)->notes(), testing::IsEmpty()) << "nothing asks for the body";
+}
+
+TEST_F(BadInput, EurocCamerasOfMoreThanCovisKnowsAreRefused) {
+  const auto with = [&](const std::string& from, const std::string& to) {
+    euroc();
+    std::string text = *read_text(folder / "mav0/cam0/sensor.yaml");
+    write("mav0/cam0/sensor.yaml", text.replace(text.find(from), from.size(), to));
+    const auto opened = open();
+    return opened ? "" : opened.error().message;
+  };
+  const std::string intrinsics = "intrinsics: [50, 50, 32, 24]", coefficients = "[-0.1, 0.01, 0, 0]";
+  EXPECT_THAT(with(intrinsics, "camera_model: omni\nintrinsics: [0.7, 50, 50, 32, 24]"),
+              AllOf(HasSubstr("cam0/sensor.yaml:7: camera_model 'omni'"), HasSubstr("must be pinhole")));
+  EXPECT_EQ(with(intrinsics, "camera_model: pinhole\n" + intrinsics), "");
+  EXPECT_THAT(with(intrinsics, "intrinsics: [0.7, 50, 50, 32, 24]"),
+              AllOf(HasSubstr("cam0/sensor.yaml:7: intrinsics has 5 numbers"), HasSubstr("4 of a pinhole camera")));
+  EXPECT_THAT(with(coefficients, "[-0.1, 0.01, 0, 0, 0, 0.2, 0, 0]"),
+              AllOf(HasSubstr("cam0/sensor.yaml:9: distortion_coefficients has 8 numbers"), HasSubstr("k1 k2 p1 p2")));
+  EXPECT_EQ(with(coefficients, "[-0.1, 0.01, 0, 0, 0, 0, 0, 0]"), "");
+  EXPECT_THAT(with("radial-tangential\ndistortion_coefficients: [-0.1, 0.01, 0, 0]",
+                   "equidistant\ndistortion_coefficients: [-0.1, 0.01, 0, 0, 0]"),
+              AllOf(HasSubstr("distortion_coefficients has 5 numbers"), HasSubstr("k1 k2 k3 k4")));
+}
+
 TEST_F(BadInput, Euroc) {
   euroc();
   fs::remove(folder / "mav0/cam1/data/1403715273312143104.png");

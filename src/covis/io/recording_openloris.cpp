@@ -27,7 +27,7 @@ Result<Camera> read_openloris_camera(const fs::path& file) {
     }
   }
   if (!sensor.IsMap()) return fail(file.string() + ": '" + kOpenLorisColour + "_optical_frame' is missing");
-  const auto k = yaml_numbers(file, sensor, "intrinsics", 4);
+  const auto k = read_intrinsics(file, sensor);
   if (!k) return tl::unexpected(k.error());
   const auto width = yaml_number(file, sensor, "width"), height = yaml_number(file, sensor, "height");
   if (!width) return tl::unexpected(width.error());
@@ -55,7 +55,9 @@ Result<Camera> read_openloris_camera(const fs::path& file) {
                 "' with coefficients that are not zero can't be used; give a camera file with --camera");
   }
   camera.distortion = Distortion::brown_conrady;
-  std::copy_n(d->begin(), std::min<size_t>(d->size(), 5), camera.coefficients.begin());
+  const auto coefficients = read_coefficients(file, sensor, "distortion_coefficients", camera.distortion);
+  if (!coefficients) return tl::unexpected(coefficients.error());
+  camera.coefficients = *coefficients;
   return camera;
 }
 

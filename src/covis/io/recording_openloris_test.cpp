@@ -108,6 +108,13 @@ TEST_F(OpenLoris, NamesTheFieldOfTheCameraThatIsWrong) {
   sensors("[50, 32, 51, 24]",
           "   distortion_model: inverse_brown_conrady\n   distortion_coefficients: [0.1, 0, 0, 0, 0]\n");
   EXPECT_EQ((*open())->camera().distortion, Distortion::brown_conrady);
+  sensors("[50, 32, 51, 24, 0.7]");
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("intrinsics has 5 numbers"), HasSubstr("4 of a pinhole camera")));
+  sensors("[50, 32, 51, 24]", "   camera_model: omni\n");
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("sensors.yaml:"), HasSubstr("camera_model 'omni'"), HasSubstr("pinhole")));
+  sensors("[50, 32, 51, 24]",
+          "   distortion_model: brown_conrady\n   distortion_coefficients: [0.1, 0, 0, 0, 0, 0.2, 0, 0]\n");
+  EXPECT_THAT(open_error(), HasSubstr("distortion_coefficients has 8 numbers"));
   write("sensors.yaml", "t265_fisheye1_optical_frame:\n  width: 848\n");
   EXPECT_THAT(open_error(), AllOf(HasSubstr("sensors.yaml"), HasSubstr("d400_color")));
   fs::remove(folder / "sensors.yaml");

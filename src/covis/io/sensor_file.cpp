@@ -18,42 +18,45 @@ std::optional<Distortion> distortion_named(const std::string& name) {
   return std::nullopt;
 }
 
-Result<SensorFile> read_sensor_file(const std::filesystem::path& file) {
-  const auto root = load_yaml(file);
-  if (!root) return tl::unexpected(root.error());
-  if (!root->IsMap() || !(*root)["T_BS"])
+Result<std::vector<double>> read_intrinsics(const std::filesystem::path& file, const YAML::Node& camera) {
+  const std::string model = yaml_text(camera, "camera_model", "pinhole");
+  if (model != "pinhole") {
+    return fail(yaml_place(file, camera["camera_model"]) + ": camera_model '" + model +
+                "' can't be used; it must be pinhole");
+  }
+  auto values = yaml_numbers(file, camera, "intrinsics", 4);
+  if (values && values->size() > 4) {
+    return fail(yaml_place(file, camera["intrinsics"]) + ": intrinsics has " + std::to_string(values->size()) +
+                " numbers; it must have the 4 of a pinhole camera");
+  }
+  return values;
+}
+
+Result<std::array<double, 5>> read_coefficients(const std::filesystem::path& file, const YAML::Node& camera,
+                                                const char* key, Distortion lens) {
+  const auto values = yaml_numbers(file, camera, key, 4);
+  if (!values) return tl::unexpected(values.error());
+  const auto too_many = [&](const char* right) {
+    return fail(yaml_place(file, camera[key]) + ": " + key + " has " + std::to_string(values->size()) +
+                " numbers; it must have " + right);
+  };
+  if (lens == Distortion::kannala_brandt && values->size() > 4) return too_many("4: k1 k2 k3 k4");
+  constexpr ptrdiff_t kMost = 5;
+  std::array<double, 5> coefficients{};
+  const auto end = values->begin() + std::min(std::ssize(*values), kMost);
+  if (std::any_of(end, values->end(), [](double value) { return value != 0; }))
+    return too_many("4 or 5, k1 k2 p1 p2 [k3], and zeros behind them");
+  std::copy(values->begin(), end, coefficients.begin());
+  return coefficients;
+}
+
+namespace {
+
+Result<SE3> pose_of_sensor(const std::filesystem::path& file, const YAML::Node& root) {
+  if (!root.IsMap() || !root["T_BS"])
     return fail(file.string() + ": 'T_BS' is missing, a map with a list 'data' of 16 numbers is expected");
-  const auto t = yaml_numbers(file, *root, "T_BS", 16);
+  const auto t = yaml_numbers(file, root, "T_BS", 16);
   if (!t) return tl::unexpected(t.error());
-  const auto size = yaml_numbers(file, *root, "resolution", 2);
-  if (!size) return tl::unexpected(size.error());
-  const auto k = yaml_numbers(file, *root, "intrinsics", 4);
-  if (!k) return tl::unexpected(k.error());
-  for (const double side : *size) {
-    if (side >= CameraBounds::kLeastSide && side <= CameraBounds::kLargestSide && side == std::floor(side)) continue;
-    std::ostringstream wrong;
-    wrong << yaml_place(file, (*root)["resolution"]) << ": resolution: " << (*size)[0] << ", " << (*size)[1]
-          << " is not right; it must be width and height, whole numbers from " << CameraBounds::kLeastSide << " to "
-          << CameraBounds::kLargestSide;
-    return fail(wrong.str());
-  }
-  SensorFile sensor;
-  sensor.camera.width = static_cast<int>((*size)[0]);
-  sensor.camera.height = static_cast<int>((*size)[1]);
-  sensor.camera.pinhole = {(*k)[0], (*k)[1], (*k)[2], (*k)[3], 0};
-  const std::string model = yaml_text(*root, "distortion_model", "none");
-  const auto distortion = distortion_named(model);
-  if (!distortion) {
-    return fail(file.string() + ": distortion_model '" + model +
-                "' is unknown; it must be radial-tangential, equidistant or none");
-  }
-  sensor.camera.distortion = *distortion;
-  if (sensor.camera.distortion != Distortion::none) {
-    const auto d = yaml_numbers(file, *root, "distortion_coefficients", 4);
-    if (!d) return tl::unexpected(d.error());
-    std::copy_n(d->begin(), std::min<size_t>(d->size(), 5), sensor.camera.coefficients.begin());
-  }
-  if (const auto problem = problem_of(sensor.camera)) return fail(file.string() + ": " + *problem);
   Eigen::Matrix3d R;
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c) R(r, c) = (*t)[static_cast<size_t>(r * 4 + c)];
@@ -61,7 +64,58 @@ Result<SensorFile> read_sensor_file(const std::filesystem::path& file) {
   if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > 1e-3 || R.determinant() < 0) {
     return fail(file.string() + ": T_BS does not hold a rotation");
   }
-  sensor.T_bs = SE3(R, Eigen::Vector3d((*t)[3], (*t)[7], (*t)[11])).normalized();
+  return SE3(R, Eigen::Vector3d((*t)[3], (*t)[7], (*t)[11])).normalized();
+}
+
+Result<Camera> camera_of_sensor(const std::filesystem::path& file, const YAML::Node& root) {
+  const auto size = yaml_numbers(file, root, "resolution", 2);
+  if (!size) return tl::unexpected(size.error());
+  const auto k = read_intrinsics(file, root);
+  if (!k) return tl::unexpected(k.error());
+  for (const double side : *size) {
+    if (side >= CameraBounds::kLeastSide && side <= CameraBounds::kLargestSide && side == std::floor(side)) continue;
+    std::ostringstream wrong;
+    wrong << yaml_place(file, root["resolution"]) << ": resolution: " << (*size)[0] << ", " << (*size)[1]
+          << " is not right; it must be width and height, whole numbers from " << CameraBounds::kLeastSide << " to "
+          << CameraBounds::kLargestSide;
+    return fail(wrong.str());
+  }
+  Camera camera;
+  camera.width = static_cast<int>((*size)[0]);
+  camera.height = static_cast<int>((*size)[1]);
+  camera.pinhole = {(*k)[0], (*k)[1], (*k)[2], (*k)[3], 0};
+  const std::string model = yaml_text(root, "distortion_model", "none");
+  const auto distortion = distortion_named(model);
+  if (!distortion) {
+    return fail(file.string() + ": distortion_model '" + model +
+                "' is unknown; it must be radial-tangential, equidistant or none");
+  }
+  camera.distortion = *distortion;
+  if (camera.distortion != Distortion::none) {
+    const auto coefficients = read_coefficients(file, root, "distortion_coefficients", camera.distortion);
+    if (!coefficients) return tl::unexpected(coefficients.error());
+    camera.coefficients = *coefficients;
+  }
+  if (const auto problem = problem_of(camera)) return fail(file.string() + ": " + *problem);
+  return camera;
+}
+
+}  // namespace
+
+Result<SE3> read_sensor_pose(const std::filesystem::path& file) {
+  const auto root = load_yaml(file);
+  if (!root) return tl::unexpected(root.error());
+  return pose_of_sensor(file, *root);
+}
+
+Result<SensorFile> read_sensor_file(const std::filesystem::path& file) {
+  const auto root = load_yaml(file);
+  if (!root) return tl::unexpected(root.error());
+  const auto pose = pose_of_sensor(file, *root);
+  if (!pose) return tl::unexpected(pose.error());
+  const auto camera = camera_of_sensor(file, *root);
+  if (!camera) return tl::unexpected(camera.error());
+  SensorFile sensor{*camera, *pose};
   if ((*root)["rate_hz"]) {
     const auto rate = yaml_number(file, *root, "rate_hz");
     if (!rate) return tl::unexpected(rate.error());
