@@ -33,7 +33,7 @@ class LiveCamera : public Sequence {
   Sensor sensor() const override { return Sensor::monocular; }
   const Camera& camera() const override { return setup_.camera; }
   int64_t size() const override { return -1; }
-  double frame_rate() const override { return setup_.rate; }
+  double frame_rate() const override { return setup_.rate / static_cast<double>(setup_.options.stride); }
   std::optional<Truth> truth() const override { return std::nullopt; }
   std::string description() const override;
   std::vector<std::string> notes() const override { return {}; }

@@ -174,6 +174,7 @@ TEST_F(LiveCameras, ThatLackMemoryEndTheRecordingAndNotTheProcess) {
 
 TEST_F(LiveCameras, GiveAPartOfTheirFrames) {
   LiveCamera& camera = open({.first = 2, .count = 2, .stride = 3});
+  EXPECT_NEAR(camera.frame_rate(), 10, 1e-9);
   for (const int64_t wanted : {2, 5}) {
     for (int64_t i = 0; i < 3; ++i) show(wanted + i);
     const auto frame = camera.next();

@@ -168,8 +168,8 @@ std::optional<std::string> doubt_about_rate(double rate) {
 
 std::optional<std::string> doubt_about_rate(const Sequence& sequence, int stride) {
   const bool is_told = sequence.kind() == SequenceKind::video || sequence.kind() == SequenceKind::camera;
-  if (is_told) return doubt_about_rate(sequence.frame_rate());
-  return sequence.size() < 2 ? std::nullopt : doubt_about_rate(sequence.frame_rate() * stride);
+  if (!is_told && sequence.size() < 2) return std::nullopt;
+  return doubt_about_rate(sequence.frame_rate() * stride);
 }
 
 Result<std::unique_ptr<Sequence>> open_sequence(const std::string& path, const SequenceOptions& options) {

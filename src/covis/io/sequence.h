@@ -84,7 +84,7 @@ class Sequence {
   // camera file and where no calibration lies beside it, it has a size alone: its focal lengths are 0.
   virtual const Camera& camera() const = 0;
   virtual int64_t size() const = 0;       // number of frames; -1 when unknown (camera, some videos)
-  virtual double frame_rate() const = 0;  // Hz, from the stamps; 30 when unknown
+  virtual double frame_rate() const = 0;  // Hz, of the frames that next() gives; 30 when unknown
   virtual std::optional<Truth> truth() const = 0;
   // Returns a one-line description: "TUM RGB-D folder, 1000 frames, 640x480".
   virtual std::string description() const = 0;

@@ -40,7 +40,7 @@ class VideoSequence : public Sequence {
   Sensor sensor() const override { return Sensor::monocular; }
   const Camera& camera() const override { return camera_; }
   int64_t size() const override { return frames_; }
-  double frame_rate() const override { return video_.rate; }
+  double frame_rate() const override { return video_.rate / static_cast<double>(options_.stride); }
   std::optional<Truth> truth() const override { return std::nullopt; }
   std::vector<std::string> notes() const override {
     const std::lock_guard lock(notes_mutex_);

@@ -118,6 +118,8 @@ TEST_F(Sequences, TakesAPartOfAVideo) {
                               {.camera_file = folder / "camera.yaml", .first = 1, .count = 2, .stride = 3});
   ASSERT_TRUE(opened) << opened.error().message;
   EXPECT_EQ((*opened)->size(), 2);
+  EXPECT_NEAR((*opened)->frame_rate(), 10.0 / 3, 1e-9) << "that of the frames it gives, as of a folder";
+  EXPECT_FALSE(doubt_about_rate(**opened, 3));
   for (const int i : {1, 4}) {
     const auto frame = (*opened)->next();
     ASSERT_TRUE(frame && *frame);
