@@ -62,6 +62,9 @@ std::optional<SE3> pose_of(TrajectoryFormat format, const std::vector<double>& v
       const auto pose = from_quaternion(v[0], v[1], v[2], v[3], v[4], v[5], v[6]);
       return pose ? std::optional(*pose * forward_right_down()) : std::nullopt;
     }
+    case TrajectoryFormat::icl_nuim:
+      // With F = diag(1, -1, 1) the turn R becomes F R F, which is minus its angle about the axis that F mirrors.
+      return from_quaternion(v[0], -v[1], v[2], -v[3], v[4], -v[5], v[6]);
     default:
       return from_quaternion(v[0], v[1], v[2], v[3], v[4], v[5], v[6]);
   }

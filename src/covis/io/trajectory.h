@@ -23,7 +23,8 @@ using Trajectory = std::vector<StampedPose>;
 namespace io {
 
 // tartanair: seven numbers a row, tx ty tz qx qy qz qw, of a camera whose axes are forward, right and down; T_wc is
-// that of the usual axes, in the file's world. icl_nuim: a TUM file that numbers frames where the stamps would be.
+// that of the usual axes, in the file's world. icl_nuim: a TUM file that numbers frames where the stamps would be
+// and whose y axes point up, in the world and in the camera; its poses are returned with both pointing down.
 enum class TrajectoryFormat { automatic, tum, kitti, euroc, tartanair, icl_nuim };
 
 // Time between the frames of data sets that give no stamps. TartanAir: 10 Hz, the rate of its second version; ICL-NUIM:

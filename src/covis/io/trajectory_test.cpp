@@ -31,11 +31,18 @@ TEST_F(Trajectories, AreReadAsTartanAirAndIclNuimHaveThem) {
       AllOf(HasSubstr("pose_left.txt: it has 2 rows"), HasSubstr("times.txt has 1 stamps")));
   write("pose_left.txt", "1 2 3 0 0 0 2\n");
   EXPECT_THAT(read_trajectory(folder / "pose_left.txt").error().message, HasSubstr("the rotation is not valid"));
-  write("traj0.gt.freiburg", "30 1 2 3 0 0 0 1\n");
+  write("traj0.gt.freiburg", "30 1 2 3 0.6 0 0 0.8\n");
   const auto numbered = read_trajectory(folder / "traj0.gt.freiburg");
   ASSERT_TRUE(numbered) << numbered.error().message;
   EXPECT_EQ(numbered->front().stamp, 1'000'000'000);
-  EXPECT_TRUE(numbered->front().T_wc.t().isApprox(Eigen::Vector3d(1, 2, 3)));
+  EXPECT_TRUE(numbered->front().T_wc.t().isApprox(Eigen::Vector3d(1, -2, 3))) << "y points down here, and up there";
+  EXPECT_TRUE(numbered->front().T_wc.q().isApprox(Eigen::Quaterniond(0.8, -0.6, 0, 0)));
+  // The point 2 m above and 3 m before the camera is the same one in either pair of frames.
+  write("traj0.gt.freiburg", "30 1 2 3 0.36 0.48 0.48 0.64\n");
+  const Eigen::Quaterniond published(0.64, 0.36, 0.48, 0.48);
+  const Eigen::Vector3d in_world = published * Eigen::Vector3d(1, 2, 3) + Eigen::Vector3d(1, 2, 3);
+  EXPECT_TRUE((read_trajectory(folder / "traj0.gt.freiburg")->front().T_wc * Eigen::Vector3d(1, -2, 3))
+                  .isApprox(Eigen::Vector3d(in_world.x(), -in_world.y(), in_world.z())));
 }
 
 // Rows of KITTI's format do not say which frames they are of: with stamps of more frames, each would get that of
