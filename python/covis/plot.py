@@ -6,6 +6,7 @@ import numpy as np
 def plot(trajectory, truth=None, ax=None, align='se3'):
     """Draws a Trajectory from above (x to the right, z up), and the truth if it is given, to which it is aligned.
 
+    Without a truth each submap is a line: they are worlds of their own, and nobody knows where one lies in another.
     Returns the matplotlib axes: `covis.plot(path).figure.savefig('path.png')`. Matplotlib is needed for this alone.
     """
     from . import _covis
@@ -13,8 +14,12 @@ def plot(trajectory, truth=None, ax=None, align='se3'):
         from matplotlib.figure import Figure
         ax = Figure(figsize=(7, 7)).add_subplot()
     if truth is None:
-        position = trajectory.positions
-        ax.plot(position[:, 0], position[:, 2], label='Covis')
+        submaps, sizes = np.unique(trajectory.submaps, return_counts=True)
+        largest_first = submaps[np.argsort(-sizes, kind='stable')]
+        for rank, submap in enumerate(largest_first if len(largest_first) else [0]):
+            position = trajectory.positions[trajectory.submaps == submap]
+            ax.plot(position[:, 0], position[:, 2], label=f'submap {submap}, another world' if rank else 'Covis',
+                    alpha=0.5 if rank else 1)
     else:
         compared = _covis.evaluate(trajectory, truth, align=align)
         # The plane in which the true path goes farthest.

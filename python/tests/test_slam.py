@@ -256,6 +256,10 @@ def test_worlds_of_submaps_are_kept_apart(recording, tmp_path):
     sizes = sorted(((path.submaps == k).sum(), k) for k in (0, 1))
     largest = sizes[-1][1]
     assert covis.evaluate(path, truths[largest]).ate_rmse < 0.01, 'of the map with the most poses alone'
+    lines = covis.plot(path).lines
+    assert [len(line.get_xdata()) for line in lines] == [size for size, _ in reversed(sizes)], 'a line for each world'
+    assert lines[0].get_label() == 'Covis' and f'submap {sizes[0][1]}' in lines[1].get_label()
+    assert np.allclose(lines[0].get_xdata(), path.positions[path.submaps == largest][:, 0])
     path.save(tmp_path / 'path.txt')
     for file, (size, k) in zip(('path_map1.txt', 'path.txt'), sizes):
         saved = covis.Trajectory.load(tmp_path / file)
