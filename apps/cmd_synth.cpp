@@ -38,9 +38,11 @@ std::string flag_of(const std::string& field) {
 // A flag for something that the sensor does not have would do nothing.
 Result<void> check_sensor_has(const SynthArguments& a) {
   const std::map<std::string, std::vector<std::string>> lacks{
-      {"mono", {"synth.baseline", "synth.depth_noise", "synth.right_gain", "synth.right_offset"}},
+      {"mono",
+       {"synth.baseline", "synth.depth_noise", "synth.right_gain", "synth.right_offset", "synth.right_yaw",
+        "synth.right_pitch", "synth.right_roll"}},
       {"stereo", {"synth.depth_noise"}},
-      {"rgbd", {"synth.right_gain", "synth.right_offset"}}};
+      {"rgbd", {"synth.right_gain", "synth.right_offset", "synth.right_yaw", "synth.right_pitch", "synth.right_roll"}}};
   const auto sensor = lacks.find(a.options.sensor);
   if (sensor == lacks.end()) return {};
   for (const std::string& name : sensor->second) {

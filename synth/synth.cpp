@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "covis/core/random.h"
+#include "covis/geometry/se3.h"
 #include "synth/render/lighting.h"
 #include "synth/render/renderer.h"
 #include "synth/render/sensor_effects.h"
@@ -56,6 +58,9 @@ Fields fields(SynthOptions& o) {
       {"synth.depth_noise", &o.depth_noise, "strength of the depth sensor's errors; 0: exact, 1: like a Kinect", 0, 10},
       {"synth.exposure", &o.exposure, "greatest relative change of brightness over time", 0, 0.9},
       {"synth.right_gain", &o.right_gain, "brightness of the right image by that of the left one; stereo", 0.1, 10},
+      {"synth.right_yaw", &o.right_yaw, "by which the right camera is turned to the right, degrees; stereo", -5, 5},
+      {"synth.right_pitch", &o.right_pitch, "and turned down", -5, 5},
+      {"synth.right_roll", &o.right_roll, "and clockwise", -5, 5},
       {"synth.right_offset", &o.right_offset, "what is added to the right image, grey levels; stereo", -200, 200},
       {"synth.blur", &o.blur, "time the shutter is open, milliseconds; motion blurs the image", 0, 100},
       {"synth.distortion", &o.distortion,
@@ -181,6 +186,13 @@ void brighten(ImageF& tone, double gain, double offset) {
   }
 }
 
+// In the left one.
+SE3 right_camera(const SynthOptions& o) {
+  constexpr double kRadians = std::numbers::pi / 180;
+  const Eigen::Matrix3d turn = so3_exp(kRadians * Eigen::Vector3d(-o.right_pitch, o.right_yaw, o.right_roll));
+  return SE3(turn, {o.baseline, 0, 0});
+}
+
 }  // namespace
 
 void Synth::State::take(double seconds, const SE3& T_camera, Stage noise_stage, int frame, ImageU8& image) {
@@ -203,7 +215,7 @@ void Synth::State::take(double seconds, const SE3& T_camera, Stage noise_stage, 
 void Synth::render(int i, ImageU8& left, ImageU8* right, ImageF* depth) {
   State& s = *state_;
   const double seconds = to_seconds(stamp(i));
-  if (right) s.take(seconds, SE3(Eigen::Matrix3d::Identity(), {s.options.baseline, 0, 0}), kRightNoise, i, *right);
+  if (right) s.take(seconds, right_camera(s.options), kRightNoise, i, *right);
   s.take(seconds, SE3(), kNoise, i, left);
   if (!depth) return;
   depth->resize(s.camera.width, s.camera.height);

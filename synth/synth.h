@@ -45,8 +45,11 @@ struct SynthOptions {
   double exposure = 0;      // greatest relative change of brightness over time; 0.3 is strong
   double right_gain = 1;    // brightness of the stereo pair's right image by that of the left one
   double right_offset = 0;  // and what is added to it, grey levels
-  double blur = 0;          // time the shutter is open, milliseconds; motion blurs the image
-  double distortion = 0;    // strength of the lens distortion: 0 none, 1 wide-angle lens; not for stereo
+  // How the stereo pair's right camera is turned from where a rectified pair has it, degrees: to the right, down, and
+  // clockwise.
+  double right_yaw = 0, right_pitch = 0, right_roll = 0;
+  double blur = 0;        // time the shutter is open, milliseconds; motion blurs the image
+  double distortion = 0;  // strength of the lens distortion: 0 none, 1 wide-angle lens; not for stereo
 };
 
 // Lists the options by name ("synth.world", …) with their ranges.

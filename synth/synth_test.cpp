@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <numbers>
 #include <vector>
 
 #include "synth/test_worlds.h"
@@ -113,6 +115,27 @@ TEST(Synth, ThingsMoveBeforeTheSamePlace) {
     busy.render(20, image, nullptr, nullptr);
     EXPECT_EQ(hash(image), hash(busy_image)) << name << ": in any order";
   }
+}
+
+// The right camera looks down: it shows things higher up, and the left one as before.
+TEST(Synth, TheRightCameraCanBeTurned) {
+  SynthOptions options;
+  options.sensor = "stereo";
+  auto straight = Synth::create(options).value();
+  constexpr int kRows = 4;
+  options.right_pitch = std::atan(kRows / straight.camera().pinhole.fy) * 180 / std::numbers::pi;
+  auto turned = Synth::create(options).value();
+  ImageU8 left, right, left_turned, right_turned;
+  straight.render(0, left, &right, nullptr);
+  turned.render(0, left_turned, &right_turned, nullptr);
+  const auto difference = [](const ImageU8& a, const ImageU8& b, int rows) {
+    int sum = 0;
+    for (int y = 200; y < 280; ++y)
+      for (int x = 280; x < 360; ++x) sum += std::abs(a(x, y) - b(x, y + rows));
+    return sum / (80.0 * 80.0);
+  };
+  EXPECT_EQ(difference(left_turned, left, 0), 0);
+  EXPECT_LT(difference(right_turned, right, kRows), 0.3 * difference(right_turned, right, -kRows));
 }
 
 TEST(Synth, StampsAndDefaults) {
