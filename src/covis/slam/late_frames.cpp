@@ -29,13 +29,16 @@ std::vector<LocatedFrame> LateFrames::locate(Relocaliser relocaliser, std::vecto
     (is_believed ? believed : reach) = is_believed ? reach : believed;
     row.clear();
   };
+  Timestamp last = 0;  // of the row
   std::ranges::sort(frames, std::greater(), &UnlocatedFrame::frame);
   for (const UnlocatedFrame& frame : frames) {
     const auto found = relocaliser.locate(frame.features, frame.frame);
     const PoseOfFrame pose{
         {found ? found->T_cw.inverse() : SE3(), found ? found->submap : 0}, frame.frame, frame.stamp};
+    if (to_seconds(last) - to_seconds(frame.stamp) > reach.longest()) end_row();
     if (found && reach.admits(pose)) {
       reach.add(pose);
+      last = frame.stamp;
       row.push_back({frame.frame, found->pose});
     } else {
       end_row();

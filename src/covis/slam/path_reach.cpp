@@ -11,8 +11,6 @@
 namespace covis {
 namespace {
 
-constexpr double kLongest = 0.35;  // seconds: after a longer time the camera may be at a look-alike
-
 double seconds_between(const PoseOfFrame& a, const PoseOfFrame& b) {
   return std::abs(to_seconds(a.stamp) - to_seconds(b.stamp));
 }
@@ -21,9 +19,17 @@ double distance(const PoseOfFrame& a, const PoseOfFrame& b) { return (a.T_wc.t()
 
 double angle(const PoseOfFrame& a, const PoseOfFrame& b) { return so3_log(a.T_wc.R().transpose() * b.T_wc.R()).norm(); }
 
+// Seconds after which the camera may be at a look-alike.
+double longest_time(const std::vector<PoseOfFrame>& path) {
+  constexpr double kLongest = 0.35, kIntervals = 1.5;
+  std::vector<double> intervals;
+  for (size_t k = 1; k < path.size(); ++k) intervals.push_back(seconds_between(path[k - 1], path[k]));
+  return intervals.empty() ? kLongest : std::max(kLongest, kIntervals * quantile(std::move(intervals), 0.5));
+}
+
 }  // namespace
 
-PathReach::PathReach(std::vector<PoseOfFrame> path) : path_(std::move(path)) {
+PathReach::PathReach(std::vector<PoseOfFrame> path) : path_(std::move(path)), longest_(longest_time(path_)) {
   constexpr double kNearlyAll = 0.95;
   struct Speeds {
     std::vector<double> forward, turning;
@@ -32,7 +38,7 @@ PathReach::PathReach(std::vector<PoseOfFrame> path) : path_(std::move(path)) {
   for (size_t k = 1; k < path_.size(); ++k) {
     const PoseOfFrame &a = path_[k - 1], &b = path_[k];
     const double elapsed = seconds_between(a, b);
-    if (a.submap != b.submap || !(elapsed > 0) || elapsed > kLongest) continue;
+    if (a.submap != b.submap || !(elapsed > 0) || elapsed > longest_) continue;
     of[b.submap].forward.push_back(distance(a, b) / elapsed);
     of[b.submap].turning.push_back(angle(a, b) / elapsed);
   }
@@ -43,7 +49,9 @@ PathReach::PathReach(std::vector<PoseOfFrame> path) : path_(std::move(path)) {
 bool PathReach::reaches(const PoseOfFrame& from, const PoseOfFrame& to) const {
   constexpr double kFaster = 1.5;
   const auto most = most_.find(to.submap);
-  const double elapsed = seconds_between(from, to);
+  // Poses of single images are off by millimetres, which a fast camera's do not pass from frame to frame.
+  constexpr double kShortest = 1.0 / 30;  // seconds
+  const double elapsed = std::max(seconds_between(from, to), kShortest);
   return most != most_.end() && distance(from, to) <= kFaster * most->second.forward * elapsed &&
          angle(from, to) <= kFaster * most->second.turning * elapsed;
 }
@@ -51,7 +59,7 @@ bool PathReach::reaches(const PoseOfFrame& from, const PoseOfFrame& to) const {
 bool PathReach::admits(const PoseOfFrame& pose) const {
   const PoseOfFrame *before = nullptr, *after = nullptr;
   for (const PoseOfFrame& other : path_) {
-    if (other.submap != pose.submap || seconds_between(other, pose) > kLongest) continue;
+    if (other.submap != pose.submap || seconds_between(other, pose) > longest_) continue;
     if (other.stamp < pose.stamp) {
       before = &other;
     } else if (other.stamp > pose.stamp && !after) {

@@ -15,8 +15,10 @@ class PathReach {
   // Poses by rising stamp.
   explicit PathReach(std::vector<PoseOfFrame> path);
   // True where the pose lies within reach of the nearest poses of its submap before and after it. One of them has to be
-  // within a third of a second.
+  // near in time.
   bool admits(const PoseOfFrame& pose) const;
+  // So near: a third of a second, or the next frame where they come more slowly.
+  double longest() const { return longest_; }
   void add(const PoseOfFrame& pose);
 
  private:
@@ -26,6 +28,7 @@ class PathReach {
   bool reaches(const PoseOfFrame& from, const PoseOfFrame& to) const;
 
   std::vector<PoseOfFrame> path_;
+  double longest_ = 0;              // seconds
   std::map<uint32_t, Speed> most_;  // of each submap: as fast as the camera moved in all but a twentieth of its steps
 };
 

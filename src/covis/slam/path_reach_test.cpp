@@ -44,5 +44,33 @@ TEST(PathReach, NothingIsKnownOfALongGapOrOfAnotherMap) {
   EXPECT_TRUE(reach.admits(at(-5, -0.5, -0.1))) << "from frame to frame it goes on";
 }
 
+// With two frames a second the next frame's pose is half a second away.
+TEST(PathReach, SlowCamerasAreKnownFromFrameToFrame) {
+  std::vector<PoseOfFrame> path;
+  for (int64_t k = 0; k < 200; k += 5) {
+    if (k != 50 && k != 100 && k != 105) path.push_back(at(k, 0.1 * static_cast<double>(k)));
+  }
+  const PathReach reach(path);
+  EXPECT_TRUE(reach.admits(at(50, 5)));
+  EXPECT_FALSE(reach.admits(at(50, 9))) << "too far away";
+  EXPECT_FALSE(reach.admits(at(110 - 5 * 20, 30)));
+}
+
+// From one of a thousand frames a second to the next a camera moves by less than the errors of single images.
+TEST(PathReach, FastCamerasMayBeOffByTheErrorOfAnImage) {
+  const auto frame = [](int64_t k, double aside) {
+    PoseOfFrame pose = at(k, 0.001 * static_cast<double>(k));
+    pose.stamp = k * 1'000'000;
+    pose.T_wc = SE3(pose.T_wc.R(), pose.T_wc.t() + Eigen::Vector3d(0, aside, 0));
+    return pose;
+  };
+  std::vector<PoseOfFrame> path;
+  for (int64_t k = 0; k < 100; ++k) {
+    if (k != 50) path.push_back(frame(k, 0));
+  }
+  EXPECT_TRUE(PathReach(path).admits(frame(50, 0.005)));
+  EXPECT_FALSE(PathReach(path).admits(frame(50, 0.5)));
+}
+
 }  // namespace
 }  // namespace covis
