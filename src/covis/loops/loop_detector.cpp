@@ -55,7 +55,8 @@ void add_places(const Map& map, const KeyFrame& key_frame, const std::function<b
 std::vector<KeyFrameId> LoopDetector::candidates(const Map& map, KeyFrameId current) const {
   const KeyFrame* key_frame = map.find(current);
   if (!key_frame || !key_frame->words) return {};
-  if (last_loop_serial_ && key_frame->serial < *last_loop_serial_ + kBetweenLoops) return {};
+  if (last_loop_serial_ && key_frame->serial < *last_loop_serial_ + kBetweenLoops)
+    return candidates_elsewhere(map, current);
   const double min_score = least_score(map, *key_frame, current);
   std::vector<KeyFrameId> result;
   for (const int steps : {kNearSteps, 1}) {

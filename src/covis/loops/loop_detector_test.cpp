@@ -67,6 +67,16 @@ TEST(LoopDetector, AnotherSubmapsPlaceMayBeNew) {
   EXPECT_THAT(LoopDetector().candidates(*map, loop.current), Contains(loop.world.frames[3]));
 }
 
+// A camera may cross an old map within a few key frames.
+TEST(LoopDetector, AnotherSubmapsPlaceIsLookedForRightAfterALoop) {
+  LoopScene loop;
+  loop.go_twice(4, SE3());
+  const auto map = loop.world.shared.read();
+  LoopDetector detector;
+  detector.recognised(map->at(loop.current).serial - 1);
+  EXPECT_THAT(detector.candidates(*map, loop.current), Contains(loop.world.frames[3]));
+}
+
 TEST(LoopDetector, KeepsAwayFromTheLastLoopUntilItIsReset) {
   LoopScene loop;
   loop.go_around();
