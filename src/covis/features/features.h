@@ -101,6 +101,11 @@ struct ExposureTurn {
   Eigen::Vector3d taken() const { return row_time * rate; }  // from row to row, radians
 };
 
+// Null where there is none, as Features has it.
+inline std::shared_ptr<const ShiftField> shared_field(const ShiftField& field) {
+  return field.any() ? std::make_shared<const ShiftField>(field) : nullptr;
+}
+
 struct Features {
   enum class RawPixels { same, different };
   // Removes all keypoints and makes room for `room` of them, and for their raw pixels where those differ.
@@ -119,6 +124,9 @@ struct Features {
   std::shared_ptr<const ScalePyramid> pyramid;
   std::shared_ptr<const Pinhole> straightened_for;  // the camera whose residual distortion was
                                                     // taken out of x and y; null: none was
+  // Stereo: Pinhole::right_columns that were taken out of u_right; null: none were.
+  std::shared_ptr<const ShiftField> right_columns;
+  bool right_rows_were_off = false;  // stereo: the right image was resampled (right_rows.h)
   ExposureTurn exposure;
   std::shared_ptr<const RefinedCamera> made_by;  // the camera, where it is another one than the map's; else null
   std::shared_ptr<const Camera> lens;            // null: raw pixels are undistorted ones

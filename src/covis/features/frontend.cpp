@@ -7,11 +7,13 @@
 #include <optional>
 #include <utility>
 
+#include "covis/core/log.h"
 #include "covis/core/time.h"
 #include "covis/features/depth_lookup.h"
 #include "covis/features/extractor.h"
 #include "covis/features/features_ring.h"
 #include "covis/features/orb.h"
+#include "covis/features/right_rows.h"
 #include "covis/features/staged_work.h"
 #include "covis/features/stereo_matcher.h"
 #include "covis/features/straightening.h"
@@ -24,7 +26,7 @@ class PairExtractor {
  public:
   PairExtractor(OrbExtractor& left, OrbExtractor& right)
       : side_{&left, &right},
-        work_({{2, [this](int k) { side(k).start(images_[static_cast<size_t>(k)]); }},
+        work_({{2, [this](int k) { side(k).start(image(k)); }},
                {2 * left.levels(), [this](int k) { side(k).detect(k / 2); }},
                {2, [this](int k) { side(k).share_budget(); }},
                {2 * left.levels(), [this](int k) { side(k).describe(k / 2); }},
@@ -34,12 +36,22 @@ class PairExtractor {
     images_ = {left, right};
     work_.run();
   }
+  // Right images are resampled so from now on.
+  void resample(ResamplingMap right) { resampling_ = std::move(right); }
 
  private:
+  ImageView<const uint8_t> image(int k) {
+    const ImageView<const uint8_t> given = images_[static_cast<size_t>(k)];
+    if (k == 0 || !resampling_) return given;
+    resampling_->apply(given, resampled_);
+    return resampled_.view();
+  }
   OrbExtractor& side(int k) const { return *side_[static_cast<size_t>(k % 2)]; }
 
   const std::array<OrbExtractor*, 2> side_;
   std::array<ImageView<const uint8_t>, 2> images_;
+  std::optional<ResamplingMap> resampling_;
+  ImageU8 resampled_;  // the right one
   StagedWork work_;
 };
 
@@ -104,19 +116,21 @@ void cut_patches(const OrbExtractor& from, Features& f) {
 }  // namespace
 
 Fields fields(OrbOptions& o) {
-  return {{"orb.features", &o.features, "keypoints wanted in an image", 50, 30000},
-          {"orb.levels", &o.levels, "pyramid levels; 0: 8, and more for images of more than 575 lines", 0, kMostLevels},
-          {"orb.scale_factor", &o.scale_factor, "scale between levels", 1.05, 2},
-          {"orb.fast_threshold", &o.fast_threshold, "FAST contrast, first try in a cell, grey levels", 1, 255},
-          {"orb.fast_threshold_low", &o.fast_threshold_low,
-           "FAST contrast where the first try found no corner, grey levels", 1, 255},
-          {"orb.edge_ratio_mono", &o.edge_ratio_mono,
-           "monocular: corners whose structure tensor has a greater ratio of eigenvalues lie on edges and are left "
-           "out; 0: none",
-           0, 1000},
-          {"orb.subpixel", &o.subpixel, "place keypoints at the top of the corner score's parabola, not at the pixel"},
-          {"orb.patches", &o.patches,
-           "keep the grey levels around keypoints, with which the places of matches are refined"}};
+  return {
+      {"orb.features", &o.features, "keypoints wanted in an image", 50, 30000},
+      {"orb.levels", &o.levels, "pyramid levels; 0: 8, and more for images of more than 575 lines", 0, kMostLevels},
+      {"orb.scale_factor", &o.scale_factor, "scale between levels", 1.05, 2},
+      {"orb.fast_threshold", &o.fast_threshold, "FAST contrast, first try in a cell, grey levels", 1, 255},
+      {"orb.fast_threshold_low", &o.fast_threshold_low,
+       "FAST contrast where the first try found no corner, grey levels", 1, 255},
+      {"orb.edge_ratio_mono", &o.edge_ratio_mono,
+       "monocular: corners whose structure tensor has a greater ratio of eigenvalues lie on edges and are left "
+       "out; 0: none",
+       0, 1000},
+      {"orb.subpixel", &o.subpixel, "place keypoints at the top of the corner score's parabola, not at the pixel"},
+      {"orb.refine_rows", &o.refine_rows, "stereo: find how far the right image's rows are off, and resample it so"},
+      {"orb.patches", &o.patches,
+       "keep the grey levels around keypoints, with which the places of matches are refined"}};
 }
 
 int pyramid_levels(const OrbOptions& options, int width, int height) {
@@ -141,11 +155,13 @@ struct Frontend::Impl {
     if (sensor == Sensor::stereo) {
       right.emplace(for_images_of(c, options));
       pair.emplace(left, *right);
+      if (options.refine_rows) rows.emplace(c);
     }
   }
 
   bool distorted() const { return camera.distortion != Distortion::none; }
   std::shared_ptr<Features> finish(ImageView<const float> depth_image);
+  void find_rows();
 
   const Camera camera;
   const std::shared_ptr<const Camera> lens;  // null: no distortion
@@ -158,6 +174,8 @@ struct Frontend::Impl {
   std::optional<OrbExtractor> right;
   std::optional<PairExtractor> pair;
   StereoMatcher matcher;
+  std::optional<RightRows> rows;                    // null: not looked for
+  std::shared_ptr<const ShiftField> right_columns;  // those of the camera that is followed
   SmallImageMaker small;
   FeaturesRing ring;
   Timing timing;
@@ -171,6 +189,8 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
   f->pyramid = left.pyramid();
   f->straightened_for = refined;
   f->lens = lens;
+  f->right_columns = right_columns;
+  f->right_rows_were_off = rows && rows->field().any();
   const size_t n = k.size();
   f->start(std::max(n, left.most_keypoints()),
            distorted() || refined ? Features::RawPixels::different : Features::RawPixels::same);
@@ -208,6 +228,13 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
   return f;
 }
 
+// By the pair that was matched last, for pairs to come.
+void Frontend::Impl::find_rows() {
+  if (!rows || !rows->add(matcher.row_differences())) return;
+  pair->resample(rows->resampling());
+  log(LogLevel::info, "the right image's rows are not rectified: " + rows->description());
+}
+
 Frontend::Frontend(const Camera& camera, const OrbOptions& options, Sensor sensor)
     : impl_(std::make_unique<Impl>(camera, options, sensor)) {}
 Frontend::~Frontend() = default;
@@ -227,6 +254,8 @@ void Frontend::set_feature_budget(int features) {
 
 void Frontend::follow(const Pinhole& refined) {
   impl_->registration = refined.registration;
+  const ShiftField known = impl_->right_columns ? *impl_->right_columns : ShiftField();
+  if (known != refined.right_columns) impl_->right_columns = shared_field(refined.right_columns);
   if (impl_->refined ? *impl_->refined == refined : !refined.residual.any()) return;
   impl_->refined = refined.residual.any() ? std::make_shared<const Pinhole>(refined) : nullptr;
   impl_->bounds = straightened(find_bounds(impl_->camera), refined);
@@ -254,8 +283,10 @@ FeaturesPtr Frontend::stereo(ImageView<const uint8_t> left, ImageView<const uint
   impl_->pair->extract(left, right);
   impl_->timing.extract_ms = watch.lap();
   std::shared_ptr<Features> features = impl_->finish({});
-  const Pinhole& camera = impl_->camera.pinhole;
-  impl_->matcher.match(impl_->left, *impl_->right, camera.fx, camera.bf, features->u_right, features->depth);
+  Pinhole camera = impl_->camera.pinhole;
+  if (impl_->right_columns) camera.right_columns = *impl_->right_columns;
+  impl_->matcher.match(impl_->left, *impl_->right, camera, features->u_right, features->depth);
+  impl_->find_rows();
   impl_->timing.depth_ms = watch.ms();
   return features;
 }

@@ -25,8 +25,9 @@ struct OrbOptions {
   // Monocular: greatest ratio of the eigenvalues of a corner's structure tensor; what exceeds it lies on an edge and is
   // left out (gradients.h). 0: any ratio.
   double edge_ratio_mono = 18;
-  bool subpixel = true;  // place keypoints at the maximum of the corner score's parabola, not at the pixel
-  bool patches = true;   // keep the grey levels around keypoints, with which the places of matches are refined
+  bool subpixel = true;     // place keypoints at the maximum of the corner score's parabola, not at the pixel
+  bool refine_rows = true;  // stereo: find how far the right image's rows are off, and resample it (right_rows.h)
+  bool patches = true;      // keep the grey levels around keypoints, with which the places of matches are refined
 };
 Fields fields(OrbOptions& options);
 // The number of pyramid levels of images of this size, where OrbOptions::levels is 0: 8; of great images as many more,
@@ -55,8 +56,8 @@ class Frontend {
   // Sets the number of keypoints wanted (the monocular initialiser uses more than tracking does).
   void set_feature_budget(int features);
 
-  // From now on keypoints are made free of this camera's residual distortion, and depths looked up by its registration.
-  // Not for stereo, whose columns must stay.
+  // From now on keypoints are made free of this camera's residual distortion (not of pairs, whose columns must stay),
+  // depths are looked up by its registration, and disparities are made free of its right_columns.
   void follow(const Pinhole& refined);
   const DepthRegistration& registration() const;
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <optional>
 
 #include "covis/core/reserve.h"
 #include "covis/core/simd_targets.h"
@@ -17,6 +18,8 @@ namespace {
 constexpr int kHalfPatch = 5;  // half width of the 11x11 patches compared
 constexpr int kSlide = 5;      // search range to either side, pixels
 constexpr int kMaxHamming = 75;
+constexpr int kFineLevels = 3;
+constexpr float kMostOff = 4;  // pixels, of columns of the right image
 
 using Sads = std::array<int, 2 * kSlide + 1>;
 
@@ -39,9 +42,39 @@ void slide(const uint8_t* a, ptrdiff_t stride_a, const uint8_t* b, ptrdiff_t str
   }
 }
 
+struct PatchMatch {
+  float disparity = 0;  // pixels
+  int sad = 0;
+};
+
+// Compares the patch around a left keypoint with those around a right one, on the left keypoint's level; to a part of a
+// pixel. Nothing: none is clearly the best.
+std::optional<PatchMatch> compare_patches(const OrbExtractor& left, const OrbExtractor& right, int level,
+                                          const Eigen::Vector2f& left_at, const Eigen::Vector2f& right_at) {
+  const auto a = left.level(level), b = right.level(level);
+  const Eigen::Vector2f in_a = left.to_level(level, left_at.x(), left_at.y());
+  const int xl = static_cast<int>(std::lround(in_a.x())), y = static_cast<int>(std::lround(in_a.y()));
+  const int xr = static_cast<int>(std::lround(right.to_level(level, right_at.x(), right_at.y()).x()));
+  if (xr - kSlide - kHalfPatch < 0 || xr + kSlide + kHalfPatch >= b.width) return std::nullopt;
+  Sads sad;
+  // 16 and 24 bytes are read for rows of 11 and 21, which is safe because keypoints stay clear of the last rows.
+  slide(a.row(y - kHalfPatch) + xl - kHalfPatch, a.stride, b.row(y - kHalfPatch) + xr - kSlide - kHalfPatch, b.stride,
+        sad);
+  const int at = static_cast<int>(std::min_element(sad.begin(), sad.end()) - sad.begin()) - kSlide;
+  if (at == -kSlide || at == kSlide) return std::nullopt;
+  const auto m = static_cast<size_t>(at + kSlide);
+  const float s0 = static_cast<float>(sad[m - 1]), s1 = static_cast<float>(sad[m]), s2 = static_cast<float>(sad[m + 1]);
+  const float curvature = s0 + s2 - 2 * s1;
+  if (!(curvature > 0)) return std::nullopt;
+  const float offset = (s0 - s2) / (2 * curvature);
+  if (std::abs(offset) > 1) return std::nullopt;
+  // The disparity is that between the patches, at integer pixels: the keypoints' own fractions do not enter.
+  return PatchMatch{(static_cast<float>(xl - xr - at) - offset) * left.stretch(level), sad[m]};
+}
+
 }  // namespace
 
-void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, double fx, double bf,
+void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, const Pinhole& camera,
                           AlignedVector<float>& u_right, AlignedVector<float>& depth) {
   const KeyPoints& l = left.keypoints();
   const KeyPoints& r = right.keypoints();
@@ -72,8 +105,12 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
 
   accepted_.clear();
   row_distances_.clear();
+  row_differences_.clear();
+  reserve_ahead(row_differences_, l.size());
   row_error_ = 0;
-  const auto max_disparity = static_cast<float>(fx);  // disparity of a point at a depth of one baseline
+  const auto max_disparity = static_cast<float>(camera.fx);  // disparity of a point at a depth of one baseline
+  // Columns that are off can make what is far away lie behind infinity, before they are taken out.
+  const float min_disparity = camera.right_columns.any() ? -kMostOff : 0;
   for (size_t i = 0; i < l.size(); ++i) {
     const auto row = static_cast<size_t>(std::clamp(static_cast<int>(std::lround(l.y[i])), 0, height - 1));
     int best = kMaxHamming;
@@ -82,7 +119,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
       const size_t j = row_items_[k];
       if (std::abs(r.level[j] - l.level[i]) > 1) continue;
       const float disparity = l.x[i] - r.x[j];
-      if (disparity < 0 || disparity > max_disparity) continue;
+      if (disparity < min_disparity || disparity > max_disparity) continue;
       const int d = hamming(l.descriptor[i], r.descriptor[j]);
       if (d < best) {
         best = d;
@@ -91,34 +128,22 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, d
     }
     if (best_j == r.size()) continue;
 
-    // Sub-pixel refinement, at the left keypoint's level.
-    const int level = l.level[i];
-    const auto a = left.level(level), b = right.level(level);
-    const Eigen::Vector2f in_a = left.to_level(level, l.x[i], l.y[i]);
-    const int xl = static_cast<int>(std::lround(in_a.x())), y = static_cast<int>(std::lround(in_a.y()));
-    const int xr = static_cast<int>(std::lround(right.to_level(level, r.x[best_j], r.y[best_j]).x()));
-    if (xr - kSlide - kHalfPatch < 0 || xr + kSlide + kHalfPatch >= b.width) continue;
-    Sads sad;
-    // 16 and 24 bytes are read for rows of 11 and 21, which is safe because keypoints stay clear of the last rows.
-    slide(a.row(y - kHalfPatch) + xl - kHalfPatch, a.stride, b.row(y - kHalfPatch) + xr - kSlide - kHalfPatch, b.stride,
-          sad);
-    const int at = static_cast<int>(std::min_element(sad.begin(), sad.end()) - sad.begin()) - kSlide;
-    if (at == -kSlide || at == kSlide) continue;
-    const auto m = static_cast<size_t>(at + kSlide);
-    const float s0 = static_cast<float>(sad[m - 1]), s1 = static_cast<float>(sad[m]),
-                s2 = static_cast<float>(sad[m + 1]);
-    const float curvature = s0 + s2 - 2 * s1;
-    if (!(curvature > 0)) continue;
-    const float offset = (s0 - s2) / (2 * curvature);
-    if (std::abs(offset) > 1) continue;
-    // The disparity is that between the patches, at integer pixels: the keypoints' own fractions do not enter.
-    float disparity = (static_cast<float>(xl - xr - at) - offset) * left.stretch(level);
+    const auto patches = compare_patches(left, right, l.level[i], {l.x[i], l.y[i]}, {r.x[best_j], r.y[best_j]});
+    if (!patches) continue;
+    float disparity = patches->disparity;
+    if (camera.right_columns.any()) {
+      const double u = camera.rectified_column(static_cast<double>(l.x[i] - disparity), static_cast<double>(l.y[i]));
+      disparity = l.x[i] - static_cast<float>(u);
+    }
     if (disparity < 0 || disparity > max_disparity) continue;
-    disparity = std::max(disparity, 0.01f);
+    disparity = std::max(disparity, kLeastDisparity);
     u_right[i] = l.x[i] - disparity;
-    depth[i] = static_cast<float>(bf) / disparity;
-    accepted_.emplace_back(sad[m], static_cast<uint32_t>(i));
-    row_distances_.push_back(std::abs(r.y[best_j] - l.y[i]) / pyramid.scale[r.level[best_j]]);
+    depth[i] = static_cast<float>(camera.bf) / disparity;
+    accepted_.emplace_back(patches->sad, static_cast<uint32_t>(i));
+    const float lower = r.y[best_j] - l.y[i];
+    row_distances_.push_back(std::abs(lower) / pyramid.scale[r.level[best_j]]);
+    if (l.level[i] == r.level[best_j] && l.level[i] < kFineLevels)
+      row_differences_.push_back({r.x[best_j], l.y[i], lower});
   }
   if (accepted_.empty()) return;
   const auto usual = row_distances_.begin() + static_cast<ptrdiff_t>(row_distances_.size() / 2);

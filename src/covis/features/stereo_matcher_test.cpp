@@ -19,12 +19,14 @@ struct Matched {
 
 constexpr double kFx = 500, kBf = 50;
 
-Matched match(const ImageU8& left, const ImageU8& right, const KeyPoints*& points) {
+Pinhole camera() { return {.fx = kFx, .fy = kFx, .cx = 200, .cy = 150, .bf = kBf}; }
+
+Matched match(const ImageU8& left, const ImageU8& right, const KeyPoints*& points, const Pinhole& of = camera()) {
   static OrbExtractor from_left{OrbOptions{}}, from_right{OrbOptions{}};
   points = &from_left.extract(left.view());
   from_right.extract(right.view());
   Matched matched;
-  StereoMatcher().match(from_left, from_right, kFx, kBf, matched.u_right, matched.depth);
+  StereoMatcher().match(from_left, from_right, of, matched.u_right, matched.depth);
   for (const float d : matched.depth) matched.count += d > 0;
   return matched;
 }
@@ -46,13 +48,52 @@ TEST(StereoMatcher, ColumnAndDepthBelongTogether) {
   EXPECT_GT(right, 0.95 * m.count);
 }
 
+// The right image shows everything a pixel and a half too far right.
+TEST(StereoMatcher, TakesOutWhatRectificationLeft) {
+  constexpr int kShift = 11;
+  const KeyPoints* points = nullptr;
+  const ImageU8 left = texture(400, 300, 3), right = texture(400, 300, 3, kShift);
+  const Matched plain = match(left, right, points);
+  Pinhole off = camera();
+  off.right_columns = {{1.5}};
+  const Matched taken_out = match(left, right, points, off);
+  ASSERT_EQ(taken_out.count, plain.count);
+  for (size_t i = 0; i < points->size(); ++i) {
+    EXPECT_EQ(taken_out.depth[i] > 0, plain.depth[i] > 0);
+    if (!(plain.depth[i] > 0)) continue;
+    EXPECT_NEAR(taken_out.u_right[i], plain.u_right[i] - 1.5f, 1e-3);
+    EXPECT_NEAR(taken_out.depth[i], kBf / static_cast<double>(points->x[i] - taken_out.u_right[i]), 1e-3);
+  }
+  // Far things seem to lie behind infinity, and do not.
+  const Matched far = match(left, texture(400, 300, 3, -1), points, off);
+  EXPECT_GT(far.count, 0.8 * plain.count);
+  EXPECT_LT(match(left, texture(400, 300, 3, -1), points).count, 0.2 * plain.count);
+}
+
+TEST(StereoMatcher, TellsHowFarRowsAreOff) {
+  const ImageU8 left = texture(400, 300, 3), right = texture(400, 300, 3, 11);
+  ImageU8 lower(400, 300);
+  for (int y = 0; y < 300; ++y) std::copy_n(right.row(std::max(0, y - 1)), 400, lower.row(y));
+  OrbExtractor from_left{OrbOptions{}}, from_right{OrbOptions{}};
+  from_left.extract(left.view());
+  from_right.extract(lower.view());
+  AlignedVector<float> u_right, depth;
+  StereoMatcher matcher;
+  matcher.match(from_left, from_right, camera(), u_right, depth);
+  ASSERT_GT(matcher.row_differences().size(), 50u);
+  std::vector<float> sizes;
+  for (const RowDifference& d : matcher.row_differences()) sizes.push_back(d.lower);
+  std::nth_element(sizes.begin(), sizes.begin() + static_cast<ptrdiff_t>(sizes.size() / 2), sizes.end());
+  EXPECT_NEAR(sizes[sizes.size() / 2], 1, 0.1);
+}
+
 double row_error(const ImageU8& left, const ImageU8& right) {
   OrbExtractor from_left{OrbOptions{}}, from_right{OrbOptions{}};
   from_left.extract(left.view());
   from_right.extract(right.view());
   AlignedVector<float> u_right, depth;
   StereoMatcher matcher;
-  matcher.match(from_left, from_right, kFx, kBf, u_right, depth);
+  matcher.match(from_left, from_right, camera(), u_right, depth);
   return matcher.row_error();
 }
 

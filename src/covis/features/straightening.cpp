@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "covis/features/stereo_matcher.h"
 #include "covis/features/unrolling.h"
 
 namespace covis {
@@ -23,6 +24,11 @@ bool same_residual(const Pinhole& a, const Pinhole& b) {
 // What was taken out of the keypoints is the residual distortion of this camera.
 bool has_residual_of(const Features& features, const Pinhole& camera) {
   return features.straightened_for ? same_residual(*features.straightened_for, camera) : !camera.residual.any();
+}
+
+// The right image's columns are free of this camera's error.
+bool has_columns_of(const Features& features, const Pinhole& camera) {
+  return features.right_columns ? *features.right_columns == camera.right_columns : !camera.right_columns.any();
 }
 
 template <class Change>
@@ -63,10 +69,27 @@ void straighten(const Pinhole& camera, Features& f) {
   f.grid.build(bounds, f.x, f.y);
 }
 
+// Depths follow.
+void move_columns(const Pinhole& camera, Features& f) {
+  Pinhole before = camera;
+  before.right_columns = f.right_columns ? *f.right_columns : ShiftField();
+  for (size_t i = 0; i < f.x.size(); ++i) {
+    if (!(f.depth[i] > 0)) continue;
+    const double rectified = static_cast<double>(f.u_right[i]), v = static_cast<double>(f.y[i]);
+    const double measured = 2 * rectified - before.rectified_column(rectified, v);
+    const auto u = static_cast<float>(camera.rectified_column(measured, v));
+    const float disparity = std::max(f.x[i] - u, kLeastDisparity);
+    f.u_right[i] = f.x[i] - disparity;
+    f.depth[i] = static_cast<float>(camera.bf) / disparity;
+  }
+  f.right_columns = shared_field(camera.right_columns);
+}
+
 }  // namespace
 
 bool straight_for(const Features& features, const Pinhole& camera) {
-  return has_residual_of(features, camera) && unrolled_for(features, camera) && looked_up_for(features, camera);
+  return has_residual_of(features, camera) && unrolled_for(features, camera) && looked_up_for(features, camera) &&
+         has_columns_of(features, camera);
 }
 
 std::shared_ptr<Features> straightened(const Features& of, const Pinhole& camera) {
@@ -78,6 +101,7 @@ std::shared_ptr<Features> straightened(const Features& of, const Pinhole& camera
     straighten(camera, *f);
   }
   if (f->exposure.row_time != turn.row_time) unroll(camera, turn, *f);
+  if (!has_columns_of(*f, camera)) move_columns(camera, *f);
   if (!looked_up_for(*f, camera)) f->kept_depth->look_up(camera, *f);
   return f;
 }

@@ -34,6 +34,30 @@ Features some_features() {
   return f;
 }
 
+// Columns of a pair, whose depths follow.
+TEST(Straightening, TakesOutWhatRectificationLeft) {
+  Pinhole before = kGiven, after = kGiven;
+  before.bf = after.bf = 60;
+  before.right_columns = {{0.2}};
+  after.right_columns = {{0.5, 0.3, 0, 0, 1, -2, 0}};
+  Features measured = some_features();
+  for (size_t i = 0; i < measured.x.size(); ++i)
+    if (measured.depth[i] > 0) measured.u_right[i] = measured.x[i] - static_cast<float>(before.bf) / measured.depth[i];
+  EXPECT_FALSE(straight_for(measured, after));
+  const auto direct = straightened(measured, after), over = straightened(*straightened(measured, before), after);
+  EXPECT_TRUE(straight_for(*direct, after));
+  EXPECT_FALSE(straight_for(*direct, kGiven));
+  EXPECT_EQ(direct->x, measured.x) << "the left image is as it was";
+  for (size_t i = 0; i < measured.x.size(); ++i) {
+    EXPECT_EQ(direct->depth[i] > 0, measured.depth[i] > 0);
+    if (!(measured.depth[i] > 0)) continue;
+    const double expected = after.rectified_column(measured.u_right[i], measured.y[i]);
+    EXPECT_NEAR(direct->u_right[i], expected, 1e-3);
+    EXPECT_NEAR(direct->depth[i], after.bf / (measured.x[i] - expected), 1e-3);
+    EXPECT_NEAR(over->u_right[i], direct->u_right[i], 5e-3);
+  }
+}
+
 // Their rays are those that Brown's model gives for the pixels of the image.
 TEST(Straightening, RaysAreThoseOfTheLens) {
   const Features given = some_features();

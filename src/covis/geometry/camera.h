@@ -13,6 +13,7 @@
 
 #include "covis/geometry/depth_noise.h"
 #include "covis/geometry/depth_registration.h"
+#include "covis/geometry/shift_field.h"
 
 namespace covis {
 
@@ -36,6 +37,9 @@ struct Pinhole {
   // Rolling shutter: seconds from the exposure of one row to that of the next, as given or as a run found it; 0: all
   // rows at once. Negative: the last row comes first, as in a camera that is mounted upside down.
   double row_time = 0;
+  // Stereo: how far right of its place the right image shows what it shows, which a run found and took out of all
+  // disparities. Its place is that column of the right image, in the row of the left one.
+  ShiftField right_columns{};
 
   double baseline() const { return bf / fx; }
   // As if it measured none, where depths are in another unit than the map's.
@@ -47,12 +51,21 @@ struct Pinhole {
   }
   // Returns the ray through a pixel, with z = 1.
   Eigen::Vector3d unproject(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1.0}; }
+  // The column of a rectified right image for one that was measured in a row.
+  double rectified_column(double u_right, double v) const {
+    return right_columns.any() ? u_right - right_columns.at((u_right - cx) / fx, (v - cy) / fy) : u_right;
+  }
   // From an undistorted pixel of the camera as it was given to that without the residual distortion, and back. nullopt:
   // no ray shows so far out.
   std::optional<Eigen::Vector2d> straightened(const Eigen::Vector2d& pixel) const;
   Eigen::Vector2d bent(const Eigen::Vector2d& pixel) const;
   friend bool operator==(const Pinhole&, const Pinhole&) = default;
 };
+
+// The same distortion and columns were found and taken out of keypoints and disparities.
+inline bool same_corrections(const Pinhole& a, const Pinhole& b) {
+  return a.residual == b.residual && a.right_columns == b.right_columns;
+}
 
 // The baseline that an RGB-D camera has where none is given, metres: a unit for its depths as disparities. No result
 // depends on it.

@@ -17,10 +17,10 @@ namespace covis {
 // Not asked while there are several submaps, which all would have to follow, nor when another camera made some key
 // frames, whose keypoints were expressed in this one's focal length.
 std::optional<int> RefinementSchedule::ask(const Map& map) {
-  if (map.next_serial() < next_ || map.key_frame_count() > kLargest || map.submaps().size() != 1 ||
+  if (map.next_serial() < next_ || map.key_frame_count() > pace_.largest || map.submaps().size() != 1 ||
       has_other_cameras(map))
     return std::nullopt;
-  next_ = map.next_serial() + std::max(kLeastStep, map.next_serial() / kStepShare);
+  next_ = map.next_serial() + std::max(kLeastStep, static_cast<uint32_t>(pace_.more * map.next_serial()));
   return kLeastAge + static_cast<int>(map.key_frame_count()) / kAgeShare;
 }
 

@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "covis/core/sensor.h"
 #include "covis/loops/background_adjustment.h"
 #include "covis/mapping/map_problem.h"
 
@@ -19,18 +20,25 @@ namespace covis {
 // The map is asked for it again as it grows, until it is large.
 class RefinementSchedule {
  public:
+  explicit RefinementSchedule(Sensor sensor = Sensor::monocular)
+      : pace_(sensor == Sensor::stereo ? kPaceOfStereo : Pace()) {}
   // When the map is to be asked now: the number of key frames after which the answer is applied.
   std::optional<int> ask(const Map& map);
   // The map is begun anew.
-  void restart(const Map& map) { next_ = map.next_serial() + kFirst; }
+  void restart(const Map& map) { next_ = map.next_serial() + pace_.first; }
 
  private:
-  static constexpr uint32_t kFirst = 20;                     // serial of the key frame at which it is first asked for
-  static constexpr uint32_t kLeastStep = 5, kStepShare = 4;  // key frames to the next time: a share of those made
-  static constexpr int kLeastAge = 2, kAgeShare = 25;        // key frames it is given: more in a larger map
-  static constexpr size_t kLargest = 100;                    // key frames of a map
+  struct Pace {
+    uint32_t first = 20;   // serial of the key frame at which it is first asked for
+    double more = 0.25;    // key frames to the next time, as a share of those made
+    size_t largest = 100;  // key frames of a map
+  };
+  static constexpr Pace kPaceOfStereo{.first = 8, .more = 0.6, .largest = 60};
+  static constexpr uint32_t kLeastStep = 5;
+  static constexpr int kLeastAge = 2, kAgeShare = 25;  // key frames it is given: more in a larger map
 
-  uint32_t next_ = kFirst;
+  Pace pace_;
+  uint32_t next_ = pace_.first;
 };
 
 // Which of a camera's parameters may be refined.

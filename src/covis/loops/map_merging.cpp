@@ -55,7 +55,7 @@ Result<MergeReport> merge_maps(std::vector<MergeSource> maps, const Vocabulary& 
     MapState& map = maps[i].map;
     report.inputs.push_back({{}, all.next_serial, map.key_frames.size(), map.points.size()});
     const bool refined =
-        map.camera.fx != camera.fx || map.camera.fy != camera.fy || map.camera.residual != camera.residual;
+        map.camera.fx != camera.fx || map.camera.fy != camera.fy || !same_corrections(map.camera, camera);
     // Keypoints of other cameras were expressed in what the camera was refined to, and would not fit another focal
     // length.
     const bool is_same = maps[i].sensor == sensor && difference(given, maps[i].given).empty();

@@ -34,9 +34,11 @@ struct PixelChange {
 using Pyramids = std::map<const ScalePyramid*, std::shared_ptr<const ScalePyramid>>;
 
 std::shared_ptr<Features> changed(const Features& of, const PixelChange& change, double bf, Pyramids& pyramids,
-                                  const std::shared_ptr<const Pinhole>& straightened_for) {
+                                  const std::shared_ptr<const Pinhole>& straightened_for,
+                                  const std::shared_ptr<const ShiftField>& right_columns) {
   auto f = std::make_shared<Features>(of);
   f->straightened_for = straightened_for;
+  f->right_columns = right_columns;
   f->patches = nullptr;  // their places are those of another camera
   f->kept_depth = nullptr;
   f->raw_x = of.image_x();  // they stay where they are in their image
@@ -78,11 +80,13 @@ Result<void> express_in(MapState& map, const Camera& made_by, const RefinedCamer
   from.given.pinhole.depth_noise = from.pinhole.depth_noise = {};  // no file has them
   from.given.pinhole.registration = from.pinhole.registration = {};
   from.given.pinhole.row_time = from.pinhole.row_time = 0;
+  from.given.pinhole.right_columns = from.pinhole.right_columns = {};
   const auto own = std::make_shared<const RefinedCamera>(from);
   Pyramids pyramids;
   const auto straightened_for = to.pinhole.residual.any() ? std::make_shared<const Pinhole>(to.pinhole) : nullptr;
+  const auto right_columns = shared_field(to.pinhole.right_columns);
   for (KeyFrameState& k : map.key_frames) {
-    const auto features = changed(*k.features, change, to.pinhole.bf, pyramids, straightened_for);
+    const auto features = changed(*k.features, change, to.pinhole.bf, pyramids, straightened_for, right_columns);
     // Files of version 1.4 do not name the cameras of key frames with other pixels: nobody knows them.
     auto& name = features->made_by;
     if (!name && k.features->pyramid->base == 1) name = own;

@@ -111,7 +111,8 @@ bool valid_camera(const Pinhole& c) {
   const auto is_focal = [](double f) { return f >= 1e-3 && f <= 1e9; };  // a NaN is none
   return is_focal(c.fx) && is_focal(c.fy) && std::abs(c.cx) <= 1e9 && std::abs(c.cy) <= 1e9 && c.bf >= 0 &&
          c.bf <= kMaxLength && c.depth_noise.valid() && std::abs(c.residual.k1) <= kMaxResidual &&
-         std::abs(c.residual.k2) <= kMaxResidual && c.registration.valid() && std::abs(c.row_time) <= kMaxRowTime;
+         std::abs(c.residual.k2) <= kMaxResidual && c.registration.valid() && c.right_columns.valid() &&
+         std::abs(c.row_time) <= kMaxRowTime;
 }
 
 std::string problem_of(const Features& f, const ImageBounds& bounds) {

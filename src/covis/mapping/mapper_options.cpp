@@ -18,7 +18,9 @@ Fields fields(MapperOptions& o) {
       {"mapper.ba_iterations_second", &o.ba_iterations_second, "iterations after", 0, 100},
       {"mapper.refine_focal", &o.refine_focal, "monocular, RGB-D: adjust the focal length too, when the map tells it"},
       {"mapper.refine_distortion", &o.refine_distortion,
-       "monocular, camera given without distortion: find what distortion its images have, when the map tells it"},
+       "monocular, camera given without distortion: find what distortion its images have, when the map tells it; "
+       "stereo: "
+       "what rectification left in the right image's columns"},
       {"mapper.register_depth", &o.register_depth,
        "RGB-D: find how depth images are registered to images, when the map tells that they are not"},
       {"mapper.estimate_depth_noise", &o.estimate_depth_noise,

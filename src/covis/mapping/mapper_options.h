@@ -19,7 +19,8 @@ struct MapperOptions {
   int ba_iterations_first = 5;       // before outliers are dropped
   int ba_iterations_second = 10;     // after
   bool refine_focal = true;          // monocular, RGB-D: the focal length too (docs/notes/002-focal-length.md)
-  bool refine_distortion = true;     // monocular, given without distortion: what distortion images have (note 050)
+  bool refine_distortion = true;     // monocular, given without distortion: what distortion images have (note 050);
+                                     // stereo: what rectification left in the right image's columns (note 063)
   bool register_depth = true;        // RGB-D: find where depth images show what images show (note 052)
   bool estimate_depth_noise = true;  // RGB-D: when the camera says nothing of it (docs/notes/018-depth-noise.md)
   double cull_redundancy = 0.9;      // share of points seen by three others that makes a key frame redundant

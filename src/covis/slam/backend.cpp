@@ -7,6 +7,7 @@
 
 #include "covis/core/log.h"
 #include "covis/core/time.h"
+#include "covis/loops/columns_refinement.h"
 #include "covis/loops/shutter_adjustment.h"
 #include "covis/loops/submap_adjustment.h"
 #include "covis/mapping/map_limit.h"
@@ -82,11 +83,13 @@ void Backend::close_loop(MappingReport& report) {
 
 void Backend::refine_camera(KeyFrameId current) {
   const MapperOptions& o = options_.mapper;
-  // Stereo's baseline times focal length would have to follow.
-  if (options_.sensor == Sensor::stereo || background_.running()) return;
-  if (registers_depth(current) || !(o.refine_focal || o.refine_distortion)) return;
+  const bool stereo = options_.sensor == Sensor::stereo;
+  if (background_.running() || registers_depth(current)) return;
+  if (!o.refine_distortion && (stereo || !o.refine_focal)) return;
   const std::optional<int> key_frames = refinement_.ask(*map_.read());
   if (!key_frames) return;
+  // With another focal length stereo's baseline would have to follow.
+  if (stereo) return background_.start(ColumnsRefinement::of(*map_.read(), current), *key_frames);
   auto job = CameraRefinement::of(*map_.read(), current, {given_.fx, o.refine_focal, o.refine_distortion});
   background_.start(std::move(job), *key_frames);
 }

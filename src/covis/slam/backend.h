@@ -64,7 +64,7 @@ class Backend {
   Mapper mapper_;
   LoopCloser closer_;
   BackgroundAdjustment background_;
-  RefinementSchedule refinement_;
+  RefinementSchedule refinement_{options_.sensor};
   RegistrationSchedule registration_;
   MotionDepthCheck depth_check_;
   const Pinhole given_;  // the camera as it came

@@ -23,6 +23,8 @@ Pinhole for_sensor(Pinhole camera, Sensor sensor) {
 Pinhole camera_for(const Map& map, const Camera& made_by, const Camera& given, Sensor sensor) {
   const Pinhole saved = map.camera();
   Pinhole camera = same_lens(given, made_by) ? saved : given.pinhole;
+  // The error of a pair's rectification is that of this pair alone.
+  if (sensor != Sensor::stereo || made_by.pinhole.bf != given.pinhole.bf) camera.right_columns = {};
   if (camera.row_time == 0) camera.row_time = given.pinhole.row_time;
   if (sensor == Sensor::stereo) camera.residual = {};  // the columns of rectified pairs stay as they are
   // A registration or noise given for this recording goes before those that the map learned.

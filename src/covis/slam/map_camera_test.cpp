@@ -79,6 +79,18 @@ TEST_F(MapCamera, RectifiedPairsHaveNoResidualDistortion) {
   EXPECT_FALSE(camera_for(map, camera_of(stereo), camera_of(other), Sensor::monocular).residual.any());
 }
 
+TEST_F(MapCamera, WhatRectificationLeftIsOfThatPair) {
+  Pinhole saved = stereo;
+  saved.right_columns = {{0.1, 0.2}};
+  const Map map = map_of(saved, Sensor::stereo);
+  Pinhole wider = stereo;
+  wider.bf = 60;
+  EXPECT_EQ(camera_for(map, camera_of(stereo), camera_of(stereo), Sensor::stereo).right_columns, saved.right_columns);
+  EXPECT_FALSE(camera_for(map, camera_of(stereo), camera_of(wider), Sensor::stereo).right_columns.any());
+  EXPECT_FALSE(camera_for(map, camera_of(stereo), camera_of(other), Sensor::stereo).right_columns.any());
+  EXPECT_FALSE(camera_for(map, camera_of(stereo), camera_of(stereo), Sensor::monocular).right_columns.any());
+}
+
 TEST_F(MapCamera, DepthsKeepWhatTheyWere) {
   Pinhole sensor = stereo;
   sensor.depth_noise = noise;

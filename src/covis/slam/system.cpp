@@ -51,7 +51,7 @@ BackendOptions backend_options(const SystemOptions& options, const Camera& camer
   BackendOptions made(options);
   made.mapper.estimate_depth_noise &= options.sensor == Sensor::rgbd && !camera.pinhole.depth_noise.known();
   made.mapper.register_depth &= options.sensor == Sensor::rgbd && !camera.pinhole.registration.any();
-  made.mapper.refine_distortion &= options.sensor == Sensor::monocular && camera.distortion == Distortion::none;
+  made.mapper.refine_distortion &= options.sensor != Sensor::rgbd && camera.distortion == Distortion::none;
   return made;
 }
 
@@ -83,7 +83,7 @@ Result<void> System::set_map(Map map, const Camera& made_by) {
   const std::string other = difference(given_, made_by);
   if (!other.empty())
     log(LogLevel::info, "the map was made by another camera (" + other + "); it is expressed in the present one");
-  if (!other.empty() || camera.residual != map.camera().residual) {
+  if (!other.empty() || !same_corrections(camera, map.camera())) {
     MapState state = map.state();
     map = Map();  // so that features are not held twice
     if (auto fits = express_in(state, made_by, {given_, camera}); !fits) return fits;
@@ -246,7 +246,7 @@ MapState System::map_state() const { return map_.read()->state(); }
 // `features`: the number of keypoints wanted.
 FeaturesPtr System::extract(const Input& input, int features) {
   frontend_.set_feature_budget(features);
-  if (options_.sensor != Sensor::stereo) frontend_.follow(tracker_.search().camera);
+  frontend_.follow(tracker_.search().camera);
   switch (options_.sensor) {
     case Sensor::monocular:
       return frontend_.monocular(input.image);

@@ -135,6 +135,7 @@ Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& re
   auto anchors = read_all_anchors(file, records, map.next_serial);
   if (!anchors) return tl::unexpected(anchors.error());
   const auto straightened_for = map.camera.residual.any() ? std::make_shared<const Pinhole>(map.camera) : nullptr;
+  const auto right_columns = shared_field(map.camera.right_columns);
   std::vector<std::shared_ptr<const RefinedCamera>> made_by{nullptr};
   for (const RefinedCamera& other : cameras->cameras) made_by.push_back(std::make_shared<RefinedCamera>(other));
   const auto bytes = file.read(kFeatures, "features");
@@ -158,6 +159,7 @@ Result<void> read_features(SectionFile& file, const std::vector<FrameRecord>& re
     }
     f->pyramid = pyramid;
     f->straightened_for = straightened_for;
+    f->right_columns = right_columns;
     if (!cameras->of.empty()) f->made_by = made_by[cameras->of[i]];
     if (!valid_camera(r.camera)) return fail(file.error(name + "has no valid camera"));
     const std::string problem = covis::problem_of(*f, r.bounds);
@@ -243,14 +245,29 @@ Result<double> read_row_time(SectionFile& file, int image_height) {
   return row_time;
 }
 
+Result<ShiftField> read_right_columns(SectionFile& file) {
+  ShiftField columns;
+  if (!file.has(kRightColumns)) return columns;
+  const auto bytes = file.read(kRightColumns, "right columns");
+  if (!bytes) return tl::unexpected(bytes.error());
+  FieldReader fields(*bytes);
+  fields.array(columns.pixels.data(), columns.pixels.size());
+  if (!fields.whole()) return fail(file.error(kNotRightLength));
+  if (!columns.valid()) return fail(file.error("its right columns are not valid"));
+  return columns;
+}
+
 // What a map learned of its camera that no key frame's record has.
 Result<void> read_learned(SectionFile& file, int image_height, Pinhole& camera) {
   const auto registration = read_registration(file);
   if (!registration) return tl::unexpected(registration.error());
   const auto row_time = read_row_time(file, image_height);
   if (!row_time) return tl::unexpected(row_time.error());
+  const auto columns = read_right_columns(file);
+  if (!columns) return tl::unexpected(columns.error());
   camera.registration = *registration;
   camera.row_time = *row_time;
+  camera.right_columns = *columns;
   return {};
 }
 

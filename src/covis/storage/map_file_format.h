@@ -25,9 +25,9 @@ namespace covis::storage {
 inline constexpr uint16_t kMapFileMajor = 1;  // files of another major version cannot be read
 // Newer minor versions move no field and are read, except for added contents. A file gets the least that its contents
 // need.
-inline constexpr uint16_t kMapFileMinor = 9, kMapFileMinorWithRegistration = 8, kMapFileMinorWithAnchors = 7,
-                          kMapFileMinorWithResiduals = 6, kMapFileMinorWithCameras = 5, kMapFileMinorWithSizes = 4,
-                          kMapFileMinorWithColours = 3, kMapFileMinorLeast = 2;
+inline constexpr uint16_t kMapFileMinor = 10, kMapFileMinorWithShutter = 9, kMapFileMinorWithRegistration = 8,
+                          kMapFileMinorWithAnchors = 7, kMapFileMinorWithResiduals = 6, kMapFileMinorWithCameras = 5,
+                          kMapFileMinorWithSizes = 4, kMapFileMinorWithColours = 3, kMapFileMinorLeast = 2;
 
 inline constexpr const char* kNotRightLength = "it is damaged: a section has not the length that its contents ask for";
 

@@ -14,7 +14,7 @@ namespace covis::storage {
 
 // Identifiers of the sections.
 inline constexpr uint32_t kAbout = 1, kKeyFrames = 2, kFeatures = 3, kObservations = 4, kPoints = 5, kDepthNoise = 6,
-                          kPixelSizes = 8, kRegistration = 12, kShutter = 13;
+                          kPixelSizes = 8, kRegistration = 12, kShutter = 13, kRightColumns = 14;
 
 struct Counts {
   uint32_t key_frames = 0, points = 0, root = MapState::kNone, next_serial = 0;

@@ -135,13 +135,34 @@ TEST_F(MapFile, TheRollingShutterIsKept) {
   ASSERT_TRUE(save_map(file(), state, test_header()));
   auto opened = SectionFile::open(file());
   ASSERT_TRUE(opened) << opened.error().message;
-  EXPECT_EQ(opened->minor(), kMapFileMinor);
+  EXPECT_EQ(opened->minor(), kMapFileMinorWithShutter);
   EXPECT_EQ(load_map(file())->map.camera(), state.camera);
   EXPECT_EQ(read_map_info(file())->camera.row_time, state.camera.row_time);
   const std::string bytes = *opened->read(kShutter, "rolling shutter");
   expect_refused(with_section(*opened, kShutter, bytes + "x"), "length");
   for (const char* end : {"\xf0\x7f", "\xf0\x3f"})  // infinite, and a second from row to row
     expect_refused(with_section(*opened, kShutter, std::string(6, '\0') + end), "rolling shutter is not valid");
+}
+
+TEST_F(MapFile, WhatRectificationLeftIsKept) {
+  MapState state = random_map(7, 60, 12).state();
+  ASSERT_TRUE(save_map(file(), state, test_header()));
+  EXPECT_FALSE(SectionFile::open(file())->has(kRightColumns));
+  state.camera.right_columns = {{0.1, 0.5, -0.2, 0, 1, -2, 0.3}};
+  ASSERT_TRUE(save_map(file(), state, test_header()));
+  auto opened = SectionFile::open(file());
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_EQ(opened->minor(), kMapFileMinor);
+  const auto loaded = load_map(file());
+  EXPECT_EQ(loaded->map.camera(), state.camera);
+  const Features& features = *loaded->map.at(loaded->map.key_frames().front()).features;
+  ASSERT_TRUE(features.right_columns);
+  EXPECT_EQ(*features.right_columns, state.camera.right_columns);
+  EXPECT_EQ(read_map_info(file())->camera.right_columns, state.camera.right_columns);
+  const std::string bytes = *opened->read(kRightColumns, "right columns");
+  const auto with = [&](const std::string& changed) { return with_section(*opened, kRightColumns, changed); };
+  expect_refused(with(bytes + "x"), "length");
+  expect_refused(with(std::string(6, '\0') + "\xf0\x7f" + bytes.substr(8)), "right columns are not valid");
 }
 
 TEST_F(MapFile, ResidualDistortionsAreInFilesOfCamerasThatHaveOne) {

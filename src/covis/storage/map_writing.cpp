@@ -88,8 +88,9 @@ Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& hea
   const KeyFrameCameras others = cameras_of(map);
   const bool cameras = !others.cameras.empty(), residuals = have_residuals(map.camera, others);
   const bool anchors = has_anchors(map), registration = map.camera.registration.any(),
-             shutter = map.camera.row_time != 0;
-  const uint16_t minor = shutter        ? kMapFileMinor
+             shutter = map.camera.row_time != 0, columns = map.camera.right_columns.any();
+  const uint16_t minor = columns        ? kMapFileMinor
+                         : shutter      ? kMapFileMinorWithShutter
                          : registration ? kMapFileMinorWithRegistration
                          : anchors      ? kMapFileMinorWithAnchors
                          : residuals    ? kMapFileMinorWithResiduals
@@ -97,7 +98,8 @@ Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& hea
                          : sizes        ? kMapFileMinorWithSizes
                          : colours      ? kMapFileMinorWithColours
                                         : kMapFileMinorLeast;
-  SectionWriter file(sink, 5u + noise + colours + sizes + cameras + residuals + anchors + registration + shutter,
+  SectionWriter file(sink,
+                     5u + noise + colours + sizes + cameras + residuals + anchors + registration + shutter + columns,
                      kMapFileMajor, minor);
   FieldWriter about;
   const Counts counts = counts_of(map);
@@ -129,6 +131,11 @@ Result<void> write_map(FileSink& sink, const MapState& map, const MapHeader& hea
     FieldWriter fields;
     fields(map.camera.row_time);
     file.write(kShutter, fields.take());
+  }
+  if (columns) {
+    FieldWriter fields;
+    fields.array(map.camera.right_columns.pixels.data(), ShiftField::kTerms);
+    file.write(kRightColumns, fields.take());
   }
   const auto size = file.finish();
   return size ? check_readable(map, *size) : tl::unexpected(size.error());
