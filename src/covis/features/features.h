@@ -126,7 +126,7 @@ struct Features {
                                                     // taken out of x and y; null: none was
   // Stereo: Pinhole::right_columns that were taken out of u_right; null: none were.
   std::shared_ptr<const ShiftField> right_columns;
-  bool right_rows_were_off = false;  // stereo: the right image was resampled (right_rows.h)
+  bool right_rows_are_off = false;  // stereo: matches show it (right_rows.h)
   ExposureTurn exposure;
   std::shared_ptr<const RefinedCamera> made_by;  // the camera, where it is another one than the map's; else null
   std::shared_ptr<const Camera> lens;            // null: raw pixels are undistorted ones

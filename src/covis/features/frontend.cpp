@@ -36,8 +36,10 @@ class PairExtractor {
     images_ = {left, right};
     work_.run();
   }
-  // Right images are resampled so from now on.
-  void resample(ResamplingMap right) { resampling_ = std::move(right); }
+  // Right images are resampled so from now on. Returns how they were before.
+  std::optional<ResamplingMap> resample(std::optional<ResamplingMap> right) {
+    return std::exchange(resampling_, std::move(right));
+  }
 
  private:
   ImageView<const uint8_t> image(int k) {
@@ -161,7 +163,8 @@ struct Frontend::Impl {
 
   bool distorted() const { return camera.distortion != Distortion::none; }
   std::shared_ptr<Features> finish(ImageView<const float> depth_image);
-  void find_rows();
+  Pinhole pair_camera() const;
+  void find_rows(ImageView<const uint8_t> left_image, ImageView<const uint8_t> right_image, const Features& features);
 
   const Camera camera;
   const std::shared_ptr<const Camera> lens;  // null: no distortion
@@ -175,6 +178,7 @@ struct Frontend::Impl {
   std::optional<PairExtractor> pair;
   StereoMatcher matcher;
   std::optional<RightRows> rows;                    // null: not looked for
+  std::optional<ShiftField> better_rows;            // found, and not taken yet
   std::shared_ptr<const ShiftField> right_columns;  // those of the camera that is followed
   SmallImageMaker small;
   FeaturesRing ring;
@@ -190,7 +194,7 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
   f->straightened_for = refined;
   f->lens = lens;
   f->right_columns = right_columns;
-  f->right_rows_were_off = rows && rows->field().any();
+  f->right_rows_are_off = better_rows || (rows && rows->field().any());
   const size_t n = k.size();
   f->start(std::max(n, left.most_keypoints()),
            distorted() || refined ? Features::RawPixels::different : Features::RawPixels::same);
@@ -228,11 +232,38 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
   return f;
 }
 
-// By the pair that was matched last, for pairs to come.
-void Frontend::Impl::find_rows() {
-  if (!rows || !rows->add(matcher.row_differences())) return;
-  pair->resample(rows->resampling());
-  log(LogLevel::info, "the right image's rows are not rectified: " + rows->description());
+// The camera whose columns are taken out of disparities.
+Pinhole Frontend::Impl::pair_camera() const {
+  Pinhole made = camera.pinhole;
+  if (right_columns) made.right_columns = *right_columns;
+  if (rows) made.right_columns = made.right_columns + rows->columns();
+  return made;
+}
+
+// By the pair that was matched last, for pairs to come, once the columns are known as well: rows alone would make
+// depths worse where both were calibrated together. That pair is matched once more to see what it does to columns.
+void Frontend::Impl::find_rows(ImageView<const uint8_t> left_image, ImageView<const uint8_t> right_image,
+                               const Features& features) {
+  if (!rows) return;
+  if (const auto found = rows->add(matcher.row_differences())) better_rows = found;
+  if (!better_rows || !right_columns) return;
+  const std::optional<ShiftField> field = std::exchange(better_rows, std::nullopt);
+  auto before = pair->resample(rows->resampling(*field));
+  pair->extract(left_image, right_image);
+  Pinhole plain = camera.pinhole;
+  if (right_columns) plain.right_columns = *right_columns;
+  AlignedVector<float> u_right, depth;
+  matcher.match(left, *right, plain, u_right, depth);
+  std::vector<ColumnDifference> differences;
+  for (size_t i = 0; i < u_right.size() && i < features.u_right.size(); ++i) {
+    if (depth[i] > 0 && features.depth[i] > 0)
+      differences.push_back({u_right[i], features.y[i], u_right[i] - features.u_right[i]});
+  }
+  if (rows->take(*field, differences)) {
+    log(LogLevel::info, "the right image's rows are not rectified: " + rows->description());
+  } else {
+    pair->resample(std::move(before));
+  }
 }
 
 Frontend::Frontend(const Camera& camera, const OrbOptions& options, Sensor sensor)
@@ -283,10 +314,8 @@ FeaturesPtr Frontend::stereo(ImageView<const uint8_t> left, ImageView<const uint
   impl_->pair->extract(left, right);
   impl_->timing.extract_ms = watch.lap();
   std::shared_ptr<Features> features = impl_->finish({});
-  Pinhole camera = impl_->camera.pinhole;
-  if (impl_->right_columns) camera.right_columns = *impl_->right_columns;
-  impl_->matcher.match(impl_->left, *impl_->right, camera, features->u_right, features->depth);
-  impl_->find_rows();
+  impl_->matcher.match(impl_->left, *impl_->right, impl_->pair_camera(), features->u_right, features->depth);
+  impl_->find_rows(left, right, *features);
   impl_->timing.depth_ms = watch.ms();
   return features;
 }

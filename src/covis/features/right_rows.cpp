@@ -29,31 +29,29 @@ constexpr double kMostShift = 4;      // anywhere
 
 constexpr double kShown = 5;  // standard deviations
 
-Vector terms_at(const Pinhole& camera, double u, double v) {
-  return FieldEstimate::vector(ShiftField::terms((v - camera.cy) / camera.fy, (u - camera.cx) / camera.fx));
+enum class Along { rows, columns };
+
+Vector terms_at(const Pinhole& camera, Along along, double u, double v) {
+  const double x = (u - camera.cx) / camera.fx, y = (v - camera.cy) / camera.fy;
+  return FieldEstimate::vector(along == Along::rows ? ShiftField::terms(y, x) : ShiftField::terms(x, y));
 }
 
 struct Match {
   Vector terms;
-  double lower = 0;  // pixels
+  double shift = 0;  // pixels
   size_t part = 0;   // the image's part: errors of matches in one part are alike
 };
 
 constexpr size_t kColumns = 8, kRows = 6;                // parts
 constexpr ptrdiff_t kLeastParts = kColumns * kRows / 2;  // with matches: fewer corners can be off alike by chance
 
-std::vector<Match> matches_of(const Camera& camera, const std::vector<RowDifference>& differences) {
-  std::vector<Match> matches;
-  matches.reserve(differences.size());
+Match match_at(const Camera& camera, Along along, float u, float v, float shift) {
   const auto part = [](float at, int size, size_t parts) {
     return std::min(static_cast<size_t>(std::max(0.0f, at) / static_cast<float>(size) * static_cast<float>(parts)),
                     parts - 1);
   };
-  for (const RowDifference& d : differences)
-    matches.push_back({terms_at(camera.pinhole, static_cast<double>(d.u), static_cast<double>(d.v)),
-                       static_cast<double>(d.lower),
-                       part(d.v, camera.height, kRows) * kColumns + part(d.u, camera.width, kColumns)});
-  return matches;
+  return {terms_at(camera.pinhole, along, static_cast<double>(u), static_cast<double>(v)), static_cast<double>(shift),
+          part(v, camera.height, kRows) * kColumns + part(u, camera.width, kColumns)};
 }
 
 // The errors of matches that a field leaves, and their median size.
@@ -65,7 +63,7 @@ struct Remainder {
     const Vector pixels = FieldEstimate::vector(field.pixels);
     std::vector<double> sizes;
     for (const Match& match : matches) {
-      errors.push_back(match.lower - pixels.dot(match.terms));
+      errors.push_back(match.shift - pixels.dot(match.terms));
       sizes.push_back(std::abs(errors.back()));
     }
     median = quantile(std::move(sizes), 0.5);
@@ -83,11 +81,11 @@ struct OverImage {
   Matrix mean = Matrix::Zero();
   double greatest = 0;
 
-  OverImage(const Camera& camera, const ShiftField& field) {
+  OverImage(const Camera& camera, Along along, const ShiftField& field) {
     constexpr int kSteps = 8;
     for (int i = 0; i <= kSteps; ++i) {
       for (int k = 0; k <= kSteps; ++k) {
-        const Vector terms = terms_at(camera.pinhole, camera.width * static_cast<double>(i) / kSteps,
+        const Vector terms = terms_at(camera.pinhole, along, camera.width * static_cast<double>(i) / kSteps,
                                       camera.height * static_cast<double>(k) / kSteps);
         mean += terms * terms.transpose() / ((kSteps + 1) * (kSteps + 1));
         greatest = std::max(greatest, std::abs(terms.dot(FieldEstimate::vector(field.pixels))));
@@ -96,14 +94,20 @@ struct OverImage {
   }
 };
 
-// The field that matches show; nothing where they show none.
-std::optional<ShiftField> find_field(const Camera& camera, const std::vector<Match>& matches) {
+struct FoundField {
+  ShiftField field;
+  double shift = 0, noise = 0;  // root mean square over matches, and its standard deviation
+  double spread = 0;            // median of what is left
+};
+
+// Nothing: matches do not say it over all of the image.
+std::optional<FoundField> find_field(const Camera& camera, Along along, const std::vector<Match>& matches) {
   constexpr int kIterations = 10;
   FieldEstimate estimate;
   Remainder left(matches, {});
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     estimate = {};
-    for (size_t k = 0; k < matches.size(); ++k) estimate.add(matches[k].terms, matches[k].lower, left.weight(k));
+    for (size_t k = 0; k < matches.size(); ++k) estimate.add(matches[k].terms, matches[k].shift, left.weight(k));
     if (!estimate.solve()) return std::nullopt;
     left = Remainder(matches, estimate.field);
   }
@@ -117,44 +121,54 @@ std::optional<ShiftField> find_field(const Camera& camera, const std::vector<Mat
     seen += match.terms * match.terms.transpose() / static_cast<double>(matches.size());
   }
   if (std::count(filled.begin(), filled.end(), 1) < kLeastParts) return std::nullopt;
-  const OverImage image(camera, estimate.field);
+  const OverImage image(camera, along, estimate.field);
   const Matrix covariance = estimate.covariance(parts);
-  const double shift = estimate.size(seen);
-  const bool shown = shift >= kLeastShift && shift >= kShown * std::sqrt((covariance * seen).trace());
-  const bool sure = left.median <= kMostSpread && std::sqrt((covariance * image.mean).trace()) <= kMostNoise;
-  if (!shown || !sure || image.greatest > kMostShift) return std::nullopt;
-  return estimate.field;
+  if (!(std::sqrt((covariance * image.mean).trace()) <= kMostNoise) || image.greatest > kMostShift) return std::nullopt;
+  return FoundField{estimate.field, estimate.size(seen), std::sqrt((covariance * seen).trace()), left.median};
 }
 
 }  // namespace
 
 RightRows::RightRows(const Camera& camera) : camera_(camera) { differences_.reserve(kRounds.back()); }
 
-bool RightRows::add(std::span<const RowDifference> differences) {
-  if (round_ == kRounds.size()) return false;
+std::optional<ShiftField> RightRows::add(std::span<const RowDifference> differences) {
+  if (round_ == kRounds.size()) return std::nullopt;
   const size_t taken = std::min(differences.size(), kRounds[round_] - differences_.size());
   differences_.insert(differences_.end(), differences.begin(), differences.begin() + static_cast<ptrdiff_t>(taken));
-  if (differences_.size() < kRounds[round_]) return false;
+  if (differences_.size() < kRounds[round_]) return std::nullopt;
   ++round_;
-  const std::optional<ShiftField> more = find_field(camera_, matches_of(camera_, differences_));
+  std::vector<Match> matches;
+  matches.reserve(differences_.size());
+  for (const RowDifference& d : differences_) matches.push_back(match_at(camera_, Along::rows, d.u, d.v, d.lower));
   differences_.clear();
-  if (!more) return false;
-  field_ = field_ + *more;
+  const auto more = find_field(camera_, Along::rows, matches);
+  if (!more || more->spread > kMostSpread || more->shift < std::max(kLeastShift, kShown * more->noise))
+    return std::nullopt;
+  return field_ + more->field;
+}
+
+bool RightRows::take(const ShiftField& field, std::span<const ColumnDifference> differences) {
+  std::vector<Match> matches;
+  for (const ColumnDifference& d : differences) matches.push_back(match_at(camera_, Along::columns, d.u, d.v, d.right));
+  const auto columns = matches.empty() ? std::nullopt : find_field(camera_, Along::columns, matches);
+  if (!columns) return false;
+  field_ = field;
+  columns_ = columns->field;
   return true;
 }
 
 std::string RightRows::description() const {
   std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "up to %.2f pixels", OverImage(camera_, field_).greatest);
+  std::snprintf(text.data(), text.size(), "up to %.2f pixels", OverImage(camera_, Along::rows, field_).greatest);
   return text.data();
 }
 
-ResamplingMap RightRows::resampling() const {
+ResamplingMap RightRows::resampling(const ShiftField& field) const {
   const Pinhole& c = camera_.pinhole;
   ResamplingMap map(camera_.width, camera_.height, camera_.width, camera_.height);
   for (int v = 0; v < camera_.height; ++v) {
     for (int u = 0; u < camera_.width; ++u) {
-      const double lower = field_.at((v - c.cy) / c.fy, (u - c.cx) / c.fx);
+      const double lower = field.at((v - c.cy) / c.fy, (u - c.cx) / c.fx);
       map.set(u, v, static_cast<float>(u), static_cast<float>(v + lower));
     }
   }

@@ -38,6 +38,18 @@ std::vector<RowDifference> row_differences(const ShiftField& truth, Random& rand
   return made;
 }
 
+// Columns that stay but for what matching is off by, in all of the image.
+std::vector<ColumnDifference> column_differences(float right) {
+  std::vector<ColumnDifference> made;
+  Random random(3);
+  for (int i = 0; i < 300; ++i) {
+    made.push_back({static_cast<float>(random.uniform(0, kPairWidth)),
+                    static_cast<float>(random.uniform(0, kPairHeight)),
+                    right + static_cast<float>(0.2 * random.normal())});
+  }
+  return made;
+}
+
 // Pairs whose right images are resampled as soon as a field is found: what is left of the truth then.
 RightRows after_pairs(int pairs, const ShiftField& truth) {
   RightRows rows(rectified_pair());
@@ -45,7 +57,9 @@ RightRows after_pairs(int pairs, const ShiftField& truth) {
   for (int i = 0; i < pairs; ++i) {
     ShiftField left = truth;
     for (size_t k = 0; k < ShiftField::kTerms; ++k) left.pixels[k] -= rows.field().pixels[k];
-    rows.add(row_differences(left, random));
+    if (const auto field = rows.add(row_differences(left, random))) {
+      EXPECT_TRUE(rows.take(*field, column_differences(0)));
+    }
   }
   return rows;
 }
@@ -77,7 +91,7 @@ TEST(RightRows, StayWhereMatchesAreOfOtherThings) {
   for (int i = 0; i < 120; ++i) {
     std::vector<RowDifference> made = row_differences({}, random);
     for (RowDifference& d : made) d.lower = static_cast<float>(random.uniform(-2, 2) + 0.5);
-    rows.add(made);
+    EXPECT_FALSE(rows.add(made));
   }
   EXPECT_FALSE(rows.field().any());
 }
@@ -89,8 +103,18 @@ TEST(RightRows, AFewCornersSeenOftenAreFew) {
   std::vector<RowDifference> same = row_differences({}, random);
   same.resize(24);
   for (RowDifference& d : same) d.lower = static_cast<float>(0.3 * random.normal());
-  for (int i = 0; i < 1000; ++i) rows.add(same);
+  for (int i = 0; i < 1000; ++i) EXPECT_FALSE(rows.add(same));
   EXPECT_FALSE(rows.field().any());
+}
+
+// Disparities stay in the mean what they were, whatever resampling does to them.
+TEST(RightRows, ColumnsStay) {
+  RightRows rows(rectified_pair());
+  ASSERT_TRUE(rows.take(kTurned, column_differences(-0.3f)));
+  for (const double x : {-0.5, 0.0, 0.5}) EXPECT_NEAR(rows.columns().at(x, 0.1), -0.3, 0.1);
+  const std::vector<ColumnDifference> few = column_differences(0);
+  EXPECT_FALSE(rows.take({}, std::span(few).first(20))) << "they do not say it over all of the image";
+  EXPECT_EQ(rows.field(), kTurned);
 }
 
 TEST(RightRows, ResamplingTakesThemOut) {
@@ -99,7 +123,7 @@ TEST(RightRows, ResamplingTakesThemOut) {
   ImageU8 image(kPairWidth, kPairHeight);
   for (int v = 0; v < kPairHeight; ++v) std::fill_n(image.row(v), kPairWidth, static_cast<uint8_t>(v / 2));
   ImageU8 made;
-  rows.resampling().apply(image.view(), made);
+  rows.resampling(rows.field()).apply(image.view(), made);
   for (const int u : {100, 600, 1100})
     for (const int v : {60, 180, 300})
       EXPECT_NEAR(made(u, v), (v + lower_at(rows.field(), u, v)) / 2, 1) << u << " " << v;

@@ -21,7 +21,7 @@ bool same_residual(const Pinhole& a, const Pinhole& b) {
   return a.residual == b.residual && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
 }
 
-// What was taken out of the keypoints is the residual distortion of this camera.
+// The keypoints are free of this camera's residual distortion.
 bool has_residual_of(const Features& features, const Pinhole& camera) {
   return features.straightened_for ? same_residual(*features.straightened_for, camera) : !camera.residual.any();
 }

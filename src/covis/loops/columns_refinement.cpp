@@ -51,8 +51,8 @@ bool refine_columns(BundleProblem& problem, BundleAdjuster& adjuster, double dev
 std::unique_ptr<ColumnsRefinement> ColumnsRefinement::of(const Map& map, KeyFrameId key_frame) {
   std::optional<MapProblem> submap = copy_submap(map, key_frame);
   if (!submap) return nullptr;
-  const bool rows_were_off = map.at(key_frame).features->right_rows_were_off;
-  return std::unique_ptr<ColumnsRefinement>(new ColumnsRefinement(std::move(*submap), rows_were_off));
+  const bool rows_are_off = map.at(key_frame).features->right_rows_are_off;
+  return std::unique_ptr<ColumnsRefinement>(new ColumnsRefinement(std::move(*submap), rows_are_off));
 }
 
 bool ColumnsRefinement::run(const std::atomic<bool>& interrupt) {
@@ -62,7 +62,7 @@ bool ColumnsRefinement::run(const std::atomic<bool>& interrupt) {
   classify_observations(problem);
   // A pair whose rows are off is not rectified, so that less shows its columns.
   constexpr double kShown = 5, kShownBesideRows = 3;  // standard deviations
-  return solved && refine_columns(problem, adjuster, rows_were_off_ ? kShownBesideRows : kShown, &interrupt);
+  return solved && refine_columns(problem, adjuster, rows_are_off_ ? kShownBesideRows : kShown, &interrupt);
 }
 
 std::optional<KeyFrameMoves> ColumnsRefinement::apply(SharedMap& map) const {

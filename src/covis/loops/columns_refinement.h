@@ -31,11 +31,10 @@ class ColumnsRefinement : public AdjustmentJob {
   std::optional<KeyFrameMoves> apply(SharedMap& map) const override;
 
  private:
-  ColumnsRefinement(MapProblem submap, bool rows_were_off)
-      : submap_(std::move(submap)), rows_were_off_(rows_were_off) {}
+  ColumnsRefinement(MapProblem submap, bool rows_are_off) : submap_(std::move(submap)), rows_are_off_(rows_are_off) {}
 
   MapProblem submap_;
-  const bool rows_were_off_;  // those of the pair's right images, before they were resampled
+  const bool rows_are_off_;  // those of the right image
 };
 
 }  // namespace covis

@@ -29,7 +29,7 @@ std::vector<LocatedFrame> LateFrames::locate(Relocaliser relocaliser, std::vecto
     (is_believed ? believed : reach) = is_believed ? reach : believed;
     row.clear();
   };
-  Timestamp last = 0;  // of the row
+  Timestamp last = 0;  // the row's last one
   std::ranges::sort(frames, std::greater(), &UnlocatedFrame::frame);
   for (const UnlocatedFrame& frame : frames) {
     const auto found = relocaliser.locate(frame.features, frame.frame);

@@ -257,7 +257,7 @@ Result<ShiftField> read_right_columns(SectionFile& file) {
   return columns;
 }
 
-// What a map learned of its camera that no key frame's record has.
+// Things that a map learned of its camera, and no key frame's record has.
 Result<void> read_learned(SectionFile& file, int image_height, Pinhole& camera) {
   const auto registration = read_registration(file);
   if (!registration) return tl::unexpected(registration.error());
