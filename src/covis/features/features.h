@@ -101,10 +101,11 @@ struct ExposureTurn {
   Eigen::Vector3d taken() const { return row_time * rate; }  // from row to row, radians
 };
 
-// Null where there is none, as Features has it.
+// As Features has it: null where there is none.
 inline std::shared_ptr<const ShiftField> shared_field(const ShiftField& field) {
   return field.any() ? std::make_shared<const ShiftField>(field) : nullptr;
 }
+inline ShiftField field_of(const std::shared_ptr<const ShiftField>& shared) { return shared ? *shared : ShiftField(); }
 
 struct Features {
   enum class RawPixels { same, different };

@@ -235,7 +235,7 @@ std::shared_ptr<Features> Frontend::Impl::finish(ImageView<const float> depth_im
 // The camera whose columns are taken out of disparities.
 Pinhole Frontend::Impl::pair_camera() const {
   Pinhole made = camera.pinhole;
-  if (right_columns) made.right_columns = *right_columns;
+  made.right_columns = field_of(right_columns);
   if (rows) made.right_columns = made.right_columns + rows->columns();
   return made;
 }
@@ -251,7 +251,7 @@ void Frontend::Impl::find_rows(ImageView<const uint8_t> left_image, ImageView<co
   auto before = pair->resample(rows->resampling(*field));
   pair->extract(left_image, right_image);
   Pinhole plain = camera.pinhole;
-  if (right_columns) plain.right_columns = *right_columns;
+  plain.right_columns = *right_columns;
   AlignedVector<float> u_right, depth;
   matcher.match(left, *right, plain, u_right, depth);
   std::vector<ColumnDifference> differences;
@@ -285,8 +285,8 @@ void Frontend::set_feature_budget(int features) {
 
 void Frontend::follow(const Pinhole& refined) {
   impl_->registration = refined.registration;
-  const ShiftField known = impl_->right_columns ? *impl_->right_columns : ShiftField();
-  if (known != refined.right_columns) impl_->right_columns = shared_field(refined.right_columns);
+  if (field_of(impl_->right_columns) != refined.right_columns)
+    impl_->right_columns = shared_field(refined.right_columns);
   if (impl_->refined ? *impl_->refined == refined : !refined.residual.any()) return;
   impl_->refined = refined.residual.any() ? std::make_shared<const Pinhole>(refined) : nullptr;
   impl_->bounds = straightened(find_bounds(impl_->camera), refined);

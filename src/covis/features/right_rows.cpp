@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "covis/core/quantile.h"
+#include "covis/geometry/alike_errors.h"
 #include "covis/geometry/field_estimate.h"
 
 namespace covis {
@@ -25,7 +26,6 @@ constexpr std::array<size_t, 2> kRounds{1000, 8000};
 constexpr double kLeastShift = 0.15;  // root mean square over matches: worth resampling each right image for
 constexpr double kMostSpread = 0.5;   // median of what is left; rows that have nothing to do with each other leave more
 constexpr double kMostNoise = 0.3;    // root mean square over the image, for places without matches will have some
-constexpr double kMostShift = 4;      // anywhere
 
 constexpr double kShown = 5;  // standard deviations
 
@@ -122,8 +122,9 @@ std::optional<FoundField> find_field(const Camera& camera, Along along, const st
   }
   if (std::count(filled.begin(), filled.end(), 1) < kLeastParts) return std::nullopt;
   const OverImage image(camera, along, estimate.field);
-  const Matrix covariance = estimate.covariance(parts);
-  if (!(std::sqrt((covariance * image.mean).trace()) <= kMostNoise) || image.greatest > kMostShift) return std::nullopt;
+  const Matrix covariance = covariance_of_parts(estimate.inverse(), parts);
+  if (!(std::sqrt((covariance * image.mean).trace()) <= kMostNoise) || image.greatest > kMostRectificationError)
+    return std::nullopt;
   return FoundField{estimate.field, estimate.size(seen), std::sqrt((covariance * seen).trace()), left.median};
 }
 

@@ -11,6 +11,7 @@
 #include "covis/core/reserve.h"
 #include "covis/core/simd_targets.h"
 #include "covis/features/simd.h"
+#include "covis/geometry/measurement.h"
 
 namespace covis {
 namespace {
@@ -19,7 +20,6 @@ constexpr int kHalfPatch = 5;  // half width of the 11x11 patches compared
 constexpr int kSlide = 5;      // search range to either side, pixels
 constexpr int kMaxHamming = 75;
 constexpr int kFineLevels = 3;
-constexpr float kMostOff = 4;  // pixels, of columns of the right image
 
 using Sads = std::array<int, 2 * kSlide + 1>;
 
@@ -110,7 +110,8 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, c
   row_error_ = 0;
   const auto max_disparity = static_cast<float>(camera.fx);  // disparity of a point at a depth of one baseline
   // Columns that are off can make what is far away lie behind infinity, before they are taken out.
-  const float min_disparity = camera.right_columns.any() ? -kMostOff : 0;
+  const bool is_off = camera.right_columns.any();
+  const float min_disparity = is_off ? -static_cast<float>(kMostRectificationError) : 0;
   for (size_t i = 0; i < l.size(); ++i) {
     const auto row = static_cast<size_t>(std::clamp(static_cast<int>(std::lround(l.y[i])), 0, height - 1));
     int best = kMaxHamming;
@@ -131,7 +132,7 @@ void StereoMatcher::match(const OrbExtractor& left, const OrbExtractor& right, c
     const auto patches = compare_patches(left, right, l.level[i], {l.x[i], l.y[i]}, {r.x[best_j], r.y[best_j]});
     if (!patches) continue;
     float disparity = patches->disparity;
-    if (camera.right_columns.any()) {
+    if (is_off) {
       const double u = camera.rectified_column(static_cast<double>(l.x[i] - disparity), static_cast<double>(l.y[i]));
       disparity = l.x[i] - static_cast<float>(u);
     }

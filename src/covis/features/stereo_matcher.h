@@ -14,8 +14,6 @@ struct RowDifference {
   float lower = 0;     // pixels
 };
 
-inline constexpr float kLeastDisparity = 0.01f;  // pixels: what is farther counts as being there
-
 class StereoMatcher {
  public:
   // Gives for each left keypoint its column in the right image (sub-pixel) or -1, and its depth in metres or 0. The

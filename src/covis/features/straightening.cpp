@@ -3,8 +3,8 @@
 
 #include <utility>
 
-#include "covis/features/stereo_matcher.h"
 #include "covis/features/unrolling.h"
+#include "covis/geometry/measurement.h"
 
 namespace covis {
 namespace {
@@ -28,7 +28,7 @@ bool has_residual_of(const Features& features, const Pinhole& camera) {
 
 // The right image's columns are free of this camera's error.
 bool has_columns_of(const Features& features, const Pinhole& camera) {
-  return features.right_columns ? *features.right_columns == camera.right_columns : !camera.right_columns.any();
+  return field_of(features.right_columns) == camera.right_columns;
 }
 
 template <class Change>
@@ -72,7 +72,7 @@ void straighten(const Pinhole& camera, Features& f) {
 // Depths follow.
 void move_columns(const Pinhole& camera, Features& f) {
   Pinhole before = camera;
-  before.right_columns = f.right_columns ? *f.right_columns : ShiftField();
+  before.right_columns = field_of(f.right_columns);
   for (size_t i = 0; i < f.x.size(); ++i) {
     if (!(f.depth[i] > 0)) continue;
     const double rectified = static_cast<double>(f.u_right[i]), v = static_cast<double>(f.y[i]);

@@ -53,7 +53,7 @@ struct Pinhole {
   Eigen::Vector3d unproject(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1.0}; }
   // The column of a rectified right image for one that was measured in a row.
   double rectified_column(double u_right, double v) const {
-    return right_columns.any() ? u_right - right_columns.at((u_right - cx) / fx, (v - cy) / fy) : u_right;
+    return u_right - right_columns.at((u_right - cx) / fx, (v - cy) / fy);
   }
   // From an undistorted pixel of the camera as it was given to that without the residual distortion, and back. nullopt:
   // no ray shows so far out.

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The estimate of a ShiftField from normal equations, and how sure it is when the errors of a part of what was measured
-// are alike (a sandwich of their gradients: White, "Maximum likelihood estimation of misspecified models",
-// Econometrica 1982).
+// The estimate of a ShiftField from normal equations.
 #pragma once
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <cmath>
-#include <vector>
 
 #include "covis/geometry/shift_field.h"
 
@@ -35,14 +32,7 @@ struct FieldEstimate {
     Eigen::Map<Vector>(field.pixels.data()) = solution;
     return true;
   }
-  // The field's. parts: the remainder of b by each part of the measurements, when the field is taken out.
-  Matrix covariance(const std::vector<Vector>& parts) const {
-    Matrix scatter = Matrix::Zero();
-    for (const Vector& part : parts) scatter += part * part.transpose();
-    const auto n = static_cast<double>(parts.size());
-    const Matrix inverse = H.ldlt().solve(Matrix::Identity());
-    return inverse * scatter * inverse * (n / (n - 1));
-  }
+  Matrix inverse() const { return H.ldlt().solve(Matrix::Identity()); }
   // Root mean square over places with this mean of terms * terms^T, pixels.
   double size(const Matrix& places) const {
     const Vector f = vector(field.pixels);

@@ -34,6 +34,8 @@ inline PredictedMeasurement predict_measurement(const Eigen::Vector3d& p_c, cons
   return {camera.fx * p_c.x() * iz + camera.cx, camera.fy * p_c.y() * iz + camera.cy, camera.bf * iz};
 }
 
+inline constexpr float kLeastDisparity = 0.01f;  // pixels, of a pair: what is farther counts as being there
+
 // The third row of a measurement.
 struct Disparity {
   float pixels = 0;      // 0: not measured

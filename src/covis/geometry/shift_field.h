@@ -11,6 +11,8 @@
 
 namespace covis {
 
+inline constexpr double kMostRectificationError = 4;  // pixels: a pair that is farther off is to be calibrated anew
+
 struct ShiftField {
   static constexpr size_t kTerms = 7;
   using Terms = std::array<double, kTerms>;

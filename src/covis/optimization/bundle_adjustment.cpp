@@ -117,4 +117,11 @@ int classify_observations(BundleProblem& problem) {
   return inactive;
 }
 
+double degrees_of_freedom(const BundleProblem& problem) {
+  double freedom = -3.0 * static_cast<double>(problem.points.size());
+  for (const BundleObservation& o : problem.observations) freedom += !o.active ? 0 : o.disparity.measured() ? 3 : 2;
+  for (const uint8_t fixed : problem.fixed) freedom -= fixed ? 0 : 6;
+  return freedom;
+}
+
 }  // namespace covis

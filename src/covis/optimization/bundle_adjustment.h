@@ -68,5 +68,7 @@ class BundleAdjuster {
 // Sets observations inactive whose chi-square exceeds the 95 % bound or whose point is behind the camera, and the
 // others active. Returns the number of inactive ones.
 int classify_observations(BundleProblem& problem);
+// The rows of all active observations less the unknowns.
+double degrees_of_freedom(const BundleProblem& problem);
 
 }  // namespace covis

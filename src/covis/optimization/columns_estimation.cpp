@@ -2,11 +2,11 @@
 #include "covis/optimization/columns_estimation.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
 
+#include "covis/geometry/alike_errors.h"
 #include "covis/geometry/field_estimate.h"
 #include "covis/geometry/measurement.h"
 #include "covis/optimization/reprojection.h"
@@ -16,9 +16,6 @@ namespace {
 
 using Vector = FieldEstimate::Vector;
 using Matrix = FieldEstimate::Matrix;
-
-constexpr double kMostShift = 4;       // pixels
-constexpr float kLeastPixels = 0.01f;  // the least disparity: what is farther counts as being there
 
 Vector terms_of(const Pinhole& camera, const BundleObservation& o) {
   const double u = static_cast<double>(o.u - o.disparity.pixels), v = static_cast<double>(o.v);
@@ -50,19 +47,6 @@ bool converge(BundleProblem& problem, BundleAdjuster& adjuster, const std::atomi
   return summary.ok && !summary.interrupted;
 }
 
-double degrees_of_freedom(const BundleProblem& problem) {
-  double freedom = -3.0 * static_cast<double>(problem.points.size()) - 6.0 * static_cast<double>(problem.poses.size());
-  for (const BundleObservation& o : problem.observations) freedom += !o.active ? 0 : o.disparity.measured() ? 3 : 2;
-  return freedom;
-}
-
-// The sums of as many pieces of the map, poses that follow one another.
-std::vector<Vector> pieces(const std::vector<Vector>& poses, size_t parts) {
-  std::vector<Vector> sums(parts, Vector::Zero());
-  for (size_t k = 0; k < poses.size(); ++k) sums[k * parts / poses.size()] += poses[k];
-  return sums;
-}
-
 }  // namespace
 
 std::optional<ColumnsEstimate> estimate_columns(const BundleProblem& problem, BundleAdjuster& adjuster,
@@ -91,7 +75,7 @@ std::optional<ColumnsEstimate> estimate_columns(const BundleProblem& problem, Bu
     BundleProblem moved = adjusted;
     for (size_t k = 0; k < n; ++k) {
       Disparity& d = moved.observations[k].disparity;
-      if (d.measured()) d.pixels = std::max(kLeastPixels, d.pixels + static_cast<float>(kStep * terms[k][term]));
+      if (d.measured()) d.pixels = std::max(kLeastDisparity, d.pixels + static_cast<float>(kStep * terms[k][term]));
     }
     if (!converge(moved, adjuster, interrupt)) return std::nullopt;
     const Residuals after = residuals(moved);
@@ -114,9 +98,10 @@ std::optional<ColumnsEstimate> estimate_columns(const BundleProblem& problem, Bu
         change.transpose() * (before[k] + change * FieldEstimate::vector(estimate.field.pixels));
   }
   ColumnsEstimate made{.field = estimate.field, .size = estimate.size(places)};
-  double noise2 = (variance * estimate.H.ldlt().solve(Matrix::Identity()) * places).trace();
-  for (const size_t parts : {4, 8, 16})
-    noise2 = std::max(noise2, (estimate.covariance(pieces(left, parts)) * places).trace());
+  const Matrix inverse = estimate.inverse();
+  double noise2 = (variance * inverse * places).trace();
+  for (const size_t pieces : kNumbersOfPieces)
+    noise2 = std::max(noise2, (covariance_of_parts(inverse, sums_over_pieces(left, pieces)) * places).trace());
   made.noise = std::sqrt(noise2);
   if (!std::isfinite(made.size) || !std::isfinite(made.noise)) return std::nullopt;
   return made;
@@ -127,8 +112,8 @@ bool take_out(const ShiftField& field, BundleProblem& problem) {
   for (BundleObservation& o : moved.observations) {
     if (!o.disparity.measured()) continue;
     const double shift = FieldEstimate::vector(field.pixels).dot(terms_of(problem.camera, o));
-    if (!(std::abs(shift) < kMostShift)) return false;
-    o.disparity.pixels = std::max(kLeastPixels, o.disparity.pixels + static_cast<float>(shift));
+    if (!(std::abs(shift) < kMostRectificationError)) return false;
+    o.disparity.pixels = std::max(kLeastDisparity, o.disparity.pixels + static_cast<float>(shift));
   }
   moved.camera.right_columns = moved.camera.right_columns + field;
   problem = std::move(moved);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "covis/geometry/alike_errors.h"
 #include "covis/geometry/measurement.h"
 #include "covis/optimization/reprojection.h"
 
@@ -93,15 +94,14 @@ FocalEstimate estimate_focal(const BundleProblem& problem, BundleAdjuster& adjus
     shares.add(copy, k);
   }
   const double curvature = all.curvature();
-  double freedom = -3.0 * static_cast<double>(problem.points.size());
-  for (const BundleObservation& o : problem.observations) freedom += !o.active ? 0 : o.disparity.measured() ? 3 : 2;
-  for (const uint8_t fixed : problem.fixed) freedom -= fixed ? 0 : 6;
+  const double freedom = degrees_of_freedom(problem);
   if (!(curvature > 0) || !(freedom > 0)) return estimate;
   estimate.cost = all.cost[1];
   estimate.variance = std::max(estimate.cost / freedom, kLeastVariance);
   estimate.factor = 1 + all.minimum();
   estimate.sigma = std::sqrt(2 * estimate.variance / curvature);
-  for (const size_t parts : {4, 8, 16}) estimate.scatter = std::max(estimate.scatter, scatter_of(shares, all, parts));
+  for (const size_t parts : kNumbersOfPieces)
+    estimate.scatter = std::max(estimate.scatter, scatter_of(shares, all, parts));
   estimate.agreed = axes_agree(shares, all);
   estimate.ok = std::isfinite(estimate.factor) && std::isfinite(estimate.sigma) && std::isfinite(estimate.scatter);
   return estimate;

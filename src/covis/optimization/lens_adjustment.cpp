@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "covis/geometry/alike_errors.h"
 #include "covis/optimization/reprojection.h"
 
 namespace covis {
@@ -358,15 +359,9 @@ void add_certainty(const LensProblem& problem, const State& state, LensAdjustmen
     });
   }
   LensVector scatter = LensVector::Zero();
-  for (const size_t parts : {4, 8, 16}) {
-    LensMatrix B = LensMatrix::Zero();
-    for (size_t part = 0; part < parts; ++part) {
-      LensVector sum = LensVector::Zero();
-      for (size_t k = part * scores.size() / parts; k < (part + 1) * scores.size() / parts; ++k) sum += scores[k];
-      B += sum * sum.transpose();
-    }
-    B *= static_cast<double>(parts) / static_cast<double>(parts - 1);
-    scatter = scatter.cwiseMax((covariance * B * covariance).diagonal().cwiseSqrt());
+  for (const size_t pieces : kNumbersOfPieces) {
+    const LensMatrix of_pieces = covariance_of_parts(covariance, sums_over_pieces(scores, pieces));
+    scatter = scatter.cwiseMax(of_pieces.diagonal().cwiseSqrt());
   }
   const LensVector sigma = (found.variance * covariance.diagonal()).cwiseSqrt();
   found.sigma = lens_of(sigma);

@@ -48,12 +48,11 @@ TEST(PathReach, NothingIsKnownOfALongGapOrOfAnotherMap) {
 TEST(PathReach, SlowCamerasAreKnownFromFrameToFrame) {
   std::vector<PoseOfFrame> path;
   for (int64_t k = 0; k < 200; k += 5) {
-    if (k != 50 && k != 100 && k != 105) path.push_back(at(k, 0.1 * static_cast<double>(k)));
+    if (k != 50) path.push_back(at(k, 0.1 * static_cast<double>(k)));
   }
   const PathReach reach(path);
   EXPECT_TRUE(reach.admits(at(50, 5)));
   EXPECT_FALSE(reach.admits(at(50, 9))) << "too far away";
-  EXPECT_FALSE(reach.admits(at(110 - 5 * 20, 30)));
 }
 
 // From one of a thousand frames a second to the next a camera moves by less than the errors of single images.

@@ -14,7 +14,7 @@ namespace {
 // A camera that looked all around in 24 key frames.
 class RelocaliserTest : public testing::Test {
  protected:
-  RelocaliserTest() : vocabulary(number(scene)), world(scene) {
+  RelocaliserTest() : vocabulary(number_points(scene)), world(scene) {
     world.add_key_frames(24, 0, 2);
     // Some points are known for long: a place has to show them.
     const auto map = world.shared.write();
@@ -22,27 +22,6 @@ class RelocaliserTest : public testing::Test {
       map->count_visible(id, 9);
       map->count_found(id, 9);
     }
-  }
-
-  // A vocabulary of one word for each point of the scene, by its index: as SceneMap gives them to key frames. The
-  // points get a quarter of their bits by groups, which tell them apart at the first level of the tree.
-  static std::shared_ptr<const Vocabulary> number(PointScene& scene) {
-    constexpr size_t kGroup = 200;
-    Random random(9);
-    std::vector<VocabularyNode> nodes;
-    for (size_t p = 0; p < scene.points.size(); ++p) {
-      if (p % kGroup == 0) {
-        Descriptor group;
-        group.bits[0] = random.next();
-        nodes.push_back({group, 0, 0});
-      }
-      scene.points[p].descriptor.bits[0] = nodes.back().descriptor.bits[0];
-    }
-    const size_t groups = nodes.size();
-    for (size_t p = 0; p < scene.points.size(); ++p)
-      nodes.push_back({scene.points[p].descriptor, static_cast<uint32_t>(1 + p / kGroup), 1});
-    EXPECT_EQ(groups, (scene.points.size() + kGroup - 1) / kGroup);
-    return Vocabulary::build(static_cast<int>(kGroup), 2, nodes).value();
   }
 
   // Poses between key frames, nearest to key frame `k`.
