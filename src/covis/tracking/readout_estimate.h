@@ -32,15 +32,18 @@ class ReadoutEstimate {
   struct Value {
     double readout = 0, sigma = 0;  // seconds
     double blocks = 0;              // as many as tell the same
+    double one_frame = 0;  // standard deviation of what one of their frames tells, if keypoints erred alone, seconds
 
-    // A difference that chance alone has in one run of 150, however often it is asked for, seconds.
+    // A difference that chance alone has in one run of 150, however often it is asked for, and that no error which all
+    // frames share brings about, seconds.
     double sure() const;
   };
   // Nothing before enough was seen.
   std::optional<Value> value() const;
 
  private:
-  static constexpr size_t kMostBlocks = 300;
+  static constexpr size_t kMostBlocks = 600;
+  static constexpr int kFramesOfBlock = 5;
 
   std::vector<ReadoutEquations> blocks_;  // a ring of the last ones
   size_t next_ = 0;                       // place of the next block, once the ring is full

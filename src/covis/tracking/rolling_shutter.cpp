@@ -50,7 +50,8 @@ ShutterResponse RollingShutter::compare(const TrackedFrame& frame, const Pinhole
                                         KeyFrameId reference) {
   const KeyFrame* key_frame = map.find(reference);
   if (options_.row_time == ShutterOptions::RowTime::given || !key_frame || rate_.isZero(0)) return {};
-  if (camera.row_time != estimated_with_) estimate_.restart();
+  // What is estimated depends on whether a row time is in use, little on which.
+  if ((camera.row_time == 0) != (estimated_with_ == 0)) estimate_.restart();
   estimated_with_ = camera.row_time;
   const Features &f = *frame.features, &f_r = *key_frame->features;
   const Eigen::Vector3d& rate_then = f_r.exposure.rate;
@@ -96,6 +97,7 @@ std::optional<ShutterChange> RollingShutter::found(const Pinhole& camera) const 
   constexpr double kLeastChange = 0.1;                 // as a share
   constexpr double kShortest = 0.005, kLongest = 0.1;  // seconds
   constexpr double kNone = 0.0025;                     // seconds: what was found is kept down to here
+  constexpr double kLeastBlocks = 8;                   // fewest that tell a better value
   constexpr double kLikely = 0.4;                      // share of sure() that a better value is to differ by
   if (options_.row_time == ShutterOptions::RowTime::given || camera.row_time != estimated_with_) return std::nullopt;
   const std::optional<ReadoutEstimate::Value> value = estimate_.value();
@@ -106,7 +108,9 @@ std::optional<ShutterChange> RollingShutter::found(const Pinhole& camera) const 
   const double change = std::abs(value->readout - present);
   const ShutterChange another{camera.row_time, value->readout / options_.rows}, none{camera.row_time, 0};
   if (present == 0) return is_there ? std::optional(another) : std::nullopt;
-  if (is_there && change > kLeastChange * std::abs(present) && change > kLikely * value->sure()) return another;
+  const bool is_better =
+      value->blocks >= kLeastBlocks && change > kLeastChange * std::abs(present) && change > kLikely * value->sure();
+  if (is_there && is_better) return another;
   return !is_there && change > value->sure() ? std::optional(none) : std::nullopt;
 }
 
