@@ -24,22 +24,33 @@ bool opinions_agree(const Sim3& difference, double way, double depth) {
          difference.t().norm() <= kDrift * way + kDepthShare * depth;
 }
 
+Sim3 LoopConsensus::Claim::correction(const Map& map) const {
+  return (S_here_there * Sim3(map.at(there).T_cw)).inverse() * Sim3(map.at(here).T_cw);
+}
+
+bool LoopConsensus::agree(const Map& map, const Claim& earlier, const Claim& now, double depth) const {
+  constexpr uint32_t kSoon = 10;  // key frames
+  const KeyFrame *before = map.find(earlier.here), *place_before = map.find(earlier.there);
+  if (!before || !place_before) return false;
+  const KeyFrame &here = map.at(now.here), &place = map.at(now.there);
+  if (before->submap != here.submap || place_before->submap != place.submap || earlier.here == now.here) return false;
+  const uint32_t serials = here.serial - before->serial;
+  if (now.by == By::any_points && serials > kSoon) return false;
+  if (now.by == By::other_points && (earlier.by != now.by || same_points(earlier.points, now.points))) return false;
+  const Sim3 T_cw(here.T_cw);
+  const Sim3 difference = T_cw * now.correction(map).inverse() * earlier.correction(map) * T_cw.inverse();
+  return opinions_agree(difference, travel_between(map, here.submap, before->serial, here.serial).length, depth);
+}
+
 bool LoopConsensus::confirms(const Map& map, KeyFrameId current, const Loop& claim, By by) {
   constexpr size_t kKept = 20;
   if (claim.matches.empty()) return false;
-  if (moves_ != map.moves()) claims_.clear();
-  moves_ = map.moves();
-  const KeyFrame& key_frame = map.at(current);
-  Claim now{key_frame.submap, key_frame.serial, claim.S_cw.inverse() * Sim3(key_frame.T_cw), {}, by};
+  Claim now{current, claim.place.key_frame, claim.S_cw * Sim3(claim.place.T_cw).inverse(), {}, by};
   for (const auto& [feature, point] : claim.matches) now.points.push_back(point);
   std::sort(now.points.begin(), now.points.end());
   const double depth = claim.S_cw.scale() * median_depth(claim);  // in the unit of the current key frame's map
-  const bool confirmed = std::any_of(claims_.begin(), claims_.end(), [&](const Claim& earlier) {
-    if (earlier.submap != now.submap || earlier.serial == now.serial) return false;
-    if (by == By::other_points && (earlier.by != by || same_points(earlier.points, now.points))) return false;
-    const Sim3 difference = claim.S_cw * earlier.S_there_here * Sim3(key_frame.T_cw).inverse();
-    return opinions_agree(difference, travel_between(map, now.submap, earlier.serial, now.serial).length, depth);
-  });
+  const bool confirmed = map.find(now.there) && std::any_of(claims_.begin(), claims_.end(),
+                                                            [&](const Claim& c) { return agree(map, c, now, depth); });
   if (claims_.size() == kKept) claims_.erase(claims_.begin());
   claims_.push_back(std::move(now));
   return confirmed;
