@@ -28,15 +28,18 @@ Sim3 LoopConsensus::Claim::correction(const Map& map) const {
   return (S_here_there * Sim3(map.at(there).T_cw)).inverse() * Sim3(map.at(here).T_cw);
 }
 
-bool LoopConsensus::agree(const Map& map, const Claim& earlier, const Claim& now, double depth) const {
+bool LoopConsensus::agree(const Map& map, const Claim& earlier, const Claim& now, double depth) {
   constexpr uint32_t kSoon = 10;  // key frames
   const KeyFrame *before = map.find(earlier.here), *place_before = map.find(earlier.there);
   if (!before || !place_before) return false;
   const KeyFrame &here = map.at(now.here), &place = map.at(now.there);
   if (before->submap != here.submap || place_before->submap != place.submap || earlier.here == now.here) return false;
-  const uint32_t serials = here.serial - before->serial;
-  if (now.by == By::any_points && serials > kSoon) return false;
-  if (now.by == By::other_points && (earlier.by != now.by || same_points(earlier.points, now.points))) return false;
+  if (before->scale != earlier.scale_here || place_before->scale != earlier.scale_there) return false;
+  if (now.by == By::any_points) {
+    if (here.serial - before->serial > kSoon) return false;
+  } else if (earlier.by != now.by || earlier.moves != now.moves || same_points(earlier.points, now.points)) {
+    return false;
+  }
   const Sim3 T_cw(here.T_cw);
   const Sim3 difference = T_cw * now.correction(map).inverse() * earlier.correction(map) * T_cw.inverse();
   return opinions_agree(difference, travel_between(map, here.submap, before->serial, here.serial).length, depth);
@@ -45,7 +48,16 @@ bool LoopConsensus::agree(const Map& map, const Claim& earlier, const Claim& now
 bool LoopConsensus::confirms(const Map& map, KeyFrameId current, const Loop& claim, By by) {
   constexpr size_t kKept = 20;
   if (claim.matches.empty()) return false;
-  Claim now{current, claim.place.key_frame, claim.S_cw * Sim3(claim.place.T_cw).inverse(), {}, by};
+  const KeyFrame &here = map.at(current), *place = map.find(claim.place.key_frame);
+  if (!place) return false;
+  Claim now{current,
+            claim.place.key_frame,
+            claim.S_cw * Sim3(claim.place.T_cw).inverse(),
+            here.scale,
+            place->scale,
+            map.moves(),
+            {},
+            by};
   for (const auto& [feature, point] : claim.matches) now.points.push_back(point);
   std::sort(now.points.begin(), now.points.end());
   const double depth = claim.S_cw.scale() * median_depth(claim);  // in the unit of the current key frame's map

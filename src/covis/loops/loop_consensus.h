@@ -21,20 +21,23 @@ class LoopConsensus {
  public:
   enum class By { other_points, any_points };
   // True when an earlier claim of another key frame agrees with this one, as the map is now. It is kept in any case.
+  // One by other points is good until the map is moved: its points may have become others since.
   bool confirms(const Map& map, KeyFrameId current, const Loop& claim, By by);
   void reset() { claims_.clear(); }
 
  private:
   struct Claim {
-    KeyFrameId here, there;          // the key frame, and the place's
-    Sim3 S_here_there;               // between their cameras, whatever becomes of the map
-    std::vector<MapPointId> points;  // the place's points it found again, sorted
+    KeyFrameId here, there;                  // the key frame, and the place's
+    Sim3 S_here_there;                       // between their cameras, in the units of then
+    double scale_here = 1, scale_there = 1;  // KeyFrame::scale of both
+    uint64_t moves = 0;                      // Map::moves()
+    std::vector<MapPointId> points;          // the place's points it found again, sorted
     By by = By::other_points;
 
     // From the world as the key frame has it to the place's.
     Sim3 correction(const Map& map) const;
   };
-  bool agree(const Map& map, const Claim& earlier, const Claim& now, double depth) const;
+  static bool agree(const Map& map, const Claim& earlier, const Claim& now, double depth);
 
   std::vector<Claim> claims_;  // the newest last
 };

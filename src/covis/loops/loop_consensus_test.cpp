@@ -77,25 +77,40 @@ TEST_F(LoopConsensusTest, AnotherOpinionDoesNot) {
   }
 }
 
-// As background adjustments do, which a young map has often.
-TEST_F(LoopConsensusTest, AClaimIsGoodForTheMapAsItIsNow) {
+// Background adjustments move the map, which a young one has often.
+TEST_F(LoopConsensusTest, AClaimByAnyPointsIsGoodForTheMapAsItIsNow) {
   const SE3 moved(so3_exp({0, 0.2, 0}), {3, 0, 0});
   for (const bool all : {true, false}) {
     LoopConsensus consensus;
-    EXPECT_FALSE(confirms(consensus, kFirst));
+    EXPECT_FALSE(confirms(consensus, kFirst, Sim3(), LoopConsensus::By::any_points));
     const auto map = around.world.shared.write();
     for (size_t k = 0; k < around.world.frames.size(); ++k) {
-      if (!all && k != kFirst) continue;
-      const SE3 T_cw = map->at(around.world.frames[k]).T_cw * moved;
-      map->set_pose(around.world.frames[k], T_cw);
+      if (all || k == kFirst) map->set_pose(around.world.frames[k], map->at(around.world.frames[k]).T_cw * moved);
     }
     map->count_move();
-    Loop now = claim_in(*map, kFar);
+    Loop now = claim_in(*map, kNear);
     if (all) now.S_cw = now.S_cw * Sim3(moved);
-    EXPECT_EQ(consensus.confirms(*map, around.world.frames[kFar], now, LoopConsensus::By::other_points), all);
+    EXPECT_EQ(consensus.confirms(*map, around.world.frames[kNear], now, LoopConsensus::By::any_points), all);
     if (!all) continue;
     for (const KeyFrameId& id : around.world.frames) map->set_pose(id, map->at(id).T_cw * moved.inverse());
   }
+}
+
+TEST_F(LoopConsensusTest, AClaimByOtherPointsIsGoodUntilTheMapMoves) {
+  LoopConsensus consensus;
+  EXPECT_FALSE(confirms(consensus, kFirst));
+  around.world.shared.write()->count_move();
+  EXPECT_FALSE(confirms(consensus, kFar));
+}
+
+TEST_F(LoopConsensusTest, AClaimInAnotherUnitIsNone) {
+  LoopConsensus consensus;
+  EXPECT_FALSE(confirms(consensus, kFirst, Sim3(), LoopConsensus::By::any_points));
+  {
+    const auto map = around.world.shared.write();
+    map->correct_pose(around.world.frames[kFirst], map->at(around.world.frames[kFirst]).T_cw, 2);
+  }
+  EXPECT_FALSE(confirms(consensus, kNear, Sim3(), LoopConsensus::By::any_points));
 }
 
 TEST_F(LoopConsensusTest, AnySecondOpinionHasToComeSoon) {

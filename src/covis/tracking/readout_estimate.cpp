@@ -34,20 +34,26 @@ void ReadoutEstimate::restart() {
 }
 
 // The quantile of Student's t that belongs to 3.5 sigma of a normal distribution: a run asks again with each key frame,
-// and chance has many goes. A lens that is not as given, or points that move, are no chance: they look like a readout
-// in all frames, but a small one for how fast the camera turns.
+// and chance has many goes.
 // Source: Wallace, "Bounds on normal approximations to Student's and the chi-square distributions", Annals of
 // Mathematical Statistics 30, 1959.
-double ReadoutEstimate::Value::sure() const {
-  constexpr double kNormal = 3.5, kShared = 2;
+double ReadoutEstimate::Value::by_chance() const {
+  constexpr double kNormal = 3.5;
   const double freedom = freedom_of(blocks);
   const double normal = kNormal * (8 * freedom + 3) / (8 * freedom + 1);
-  return std::max(sigma * std::sqrt(freedom * std::expm1(normal * normal / freedom)), kShared * one_frame);
+  return sigma * std::sqrt(freedom * std::expm1(normal * normal / freedom));
+}
+
+// A lens that is not as given, or points that move, are no chance: they look like a readout in all frames, but a small
+// one for how fast the camera turns.
+double ReadoutEstimate::Value::sure() const {
+  constexpr double kShared = 2;
+  return std::max(by_chance(), kShared * one_frame);
 }
 
 // Residuals of neighbouring frames err alike: the variance is that of blocks of frames, and a block counts for as much
-// as it tells. A few blocks tell a variance badly, so that what was usual before joins them: standard deviations are up
-// to four times what keypoints that err alone would have, as if six blocks had said so (an inverse gamma prior).
+// as it tells. A few blocks tell a variance badly, so that what was usual before joins them: standard deviations are
+// four times what keypoints that err alone would have, by six degrees of freedom (an inverse gamma prior).
 std::optional<ReadoutEstimate::Value> ReadoutEstimate::value() const {
   constexpr double kLeastBlocks = 2, kUsual = 4;
   ReadoutEquations all;

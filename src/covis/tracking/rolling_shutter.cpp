@@ -97,8 +97,8 @@ std::optional<ShutterChange> RollingShutter::found(const Pinhole& camera) const 
   constexpr double kLeastChange = 0.1;                 // as a share
   constexpr double kShortest = 0.005, kLongest = 0.1;  // seconds
   constexpr double kNone = 0.0025;                     // seconds: what was found is kept down to here
-  constexpr double kLeastBlocks = 8;                   // fewest that tell a better value
-  constexpr double kLikely = 0.4;                      // share of sure() that a better value is to differ by
+  constexpr double kLeastBlocks = 8;                   // fewest that tell that it is another
+  constexpr double kLikely = 0.4;                      // share of by_chance() that a better value is to differ by
   if (options_.row_time == ShutterOptions::RowTime::given || camera.row_time != estimated_with_) return std::nullopt;
   const std::optional<ReadoutEstimate::Value> value = estimate_.value();
   if (!value) return std::nullopt;
@@ -108,10 +108,9 @@ std::optional<ShutterChange> RollingShutter::found(const Pinhole& camera) const 
   const double change = std::abs(value->readout - present);
   const ShutterChange another{camera.row_time, value->readout / options_.rows}, none{camera.row_time, 0};
   if (present == 0) return is_there ? std::optional(another) : std::nullopt;
-  const bool is_better =
-      value->blocks >= kLeastBlocks && change > kLeastChange * std::abs(present) && change > kLikely * value->sure();
-  if (is_there && is_better) return another;
-  return !is_there && change > value->sure() ? std::optional(none) : std::nullopt;
+  if (value->blocks < kLeastBlocks) return std::nullopt;
+  if (is_there && change > kLeastChange * std::abs(present) && change > kLikely * value->by_chance()) return another;
+  return !is_there && change > value->by_chance() ? std::optional(none) : std::nullopt;
 }
 
 }  // namespace covis
