@@ -34,7 +34,7 @@ class ReadoutEstimate {
     double blocks = 0;              // as many as tell the same
     double one_frame = 0;  // standard deviation of what one of their frames tells, if keypoints erred alone, seconds
 
-    // A difference that chance alone has in one run of 150, however often it is asked for, seconds.
+    // A difference that chance alone seldom has in a whole run, however often it is asked for, seconds.
     double by_chance() const;
     // A readout that is greater than what chance and errors that all frames share usually bring about, seconds.
     double sure() const;

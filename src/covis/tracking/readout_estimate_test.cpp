@@ -85,7 +85,7 @@ TEST(ReadoutEstimate, IsSeldomSureOfWhatIsNotThere) {
   int sure = 0;
   for (uint64_t seed = 1; seed <= 400; ++seed) {
     ReadoutEstimate estimate;
-    Teller teller{.readout = 0, .random = Random(seed)};
+    Teller teller{.readout = 0, .noise = 0.02, .random = Random(seed)};
     bool once = false;
     for (int k = 1; k <= 400; ++k) {
       estimate.add(teller.frame(1 + 0.5 * std::sin(0.1 * k)));
@@ -94,7 +94,7 @@ TEST(ReadoutEstimate, IsSeldomSureOfWhatIsNotThere) {
     }
     sure += once;
   }
-  EXPECT_LE(sure, 6) << "of 400 runs, asked after every block";
+  EXPECT_LE(sure, 16) << "of 400 runs, whose blocks scatter six times as much as keypoints alone would";
 }
 
 TEST(ReadoutEstimate, ForgetsWhatIsLongAgo) {

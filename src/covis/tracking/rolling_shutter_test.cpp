@@ -188,6 +188,20 @@ TEST(RollingShutter, OneThatProvesToBeNoneIsGivenBack) {
   EXPECT_EQ(change->to, 0);
 }
 
+TEST(RollingShutter, TheEstimateGoesOnWithAnotherValueAndBeginsAnewWithNone) {
+  SwayingCamera camera(0.02);
+  camera.given.row_time = 0.012 / kRows;
+  RollingShutter shutter(kSought);
+  camera.track(shutter, 200);
+  ASSERT_TRUE(shutter.found(camera.given));
+  camera.given.row_time = 0.013 / kRows;
+  camera.track(shutter, 5);
+  EXPECT_TRUE(shutter.found(camera.given));
+  camera.given.row_time = 0;
+  camera.track(shutter, 5);
+  EXPECT_FALSE(shutter.found(camera.given));
+}
+
 TEST(RollingShutter, NobodyLooksForOneThatIsGiven) {
   SwayingCamera camera(0.02);
   RollingShutter shutter(kGiven);
