@@ -61,8 +61,8 @@ bool LoopConsensus::confirms(const Map& map, KeyFrameId current, const Loop& cla
   for (const auto& [feature, point] : claim.matches) now.points.push_back(point);
   std::sort(now.points.begin(), now.points.end());
   const double depth = claim.S_cw.scale() * median_depth(claim);  // in the unit of the current key frame's map
-  const bool confirmed = map.find(now.there) && std::any_of(claims_.begin(), claims_.end(),
-                                                            [&](const Claim& c) { return agree(map, c, now, depth); });
+  const bool confirmed =
+      std::any_of(claims_.begin(), claims_.end(), [&](const Claim& c) { return agree(map, c, now, depth); });
   if (claims_.size() == kKept) claims_.erase(claims_.begin());
   claims_.push_back(std::move(now));
   return confirmed;

@@ -138,7 +138,7 @@ std::vector<DepthAgainstMotion> Backend::check_depth(KeyFrameId current, MotionD
 }
 
 // Handles are held by the tracker (points of the last frame and counts, reported with the next key frame), by requests
-// in the inbox, and by the mapper's recent points: a few key frames.
+// in the inbox, by the mapper's recent points, and by the claims of LoopConsensus: a few key frames.
 void Backend::forget_replaced_points(KeyFrameId current) {
   constexpr uint32_t kKept = 100, kEvery = 20;  // key frames
   const uint32_t serial = map_.read()->at(current).serial;

@@ -66,8 +66,7 @@ FrameMatcher::LastFrameMatches FrameMatcher::match_last_frame(const TrackedFrame
   const int kept = projection_.keep_consistent_rotations(seen_angle_, *frame.features);
   frame.clear_matches();
   for (const PointMatch& m : projection_.matches()) {
-    const size_t i = seen_by_[m.point];
-    frame.set_match(m.feature, last.points[i], last.positions[i], last.source[i]);
+    frame.take_match(m.feature, last, seen_by_[m.point]);
   }
   return {in_view, kept};
 }
@@ -78,8 +77,7 @@ int FrameMatcher::match_frame(const TrackedFrame& last, TrackedFrame& frame, con
   const std::vector<FeatureMatch> matches = match_descriptors(*frame.features, {}, *last.features, has_point, options);
   frame.clear_matches();
   for (const FeatureMatch& m : matches) {
-    const auto b = static_cast<size_t>(m.b);
-    frame.set_match(static_cast<size_t>(m.a), last.points[b], last.positions[b], last.source[b]);
+    frame.take_match(static_cast<size_t>(m.a), last, static_cast<size_t>(m.b));
   }
   return static_cast<int>(matches.size());
 }
@@ -136,21 +134,41 @@ bool FrameMatcher::find_pose(TrackedFrame& frame, const Pinhole& camera, int see
 namespace {
 
 // The matches that a pose is first fitted to.
-enum class Leading { settled, map, all };  // settled: those of the map's points that are not new
+struct Leading {
+  enum class Who { settled, map, all };  // settled: those of the map's points that are not new
+  Who who = Who::all;
+  bool still = false;  // none of them on a thing that moves by itself
+
+  bool includes(const TrackedFrame& frame, size_t i, const LocalMap& local_map) const {
+    if (still && frame.moves(i)) return false;
+    if (who == Who::all) return true;
+    return frame.on_map(i) && (who == Who::map || !local_map.is_new(frame.points[i]));
+  }
+};
 
 // Two key frames seldom agree on a point that moves, and fewer such points are in the map than among the last frame's
 // depths, which a motion of a pixel a frame does not contradict (docs/notes/061-things-that-move.md).
 Leading leading(const TrackedFrame& frame, const LocalMap& local_map) {
   constexpr int kEnough = 50;
   constexpr double kShare = 0.3;  // a few settled points side by side would make the pose less sure
-  int settled = 0, on_map = 0;
+  struct Count {
+    int settled = 0, on_map = 0;
+  } all, still;
   for (size_t i = 0; i < frame.source.size(); ++i) {
     if (!frame.on_map(i)) continue;
-    ++on_map;
-    settled += !local_map.is_new(frame.points[i]);
+    const bool settled = !local_map.is_new(frame.points[i]);
+    ++all.on_map;
+    all.settled += settled;
+    if (frame.moves(i)) continue;
+    ++still.on_map;
+    still.settled += settled;
   }
-  if (settled >= kEnough && settled >= kShare * on_map) return Leading::settled;
-  return on_map >= kEnough ? Leading::map : Leading::all;
+  Leading result;
+  result.still = still.on_map >= kEnough;
+  const Count& count = result.still ? still : all;
+  if (count.on_map >= kEnough) result.who = Leading::Who::map;
+  if (count.settled >= kEnough && count.settled >= kShare * count.on_map) result.who = Leading::Who::settled;
+  return result;
 }
 
 }  // namespace
@@ -159,13 +177,15 @@ int FrameMatcher::fit_pose(TrackedFrame& frame, const LocalMap& local_map, const
   observations_.clear();
   observed_by_.clear();
   const Features& f = *frame.features;
-  const Leading who = leading(frame, local_map);
+  const Leading leads = leading(frame, local_map);
   for (size_t i = 0; i < frame.source.size(); ++i) {
     if (frame.source[i] == PointSource::none) continue;
-    const bool leads =
-        who == Leading::all || (frame.on_map(i) && (who == Leading::map || !local_map.is_new(frame.points[i])));
+    if (leads.still && frame.moves(i) && !frame.on_map(i)) {
+      frame.refuse_match(i);
+      continue;
+    }
     observations_.add(frame.positions[i], f.x[i], f.y[i], f.pyramid->inv_sigma2[f.level[i]], disparity_of(f, i, camera),
-                      leads);
+                      leads.includes(frame, i, local_map));
     observed_by_.push_back(static_cast<uint32_t>(i));
   }
   reserve_ahead(inlier_, observed_by_.size());

@@ -242,6 +242,56 @@ TEST_F(FitPoseTest, SettledPointsLeadBeforeOthers) {
   EXPECT_LT(distance(led.T_cw, truth), 1e-4);
 }
 
+// A thing that moved by a centimetre, within the bound of its matches: it would draw the pose with it.
+TEST_F(FitPoseTest, WhatMovesTakesNoPartWhereEnoughIsLeft) {
+  const auto fit = [&](int still, bool known) {
+    TrackedFrame copy = frame;
+    for (size_t f = 0; f < copy.source.size(); ++f) {
+      if (!copy.on_map(f) || still-- > 0) continue;
+      copy.set_match(f, {}, copy.positions[f] + Eigen::Vector3d(0.01, 0, 0), PointSource::depth);
+      if (known) copy.moved[f] = copy.stamp;
+    }
+    matcher.fit_pose(copy, local_map, scene.camera);
+    return copy;
+  };
+  const TrackedFrame apart = fit(60, true);
+  EXPECT_LT(distance(apart.T_cw, truth), 1e-4);
+  EXPECT_EQ(apart.matches(), 60);
+  EXPECT_EQ(std::count(apart.was_refused.begin(), apart.was_refused.end(), 1), frame.matches() - 60);
+  EXPECT_GT(distance(fit(60, false).T_cw, truth), 1e-3) << "unknown, it takes part";
+  EXPECT_GT(fit(40, true).matches(), 40) << "where too few are left it takes part too";
+}
+
+TEST_F(FitPoseTest, PointsOfTheMapOnWhatMovesDoNotLead) {
+  int still = 0;
+  for (size_t f = 0; f < frame.source.size(); ++f) {
+    if (!frame.on_map(f) || still++ < 60) continue;
+    frame.positions[f] += Eigen::Vector3d(0.3, 0, 0);
+    frame.moved[f] = frame.stamp;
+  }
+  ASSERT_GT(still, 150);
+  EXPECT_EQ(matcher.fit_pose(frame, local_map, scene.camera), 60);
+  EXPECT_LT(distance(frame.T_cw, truth), 1e-4);
+}
+
+TEST_F(FrameMatcherTest, AMatchTakesOverThatItsFeatureMoved) {
+  last.stamp = from_seconds(1);
+  for (size_t f = 0; f < last.source.size(); ++f) {
+    if (last_view.point[f] % 2 == 0) last.moved[f] = last.stamp;
+  }
+  TrackedFrame next = frame_of(next_view, scene.T_cw(5), 5, from_seconds(1.1));
+  const auto expect_taken = [&](const char* how) {
+    for (size_t f = 0; f < next.source.size(); ++f)
+      EXPECT_EQ(next.moves(f), next.on_map(f) && next_view.point[f] % 2 == 0) << how << " " << f;
+  };
+  ASSERT_GT(matcher.match_last_frame(last, next, scene.camera, kWindow).matches, 100);
+  expect_taken("by place");
+  ASSERT_GT(FrameMatcher::match_frame(last, next, {}), 100);
+  expect_taken("by descriptor");
+  next.clear_matches();
+  expect_taken("without matches");
+}
+
 TEST_F(FitPoseTest, TooFewMatchesLeaveThePoseAsItWas) {
   for (size_t f = 2; f < frame.source.size(); ++f) frame.drop_match(f);
   const SE3 before = frame.T_cw;

@@ -19,7 +19,7 @@ bool KeyFramePolicy::few_close_points(const TrackedFrame& frame, const Pinhole& 
   int tracked = 0, untracked = 0;
   for (size_t i = 0; i < frame.source.size(); ++i) {
     const float depth = frame.features->depth[i];
-    if (!(depth > 0) || depth > close) continue;
+    if (!(depth > 0) || depth > close || frame.moves(i)) continue;
     ++(frame.on_map(i) ? tracked : untracked);
   }
   return tracked < options_.min_close_points && untracked > options_.new_close_points;
@@ -82,7 +82,7 @@ KeyFrameRequest KeyFramePolicy::request(const TrackedFrame& frame, const Relativ
   }
   if (sensor_ != Sensor::monocular) {
     for (const uint32_t i : near_features(*frame.features, camera)) {
-      if (!frame.on_map(i)) request.new_points.push_back(i);
+      if (!frame.on_map(i) && !frame.moves(i)) request.new_points.push_back(i);
     }
     std::sort(request.new_points.begin(), request.new_points.end(), NearerFeature{*frame.features});
   }

@@ -168,6 +168,20 @@ TEST_F(KeyFramePolicyTest, InRealTimeFewClosePointsDoNotWaitForMapping) {
   EXPECT_FALSE(is_due(Sensor::rgbd, 100, kBusy, Schedule::deterministic));
 }
 
+TEST_F(KeyFramePolicyTest, WhatMovesMakesNoPointsAndAsksForNone) {
+  frame.clear_matches();
+  options.close_depth.baselines = 80;
+  options.min_close_points = 100;
+  EXPECT_TRUE(is_due(Sensor::rgbd));
+  KeyFramePolicy policy(Sensor::rgbd, options, Schedule::deterministic);
+  const std::vector<uint32_t> all = policy.request(frame, {}, scene.camera).new_points;
+  ASSERT_GT(all.size(), 100u);
+  frame.moved[all[3]] = frame.stamp;
+  EXPECT_EQ(policy.request(frame, {}, scene.camera).new_points.size(), all.size() - 1);
+  for (Timestamp& moved : frame.moved) moved = frame.stamp;
+  EXPECT_FALSE(is_due(Sensor::rgbd));
+}
+
 TEST_F(KeyFramePolicyTest, TheRequestHoldsTheFrameAndItsMatches) {
   frame.index = 12;
   frame.stamp = 345;

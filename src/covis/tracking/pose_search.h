@@ -14,6 +14,7 @@
 #include "covis/tracking/local_map.h"
 #include "covis/tracking/match_alignment.h"
 #include "covis/tracking/match_belief.h"
+#include "covis/tracking/moving_features.h"
 #include "covis/tracking/place_check.h"
 #include "covis/tracking/rolling_shutter.h"
 #include "covis/tracking/torn_image.h"
@@ -30,6 +31,7 @@ struct PoseSearch {
   ExpectedView view;
   PlaceCheck place;
   TornImage torn;
+  MovingFeatures moving;
   const ImageProbe* image = nullptr;  // looks at the image whose frame is searched; null: it is gone
   std::vector<MapPointId> matched;    // work space of update_local_map()
   TrackedFrame unfitted;              // kept by Tracker: the frame before fit_local_map()

@@ -28,6 +28,8 @@ void TrackedFrame::start(FeaturesPtr f, int64_t frame, Timestamp t) {
   positions.resize(n);
   source.assign(n, PointSource::none);
   refused.clear();
+  was_refused.assign(n, 0);
+  moved.assign(n, kNever);
 }
 
 void TrackedFrame::keep(const TrackedFrame& other) {
@@ -45,18 +47,23 @@ void TrackedFrame::reserve(size_t n) {
   reserve_ahead(positions, n);
   reserve_ahead(source, n);
   reserve_ahead(refused, n);
+  reserve_ahead(was_refused, n);
+  reserve_ahead(moved, n);
 }
 
 void TrackedFrame::clear_matches() {
   std::fill(points.begin(), points.end(), MapPointId{});
   std::fill(source.begin(), source.end(), PointSource::none);
   refused.clear();
+  std::fill(was_refused.begin(), was_refused.end(), uint8_t{0});
+  std::fill(moved.begin(), moved.end(), kNever);
 }
 
 void TrackedFrame::set_match(size_t feature, MapPointId point, const Eigen::Vector3d& position_w, PointSource from) {
   points[feature] = point;
   positions[feature] = position_w;
   source[feature] = from;
+  was_refused[feature] = 0;
 }
 
 void TrackedFrame::drop_match(size_t feature) {
@@ -68,6 +75,12 @@ void TrackedFrame::refuse_match(size_t feature) {
   if (on_map(feature) && refused.size() < source.size())
     refused.push_back({static_cast<uint32_t>(feature), points[feature]});
   drop_match(feature);
+  was_refused[feature] = 1;
+}
+
+void TrackedFrame::take_match(size_t feature, const TrackedFrame& earlier, size_t feature_there) {
+  set_match(feature, earlier.points[feature_there], earlier.positions[feature_there], earlier.source[feature_there]);
+  moved[feature] = earlier.moved[feature_there];
 }
 
 void TrackedFrame::map_points(std::vector<MapPointId>& matched) const {

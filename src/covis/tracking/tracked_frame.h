@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
+#include "covis/core/time.h"
 #include "covis/map/map_requests.h"
 
 namespace covis {
@@ -23,6 +25,8 @@ struct TrackedFrame {
     MapPointId point;
   };
 
+  static constexpr Timestamp kNever = std::numeric_limits<Timestamp>::min();
+
   int64_t index = -1;  // index in the recording
   Timestamp stamp = 0;
   FeaturesPtr features;
@@ -32,6 +36,8 @@ struct TrackedFrame {
   std::vector<Eigen::Vector3d> positions;   // by feature: in the world, metres; meaningful where it has a source
   std::vector<PointSource> source;          // by feature
   std::vector<Refused> refused;             // since clear_matches(), no more than there are features
+  std::vector<uint8_t> was_refused;         // by feature: the pose refused its last match, whose position is kept
+  std::vector<Timestamp> moved;             // by feature: when it was last seen to move by itself, or kNever
 
   // A request to make a key frame of it: the image alone, no point and no pose.
   KeyFrameRequest request() const;
@@ -47,6 +53,13 @@ struct TrackedFrame {
   void drop_match(size_t feature);
   // The same where the pose was fitted to it and others.
   void refuse_match(size_t feature);
+  // Matches a feature with the point of an earlier frame's feature, and copies when that moved.
+  void take_match(size_t feature, const TrackedFrame& earlier, size_t feature_there);
+  // True for half a second after the feature was seen to move by itself: who turns round stands for a moment.
+  bool moves(size_t feature) const {
+    constexpr Timestamp kRemembered = from_seconds(0.5);
+    return moved[feature] != kNever && stamp - moved[feature] <= kRemembered;
+  }
   bool on_map(size_t feature) const { return source[feature] == PointSource::map; }
   // Fills `matched` with its map points, by feature.
   void map_points(std::vector<MapPointId>& matched) const;
