@@ -43,6 +43,16 @@ bool is_along_line(const Features& f, size_t i, const Eigen::Vector2d& direction
   return count >= kEnough && across < kShare * all;
 }
 
+// Depth that is nonsense, or a pose that is wrong, displaces all of a young map's points: those of one key frame say
+// nothing of what stands.
+bool is_held_by_settled_points(const TrackedFrame& frame, const LocalMap& local_map) {
+  constexpr int kEnough = 30;
+  int settled = 0;
+  for (size_t i = 0; i < frame.source.size(); ++i)
+    settled += frame.on_map(i) && !frame.moves(i) && !local_map.is_new(frame.points[i]);
+  return settled >= kEnough;
+}
+
 }  // namespace
 
 // Reserves room in advance; its memory is used only when features come.
@@ -121,8 +131,8 @@ void MovingFeatures::spread(TrackedFrame& frame, float radius) {
   std::swap(frame.moved, spread_);
 }
 
-void MovingFeatures::find(TrackedFrame& frame, const Pinhole& camera) {
-  if (!(camera.bf > 0)) return;
+void MovingFeatures::find(TrackedFrame& frame, const LocalMap& local_map, const Pinhole& camera) {
+  if (!(camera.bf > 0) || !is_held_by_settled_points(frame, local_map)) return;
   const auto radius = static_cast<float>(kRadius * camera.fx);
   find_displaced(frame, camera);
   moving_.clear();

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "covis/tracking/local_map.h"
 #include "covis/tracking/tracked_frame.h"
 
 namespace covis {
@@ -17,8 +18,9 @@ namespace covis {
 class MovingFeatures {
  public:
   MovingFeatures();
-  // Sets TrackedFrame::moved of the features on what moves, after the frame's pose was found.
-  void find(TrackedFrame& frame, const Pinhole& camera);
+  // Sets TrackedFrame::moved of the features on what moves, after the frame's pose was found. Without thirty points
+  // that two key frames observe, and that stand, nothing is found.
+  void find(TrackedFrame& frame, const LocalMap& local_map, const Pinhole& camera);
 
  private:
   // A match that the pose refused by its pixel, and how far from there its feature is.

@@ -63,13 +63,14 @@ class MovingFeaturesTest : public testing::Test {
     return found;
   }
   std::vector<size_t> found_in(TrackedFrame& frame) {
-    finder.find(frame, camera);
+    finder.find(frame, local_map, camera);
     return moving(frame);
   }
 
   Pinhole camera;
   Features features = no_features();
   std::vector<size_t> wall, thing;
+  const LocalMap local_map;  // none of its points is new
   MovingFeatures finder;
 };
 
@@ -151,7 +152,7 @@ TEST_F(MovingFeaturesTest, ItIsRememberedForHalfASecond) {
   TrackedFrame frame = start();
   match_wall(frame);
   for (const size_t i : thing) refuse(frame, i, 6);
-  finder.find(frame, camera);
+  finder.find(frame, local_map, camera);
   for (int k = 2; k < 40; ++k) {
     TrackedFrame next = start(k * kStep);
     for (size_t i = 0; i < next.source.size(); ++i) {
@@ -159,10 +160,21 @@ TEST_F(MovingFeaturesTest, ItIsRememberedForHalfASecond) {
       next.take_match(i, frame, i);
     }
     EXPECT_EQ(moving(next).size(), k <= 16 ? thing.size() : 0) << k << ": inherited";
-    finder.find(next, camera);
+    finder.find(next, local_map, camera);
     EXPECT_EQ(moving(next).size(), k <= 16 ? thing.size() : 0) << k << ": nothing renews it";
     frame = next;
   }
+}
+
+TEST_F(MovingFeaturesTest, WithoutEnoughPointsThatStandNothingIsFound) {
+  const auto found_among = [&](size_t standing) {
+    TrackedFrame frame = start();
+    for (size_t k = 0; k < standing; ++k) match(frame, wall[k]);
+    for (const size_t i : thing) refuse(frame, i, 6);
+    return found_in(frame);
+  };
+  EXPECT_THAT(found_among(29), testing::IsEmpty());
+  EXPECT_EQ(found_among(30), thing);
 }
 
 TEST_F(MovingFeaturesTest, ByOneCameraNothingIsFound) {
@@ -177,9 +189,9 @@ TEST_F(MovingFeaturesTest, AllocatesNothing) {
   TrackedFrame frame = start();
   match_wall(frame);
   for (const size_t i : thing) refuse(frame, i, 6);
-  finder.find(frame, camera);
+  finder.find(frame, local_map, camera);
   const long before = own_allocations;
-  finder.find(frame, camera);
+  finder.find(frame, local_map, camera);
   EXPECT_EQ(own_allocations, before);
 }
 

@@ -85,7 +85,7 @@ Tracker::Outcome Tracker::track(FeaturesPtr features, int64_t frame, Timestamp s
     }
     if (found && result.method != TrackMethod::initialised) {
       accept(result);
-      if (!result.tentative) search_.moving.find(current_, search_.camera);
+      if (!result.tentative) search_.moving.find(current_, search_.local_map, search_.camera);
       if (search_.place.tentative() || starter_.may_give_up(live, last_.pose.key_frame)) {
         backlog_.keep_for_now(current_);
       } else {
