@@ -200,11 +200,11 @@ TEST(System, APersonWalkingAheadDoesNotHoldTheCameraBack) {
 }
 
 // At most they cover half of the image, and pause where they turn round. New points on them took the camera with them:
-// it was 0.036 m off, of 3.8 m.
+// it was 0.3 m off, of 3.8 m.
 TEST(System, PeopleWalkingInFrontOfTheCameraDoNotTakeItWithThemLong) {
   SynthOptions options;
   options.world = "room";
-  options.seed = 2;
+  options.seed = 7;
   options.moving = 3;
   options.frames = 120;
   options.fps = 15;
